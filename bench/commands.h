@@ -1,0 +1,20 @@
+// The driver's commands: one file a command in bench/commands/, one line here and in commands.cpp.
+#pragma once
+#include <functional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace crowdbench::bench {
+
+// Adds a subcommand; its callback stores what to run in `run`, which returns the exit status (0 fine, 1 a check failed;
+// an Error thrown becomes 2). Every command has a one-line description, an example in its footer and --json where it
+// prints facts.
+using Run = std::function<int()>;
+using AddCommand = void (*)(CLI::App& app, Run& run);
+
+void add_all_commands(CLI::App& app, Run& run);
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,26 @@
+# Every outside library, found once. Names of the packages that bring them: packages.txt.
+find_package(PkgConfig REQUIRED)
+find_package(fmt 9 REQUIRED)
+find_package(glm REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(toml11 REQUIRED)
+find_package(TinyGLTF REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(PNG REQUIRED)
+find_package(meshoptimizer REQUIRED)
+find_package(Threads REQUIRED)
+find_package(glfw3 3.3 REQUIRED)
+pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
+pkg_check_modules(LIBMD REQUIRED IMPORTED_TARGET libmd)
+pkg_check_modules(AV REQUIRED IMPORTED_TARGET libavcodec libavformat libswscale libavutil)
+# Its CMake package wants Imath's Python bindings; pkg-config does not.
+pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO>=2.4)
+
+# OpenCV's CMake package comes only with all of OpenCV (260 MB); core and imgproc are packaged apart.
+find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+find_library(OPENCV_CORE_LIBRARY opencv_core REQUIRED)
+find_library(OPENCV_IMGPROC_LIBRARY opencv_imgproc REQUIRED)
+add_library(crowdbench_opencv INTERFACE)
+target_include_directories(crowdbench_opencv SYSTEM INTERFACE ${OPENCV_INCLUDE_DIR})
+target_link_libraries(crowdbench_opencv INTERFACE ${OPENCV_CORE_LIBRARY} ${OPENCV_IMGPROC_LIBRARY})

@@ -1,0 +1,38 @@
+# crowdbench_library(name DEPENDS ...): one folder is one static library of the same name, `crowdbench::name`.
+# Sources are globbed, so that a new file (or a new representation's folder) needs no edit here. Files under a
+# `module/` folder belong to a module that is loaded at first use and are left out.
+add_library(crowdbench_flags INTERFACE)
+target_compile_options(crowdbench_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
+  # The crowd's bytes must not depend on the compiler's choice to fuse a multiply and an add.
+  -ffp-contract=off
+  $<$<BOOL:${CROWDBENCH_WERROR}>:-Werror>)
+if(CROWDBENCH_SANITIZE)
+  target_compile_options(crowdbench_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer)
+  target_link_options(crowdbench_flags INTERFACE -fsanitize=address,undefined)
+endif()
+target_compile_definitions(crowdbench_flags INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_CTOR_INIT)
+target_include_directories(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR})
+
+function(crowdbench_library name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/module/|/main\\.cpp$")
+  if(NOT sources)
+    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp "")
+    set(sources ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
+  endif()
+  add_library(crowdbench_${name} STATIC ${sources})
+  add_library(crowdbench::${name} ALIAS crowdbench_${name})
+  target_link_libraries(crowdbench_${name} PUBLIC crowdbench_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE_DEPENDS})
+endfunction()
+
+# crowdbench_module(name SOURCES ... DEPENDS ...): a shared object with a C entry point, loaded by core/module.h at first
+# use, so that heavy libraries cost nothing at start-up and may be absent from a bundle.
+function(crowdbench_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_library(crowdbench_${name} MODULE ${ARG_SOURCES})
+  set_target_properties(crowdbench_${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden)
+  target_link_libraries(crowdbench_${name} PRIVATE crowdbench_flags ${ARG_DEPENDS})
+endfunction()

@@ -1,0 +1,35 @@
+#include "core/hash.h"
+
+#include <sha2.h>
+
+namespace crowdbench {
+
+struct Sha256::State {
+  SHA2_CTX context;
+};
+
+Sha256::Sha256() : state_(std::make_unique<State>()) { SHA256Init(&state_->context); }
+Sha256::~Sha256() = default;
+
+Sha256& Sha256::bytes(const void* data, size_t size) {
+  SHA256Update(&state_->context, static_cast<const uint8_t*>(data), size);
+  return *this;
+}
+
+Sha256& Sha256::text(std::string_view s) { return value(s.size()).bytes(s.data(), s.size()); }
+
+std::string Sha256::hex() {
+  uint8_t digest[SHA256_DIGEST_LENGTH];
+  SHA256Final(digest, &state_->context);
+  static const char digits[] = "0123456789abcdef";
+  std::string out;
+  for (const uint8_t byte : digest) {
+    out += digits[byte >> 4];
+    out += digits[byte & 15];
+  }
+  return out;
+}
+
+std::string sha256_hex(std::string_view bytes) { return Sha256().bytes(bytes.data(), bytes.size()).hex(); }
+
+}  // namespace crowdbench

@@ -1,0 +1,35 @@
+// Pictures on disk. 8-bit PNG goes through libpng, here; every other format goes through OpenImageIO, loaded at first
+// use.
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <variant>
+
+#include "core/image.h"
+
+namespace crowdbench {
+
+// Key and value text stored in the file (PNG tEXt, EXR attributes): scenario, seed, backend, version. Nothing of time,
+// machine, driver or thread count belongs here: the same scenario must give the same bytes.
+using ImageMetadata = std::map<std::string, std::string>;
+
+// 1 (grey), 3 (RGB) or 4 (RGBA, straight alpha) channels, sRGB-encoded. Fixed filter and compression level: same pixels
+// and metadata, same bytes. Throws Error.
+void write_png(const std::filesystem::path& path, const Image8& image, const ImageMetadata& metadata = {});
+// The same, into memory (for data URIs).
+std::vector<uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata = {});
+// 8-bit PNG from memory; palette and grey are expanded as stored (grey stays 1 channel), 16-bit is refused. Throws
+// Error.
+Image8 decode_png(const std::vector<uint8_t>& bytes, const std::string& where);
+
+// OpenEXR through OpenImageIO: float channels as 32-bit float, ids as 32-bit unsigned. Throws Error.
+void write_exr(const std::filesystem::path& path, const ImageF& image, const ImageMetadata& metadata = {});
+void write_exr(const std::filesystem::path& path, const ImageU32& image, const ImageMetadata& metadata = {});
+
+// Any picture file: 8-bit as Image8, 16-bit as Image16 (0..65535), float and half as ImageF, 32-bit unsigned as
+// ImageU32. Limits: 16384 a side, 4 channels (more are refused). Throws Error.
+using AnyImage = std::variant<Image8, Image16, ImageF, ImageU32>;
+AnyImage read_image(const std::filesystem::path& path);
+
+}  // namespace crowdbench

@@ -1,0 +1,12 @@
+#include "renderers/representation.h"
+
+namespace crowdbench::renderers {
+
+// One line a representation.
+
+const std::vector<RepresentationType>& representation_types() {
+  static const std::vector<RepresentationType> types = {};
+  return types;
+}
+
+}  // namespace crowdbench::renderers

@@ -1,0 +1,125 @@
+// Representation: how a crowd is drawn. The one interface of this project with virtual functions.
+//
+// To add one: a folder here with a README, the header, the bake, the draw and the shaders, that defines one
+// RepresentationType; and one line in registry.cpp. The driver, the sweeps, the metrics, the studies and the reports
+// pick it up by name.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/character.h"
+#include "scene/crowd.h"
+#include "scene/frame.h"
+#include "scene/pose_bank.h"
+
+namespace crowdbench::gl {
+class Context;
+}
+
+namespace crowdbench::renderers {
+
+class FrameResources;  // frame_resources.h: the frame's uniforms, agents, outfits and posed palettes on the GPU
+
+// "name:key=value,key=value" or "hybrid(NEAR,FAR,key=value,...)" taken apart. Values are kept as text until the type
+// reads them.
+struct Spec {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> options;  // in the order given; keys are unique
+  std::vector<Spec> parts;                                   // hybrid: near, far
+  // The canonical text: options in the order of the type's table, defaults left out.
+  std::string text() const;
+};
+// Throws Error: unknown name or option (naming the nearest), a value twice, bad brackets.
+Spec parse_spec(const std::string& text);
+
+// One option of a representation: what `info --representations` prints and parse_spec checks.
+struct OptionDoc {
+  std::string key;
+  std::string values;  // "linear|adaptive|cone", "16+7", "8..4096"
+  std::string default_value;
+  std::string meaning;
+};
+
+// Bytes, exactly; texture bytes count every mip level.
+struct Footprint {
+  uint64_t texture_bytes = 0;
+  uint64_t buffer_bytes = 0;  // vertices, indices, tables; pose palettes are the shared bank's, counted apart
+  uint64_t upload_bytes_per_frame = 0;
+  uint64_t disk_bytes = 0;  // of the cache entry, 0 when not cached
+  uint64_t gpu_bytes() const { return texture_bytes + buffer_bytes; }
+};
+
+struct BakeInfo {
+  double seconds = 0;   // spent on baking or on reading the cache
+  bool cached = false;  // came from the cache
+  std::string
+      cache_key;  // SHA-256 over character, options, bake version, GL renderer and version; empty: nothing baked
+};
+
+// agents[c]: indices into frame.agents[c], ascending.
+using AgentLists = std::vector<std::vector<uint32_t>>;
+
+// Which outputs the bound target has. Timed frames draw without ids; a test shows that their colours are equal.
+struct Pass {
+  bool ids = false;     // second colour attachment, R32UI: agent index + 1
+  bool linear = false;  // colour attachment 0 is linear float, else sRGB-encoded 8-bit
+  auto operator<=>(const Pass&) const = default;
+};
+
+class Representation {
+ public:
+  virtual ~Representation() = default;
+  // Draws the listed agents into the bound target with depth test GREATER and depth writes on. Leaves the GL state as
+  // it found it (a program, a vertex array and textures may stay bound). Never reads a clock.
+  virtual void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
+                    const Pass& pass) = 0;
+  virtual Footprint footprint() const = 0;
+  virtual BakeInfo bake_info() const { return {}; }
+  // Triangles submitted for one agent of character c (a pair for `ratio` and the report).
+  virtual uint64_t triangles(size_t character) const = 0;
+};
+
+struct MakeContext {
+  gl::Context& context;
+  const scene::Cast& cast;
+  uint64_t bake_budget = uint64_t{512} << 20;  // bytes; a bake that needs more throws Error naming what to lower
+  bool use_cache = true;
+  bool progress = true;
+};
+
+struct RepresentationType {
+  std::string name;
+  std::string summary;  // one line
+  std::vector<OptionDoc>
+      options;  // "floor" is common to all: 1 draws the representation's floor (spec'd in its README)
+  std::function<std::unique_ptr<Representation>(const MakeContext&, const Spec&)> make;
+};
+
+const std::vector<RepresentationType>& representation_types();           // registry.cpp
+const RepresentationType& representation_type(const std::string& name);  // throws Error naming the nearest
+std::unique_ptr<Representation> make_representation(const MakeContext& context, const Spec& spec);
+
+// Reads options for a type's make(): defaults from its table, every fault an Error naming the representation and the
+// option.
+class OptionReader {
+ public:
+  OptionReader(const RepresentationType& type, const Spec& spec);
+  std::string text(const std::string& key) const;
+  // One of the words; returns its position.
+  size_t choice(const std::string& key, const std::vector<std::string>& words) const;
+  int64_t integer(const std::string& key, int64_t low, int64_t high) const;
+  double number(const std::string& key, double low, double high) const;
+  bool flag(const std::string& key) const;  // 0 or 1
+
+ private:
+  const RepresentationType& type_;
+  std::map<std::string, std::string> values_;
+};
+
+}  // namespace crowdbench::renderers

@@ -1,0 +1,39 @@
+// The occupancy solver: moves camera and placement until the mesh covers the requested fraction of the picture.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "scene/crowd.h"
+
+namespace crowdbench::scene {
+
+// Measured by drawing the mesh, ids on: how much of the picture is covered, and by whom.
+struct Coverage {
+  double occupancy = 0;  // fraction of pixels with an agent id
+  uint64_t covered_px = 0;
+  uint32_t agents_visible = 0;  // agents with at least one pixel
+};
+using MeasureCoverage = std::function<Coverage(const Frame&)>;
+
+struct Solved {
+  Scenario scenario;  // with camera, stage and spacing as solved; occupancy as requested
+  Crowd crowd;
+  Camera camera;
+  double requested = 0;
+  double achieved = 0;
+  bool unreachable = false;    // more than one percentage point off
+  uint64_t touched_px = 0;     // pixels that any fragment reached, where the measurement gives it
+  uint32_t agents_wholly = 0;  // by projected bounds: wholly on screen
+  uint32_t agents_partly = 0;
+  uint32_t agents_off = 0;
+  int measurements = 0;
+};
+
+// Solves for scenario.occupancy at tick 0. At least 95 % of the agents end at least partly on screen. Density rises up
+// to a spacing of 0.7 m first; beyond that, stratified placement over the view's footprint and depth (stage = frustum;
+// agents may interpenetrate). Returns the nearest it reached when the target is out of reach, marked so. Deterministic.
+Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure);
+
+}  // namespace crowdbench::scene

@@ -1,0 +1,69 @@
+// Scenario: one TOML file that says what is shown; every key has a default, a unit and a range.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/camera.h"
+#include "scene/light.h"
+
+namespace crowdbench::scene {
+
+enum class PlacementKind : uint8_t { grid, jittered, poisson, lanes };
+enum class MotionKind : uint8_t { treadmill, lanes, free };
+enum class Stage : uint8_t {
+  plaza,
+  frustum
+};  // plaza: a square around the origin; frustum: over the view's footprint and depth
+
+struct CharacterEntry {
+  std::string source = "mannequin";     // as open_character takes it; relative to the scenario's folder
+  std::optional<double> height = 1.75;  // metres; nullopt = "as_is"
+  std::vector<std::string> clips;       // names or indices in use; empty: the default clip
+  std::vector<std::string> hide;
+  bool rigid_meshes = true;
+  double share = 1.0;  // relative share of the agents, > 0
+};
+
+struct CrowdSettings {
+  uint32_t agents = 100;  // 0..1,000,000
+  PlacementKind placement = PlacementKind::jittered;
+  MotionKind motion = MotionKind::treadmill;
+  Stage stage = Stage::plaza;
+  double spacing = 1.2;               // metres between neighbours, 0.7..100
+  std::optional<double> heading_deg;  // one heading for all; nullopt: random
+  double scale_variation = 0.05;      // agents scale 1 +- this, 0..0.5
+  double speed_variation = 0.1;       // playback speed 1 +- this, 0..0.5
+  uint32_t outfits = 8;               // number of outfits, 1..4096; 1 = all alike (white)
+  glm::dvec3 centre{0.0};             // metres: where the stage lies in the world
+};
+
+struct Scenario {
+  std::string name = "default";
+  uint64_t seed = 1;
+  int width = 640;  // 1..16384
+  int height = 480;
+  double tick_rate = 30;  // Hz
+  double pose_rate = 30;  // Hz, of the pose bank
+  std::string representation = "mesh";
+  std::optional<double> occupancy;  // requested fraction of covered pixels, (0, 1]; solved for camera and placement
+  std::vector<CharacterEntry> characters{CharacterEntry{}};
+  CrowdSettings crowd;
+  CameraPath camera{{CameraKey{0.0, Camera{{0.0, 3.0, 9.0}, {0.0, 0.9, 0.0}}}}};
+  Light light;
+  bool ground = false;
+  glm::vec3 background{0.2158605F, 0.2158605F, 0.2158605F};  // linear; in TOML '#rrggbb' sRGB
+};
+
+// Parses a scenario. Unknown keys name the nearest known one; every fault names file and line. Throws Error; hostile
+// text (deep nesting, huge, invalid UTF-8) is refused the same way.
+Scenario parse_scenario(const std::string& toml, const std::string& where);
+Scenario load_scenario(const std::filesystem::path& path);
+// The TOML text that parses to the same scenario, every key written.
+std::string to_toml(const Scenario& scenario);
+// JSON Schema (draft 2020-12) of the scenario, made from the same table of keys as the parser.
+std::string scenario_schema();
+
+}  // namespace crowdbench::scene
