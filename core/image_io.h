@@ -1,5 +1,4 @@
-// Pictures on disk. 8-bit PNG goes through libpng, here; every other format goes through OpenImageIO, loaded at first
-// use.
+// Pictures on disk. PNG goes through libpng, here; every other format goes through OpenImageIO, loaded at first use.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -19,8 +18,9 @@ using ImageMetadata = std::map<std::string, std::string>;
 void write_png(const std::filesystem::path& path, const Image8& image, const ImageMetadata& metadata = {});
 // The same, into memory (for data URIs).
 std::vector<uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata = {});
-// 8-bit PNG from memory; palette and grey are expanded as stored (grey stays 1 channel), 16-bit is refused. Throws
-// Error.
+// 8-bit PNG from memory, sample values as stored: no gamma or profile is applied. A palette becomes RGB, fewer bits
+// become 8, grey stays 1 channel, grey with transparency becomes RGBA; 16-bit is refused. `where` names the source in
+// errors. Safe on hostile bytes. Throws Error.
 Image8 decode_png(const std::vector<uint8_t>& bytes, const std::string& where);
 
 // OpenEXR through OpenImageIO: float channels as 32-bit float, ids as 32-bit unsigned. Throws Error.
@@ -28,7 +28,8 @@ void write_exr(const std::filesystem::path& path, const ImageF& image, const Ima
 void write_exr(const std::filesystem::path& path, const ImageU32& image, const ImageMetadata& metadata = {});
 
 // Any picture file: 8-bit as Image8, 16-bit as Image16 (0..65535), float and half as ImageF, 32-bit unsigned as
-// ImageU32. Limits: 16384 a side, 4 channels (more are refused). Throws Error.
+// ImageU32; 1, 3 or 4 channels (grey with alpha is widened to RGBA), alpha straight in integer formats and as stored
+// (associated) in float ones. Sample values as stored. Limits: 16384 a side, 2^27 pixels, 4 channels. Throws Error.
 using AnyImage = std::variant<Image8, Image16, ImageF, ImageU32>;
 AnyImage read_image(const std::filesystem::path& path);
 
