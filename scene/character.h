@@ -124,10 +124,13 @@ struct Placement {
 };
 
 struct ClipMotion {
-  glm::dvec3 root_displacement{
-      0.0};                  // model space, metres a cycle, stripped from the pose linearly with phase (y kept)
-  double ground_speed = 0;   // metres a second, along +Z as |displacement| or stance-foot speed
-  bool from_stance = false;  // ground_speed measured from the stance foot because the root stays in place
+  // Model space, metres from the first key to the last, horizontal; stripped from the pose linearly with time.
+  glm::dvec3 root_displacement{0.0};
+  // Metres a second, along +Z: |displacement| over the duration, else the stance foot's backward speed. 0 for clips
+  // that stand, go sideways or go backwards in place.
+  double ground_speed = 0;
+  bool from_stance = false;    // ground_speed measured from the stance foot because the root stays in place
+  double closing_seconds = 0;  // appended to a loop whose last key does not repeat the first: its last key interval
 };
 
 struct Character {
@@ -155,6 +158,11 @@ int require_clip(const Character& character, std::string_view name_or_index);
 struct NormaliseOptions {
   std::optional<double> height = 1.75;  // metres; nullopt = as_is
 };
+// Fills placement, motion (one a clip) and content_hash. A character without a clip of non-zero length is placed by its
+// bind pose.
 void normalise(Character& character, const NormaliseOptions& options);
+// SHA-256 of everything that a bake depends on: skeleton, mesh, materials, images, clips, placement and motion; not the
+// file's name. normalise() ends with it.
+std::string compute_content_hash(const Character& character);
 
 }  // namespace crowdbench::scene
