@@ -105,6 +105,24 @@ struct Writer {
   static void flush(png_structp /*png*/) {}
 };
 
+uint32_t big_endian(std::span<const uint8_t> bytes, size_t at) {
+  return uint32_t{bytes[at]} << 24 | uint32_t{bytes[at + 1]} << 16 | uint32_t{bytes[at + 2]} << 8 |
+         uint32_t{bytes[at + 3]};
+}
+
+// libpng allocates what a chunk claims before it reads it; here every claim is held against the file first.
+bool chunks_fit(std::span<const uint8_t> bytes) {
+  constexpr size_t kChunkFrame = 12;  // length, type and checksum
+  size_t at = kSignatureSize;
+  while (bytes.size() - at >= kChunkFrame) {
+    const size_t length = big_endian(bytes, at);
+    if (length > bytes.size() - at - kChunkFrame) return false;
+    if (std::memcmp(bytes.data() + at + 4, "IEND", 4) == 0) return true;
+    at += kChunkFrame + length;
+  }
+  return false;
+}
+
 template <typename T>
 void read_rows(Reader& reader, const std::string& where, Image<T>& image) {
   std::vector<png_bytep> rows(static_cast<size_t>(image.height));
@@ -132,6 +150,7 @@ bool is_png(std::span<const uint8_t> bytes) {
 
 std::variant<Image8, Image16> decode_any_png(std::span<const uint8_t> bytes, const std::string& where) {
   if (!is_png(bytes)) throw Error(where, "is not a PNG picture", "name a PNG file");
+  if (!chunks_fit(bytes)) throw Error(where, "damaged PNG (the file ends too early)", "write the file again");
   Reader reader(bytes);
   png_structp png = reader.png;
   png_infop info = reader.info;
