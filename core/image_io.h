@@ -23,9 +23,13 @@ std::vector<uint8_t> encode_png(const Image8& image, const ImageMetadata& metada
 // errors. Safe on hostile bytes. Throws Error.
 Image8 decode_png(const std::vector<uint8_t>& bytes, const std::string& where);
 
-// OpenEXR through OpenImageIO: float channels as 32-bit float, ids as 32-bit unsigned. Throws Error.
-void write_exr(const std::filesystem::path& path, const ImageF& image, const ImageMetadata& metadata = {});
-void write_exr(const std::filesystem::path& path, const ImageU32& image, const ImageMetadata& metadata = {});
+// OpenEXR through OpenImageIO: float channels as 32-bit float, ids as 32-bit unsigned, ZIP. 3 and 4 channels are named
+// R, G, B, A; the only channel of a picture of one is named `channel_name` (other programs know depth by "Z"). Same
+// pixels and metadata, same bytes. Throws Error.
+void write_exr(const std::filesystem::path& path, const ImageF& image, const ImageMetadata& metadata = {},
+               const std::string& channel_name = "Z");
+void write_exr(const std::filesystem::path& path, const ImageU32& image, const ImageMetadata& metadata = {},
+               const std::string& channel_name = "id");
 
 // Any picture file: 8-bit as Image8, 16-bit as Image16 (0..65535), float and half as ImageF, 32-bit unsigned as
 // ImageU32; 1, 3 or 4 channels (grey with alpha is widened to RGBA), alpha straight in integer formats and as stored

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -145,6 +146,124 @@ TEST(Png, MutatedBytesEitherDecodeOrAreRefused) {
   EXPECT_GT(decoded, kRounds / 100);
   EXPECT_GT(refused, kRounds / 4);
   RecordProperty("decoded", static_cast<int>(decoded));
+}
+
+fs::path scratch() {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const fs::path folder = fs::path(::testing::TempDir()) / fmt::format("crowdbench_{}", test->name());
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+TEST(Exr, FloatRoundTripIsExactAndItsBytesAreThoseOfThePixels) {
+  const fs::path folder = scratch();
+  for (const int channels : {1, 3, 4}) {
+    ImageF image(33, 17, channels);
+    for (size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<float>(random_unit(3, i, 1)) * 1000 - 1;
+    image.data[2] = std::numeric_limits<float>::infinity();
+    write_exr(folder / "a.exr", image, {{"seed", "7"}, {"scenario", "agents = 5"}});
+    const auto back = read_image(folder / "a.exr");
+    ASSERT_TRUE(std::holds_alternative<ImageF>(back)) << channels;
+    EXPECT_EQ(std::get<ImageF>(back), image) << channels;
+    const auto bytes = read_file(folder / "a.exr");
+    const std::string text(bytes.begin(), bytes.end());
+    EXPECT_NE(text.find("agents = 5"), std::string::npos);
+    EXPECT_EQ(text.find(std::string(folder)), std::string::npos) << "a path of this machine is in the file";
+    EXPECT_EQ(text.find("capDate"), std::string::npos);
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(Exr, IdsKeepAll32Bits) {
+  const fs::path folder = scratch();
+  ImageU32 ids(5, 3, 1);
+  ids.data = {0, 1, 2, 255, 256, 65535, 65536, 16777216, 16777217, 100000, 4294967295U, 4294967294U, 7, 8, 9};
+  write_exr(folder / "ids.exr", ids);
+  write_exr(folder / "again.exr", ids);
+  EXPECT_EQ(read_file(folder / "ids.exr"), read_file(folder / "again.exr"));
+  const auto back = read_image(folder / "ids.exr");
+  ASSERT_TRUE(std::holds_alternative<ImageU32>(back));
+  EXPECT_EQ(std::get<ImageU32>(back), ids);
+}
+
+TEST(Exr, UnwritableTargetIsAnErrorThatLeavesNothing) {
+  const fs::path folder = scratch();
+  fs::create_directories(folder / "taken.exr");
+  EXPECT_THROW(write_exr(folder / "taken.exr", ImageF(4, 4, 1)), Error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+std::string read_error(const fs::path& path) {
+  try {
+    read_image(path);
+  } catch (const Error& error) {
+    return error.wrong;
+  }
+  return {};
+}
+
+TEST(ReadImage, RefusesWhatIsNotAPicture) {
+  const fs::path folder = scratch();
+  EXPECT_EQ(read_error(folder / "absent.png"), "no such file");
+  EXPECT_EQ(read_error(folder), "is not a regular file");
+  write_file(folder / "text.exr", "not a picture at all");
+  EXPECT_NE(read_error(folder / "text.exr").find("cannot be read as a picture"), std::string::npos);
+  write_file(folder / "empty.png", "");
+  EXPECT_NE(read_error(folder / "empty.png").find("cannot be read as a picture"), std::string::npos);
+  write_exr(folder / "half.exr", ImageF(64, 64, 3));
+  auto bytes = read_file(folder / "half.exr");
+  write_file(folder / "half.exr", bytes.data(), bytes.size() / 2);
+  EXPECT_NE(read_error(folder / "half.exr"), "");
+}
+
+// Sixteen-bit and grey-with-alpha PNG, by hand: 2 x 1 pixels, stored (uncompressed) DEFLATE.
+std::vector<uint8_t> raw_png(uint8_t depth, uint8_t type, const std::vector<uint8_t>& row) {
+  std::vector<uint8_t> png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  const auto chunk = [&](const char* name, const std::vector<uint8_t>& body) {
+    png.resize(png.size() + 4);
+    put_big_endian(png, png.size() - 4, static_cast<uint32_t>(body.size()));
+    png.insert(png.end(), name, name + 4);
+    png.insert(png.end(), body.begin(), body.end());
+    png.resize(png.size() + 4);
+  };
+  chunk("IHDR", {0, 0, 0, 2, 0, 0, 0, 1, depth, type, 0, 0, 0});
+  const auto length = static_cast<uint8_t>(row.size() + 1);
+  std::vector<uint8_t> zlib = {0x78, 0x01, 0x01, length, 0, static_cast<uint8_t>(~length), 0xff, 0};
+  zlib.insert(zlib.end(), row.begin(), row.end());
+  uint32_t a = 1;
+  uint32_t b = a;  // the filter byte, 0, leaves a at 1 and adds it to b, which starts at 0
+  for (const uint8_t byte : row) {
+    a = (a + byte) % 65521;
+    b = (b + a) % 65521;
+  }
+  zlib.resize(zlib.size() + 4);
+  put_big_endian(zlib, zlib.size() - 4, b << 16 | a);
+  chunk("IDAT", zlib);
+  chunk("IEND", {});
+  repair_checksums(png);
+  return png;
+}
+
+TEST(ReadImage, SixteenBitPngKeepsItsValues) {
+  const fs::path folder = scratch();
+  const auto bytes = raw_png(16, 0, {0x12, 0x34, 0xff, 0xfe});
+  write_file(folder / "x.png", bytes.data(), bytes.size());
+  const auto image = read_image(folder / "x.png");
+  ASSERT_TRUE(std::holds_alternative<Image16>(image));
+  EXPECT_EQ(std::get<Image16>(image).channels, 1);
+  EXPECT_EQ(std::get<Image16>(image).data, (std::vector<uint16_t>{0x1234, 0xfffe}));
+  EXPECT_NE(error_of(bytes).find("16 bits"), std::string::npos);
+}
+
+TEST(ReadImage, FewerBitsAndGreyWithAlphaAreWidened) {
+  // Two samples of 2 bits: 1 and 3 of 3 are 85 and 255 of 255.
+  const Image8 two_bits = decode_png(raw_png(2, 0, {0b01'11'00'00}), "x");
+  EXPECT_EQ(two_bits.channels, 1);
+  EXPECT_EQ(two_bits.data, (std::vector<uint8_t>{85, 255}));
+  const Image8 grey_alpha = decode_png(raw_png(8, 4, {10, 20, 30, 40}), "x");
+  EXPECT_EQ(grey_alpha.channels, 4);
+  EXPECT_EQ(grey_alpha.data, (std::vector<uint8_t>{10, 10, 10, 20, 30, 30, 30, 40}));
 }
 
 }  // namespace
