@@ -33,10 +33,9 @@ class Target {
   const Pass& pass() const;
   void bind() const;
   unsigned framebuffer() const;  // GL name, for blits
-  Capture read() const;  // waits for the GPU; depth in metres holds for the last frame that a Renderer drew here
+  Capture read() const;          // waits for the GPU
 
  private:
-  friend class Renderer;
   struct State;
   std::unique_ptr<State> state_;
 };
@@ -55,8 +54,6 @@ class Renderer {
   Capture capture(const scene::Frame& frame, Representation& representation, const CaptureOptions& options = {});
   // Bytes of the pose banks and frame buffers that all representations share.
   uint64_t shared_bytes() const;
-  // The same frame's resources, for a representation drawn outside of draw() (bakes, tests).
-  FrameResources& resources();
 
  private:
   struct State;

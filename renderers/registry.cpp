@@ -1,4 +1,3 @@
-#include "renderers/mesh/mesh.h"
 #include "renderers/representation.h"
 
 namespace crowdbench::renderers {
@@ -6,9 +5,7 @@ namespace crowdbench::renderers {
 // One line a representation.
 
 const std::vector<RepresentationType>& representation_types() {
-  static const std::vector<RepresentationType> types = {
-      mesh_type,
-  };
+  static const std::vector<RepresentationType> types = {};
   return types;
 }
 

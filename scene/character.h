@@ -113,6 +113,11 @@ struct Mesh {
   std::vector<glm::vec4> weights;       // sum 1 within 1e-6
   std::vector<uint32_t> indices;        // triangles, counter-clockwise is the front
   std::vector<Primitive> primitives;
+  // Where the file's own vertices lie, in the order stated above; empty: vertex i is the file's vertex i. A primitive
+  // without normals is drawn flat, so a vertex shared by faces that point apart is doubled at the end of its
+  // primitive's range: `pose` reports the file's vertices, everything that draws uses all.
+  std::vector<uint32_t> file_vertices;
+  size_t file_vertex_count() const { return file_vertices.empty() ? positions.size() : file_vertices.size(); }
 };
 
 // The default clip, the normalisation and what moves it: computed at load, shown by `inspect`.

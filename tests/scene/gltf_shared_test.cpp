@@ -1,0 +1,84 @@
+// The outside characters: counts as measured by others, poses as computed by an independent skinner.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "scene/gltf.h"
+#include "scene/pose.h"
+
+namespace crowdbench::scene {
+namespace {
+
+const std::filesystem::path kCharacters = std::filesystem::path(CROWDBENCH_SHARED_DIR) / "characters";
+
+struct Expected {
+  const char* file;
+  size_t triangles, vertices, joints, rigid, primitives, materials, clips, images;
+  bool colours;
+  friend void PrintTo(const Expected& e, std::ostream* out) { *out << e.file; }
+};
+
+class GltfShared : public testing::TestWithParam<Expected> {};
+
+TEST_P(GltfShared, HasTheCountsOfItsManifest) {
+  const Expected& e = GetParam();
+  if (!std::filesystem::exists(kCharacters / e.file)) GTEST_SKIP() << "needs shared/characters/" << e.file;
+  const Character c = load_character(kCharacters / e.file);
+  EXPECT_EQ(c.triangles(), e.triangles);
+  EXPECT_EQ(c.mesh.file_vertex_count(), e.vertices);
+  const auto rigid = static_cast<size_t>(
+      std::count_if(c.skeleton.joints.begin(), c.skeleton.joints.end(), [](const Joint& j) { return j.rigid; }));
+  EXPECT_EQ(c.skeleton.joints.size() - rigid, e.joints);
+  EXPECT_EQ(rigid, e.rigid);
+  EXPECT_EQ(c.mesh.primitives.size(), e.primitives);
+  EXPECT_EQ(c.materials.size(), e.materials);
+  EXPECT_EQ(c.clips.size(), e.clips);
+  EXPECT_EQ(c.images.size(), e.images);
+  EXPECT_EQ(!c.mesh.colours.empty(), e.colours);
+  EXPECT_EQ(c.file_max_influences, 4);
+  EXPECT_NEAR(c.placement.height, 1.75, 1e-9);
+  for (const glm::vec4& w : c.mesh.weights) ASSERT_NEAR(w.x + w.y + w.z + w.w, 1.0F, 1e-6F);
+  for (const glm::vec3& n : c.mesh.normals) ASSERT_NEAR(glm::length(n), 1.0F, 1e-5F);
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, GltfShared,
+                         testing::Values(Expected{"RiggedFigure.glb", 256, 370, 19, 0, 1, 1, 1, 0, false},
+                                         Expected{"QuaterniusKnight.glb", 956, 2058, 31, 0, 3, 3, 12, 0, false},
+                                         Expected{"Robot.glb", 3238, 7218, 43, 0, 19, 3, 14, 0, false},
+                                         Expected{"CesiumMan.glb", 4672, 3273, 19, 0, 1, 1, 1, 1, false},
+                                         Expected{"KayKitKnight.glb", 6952, 7024, 41, 9, 15, 1, 76, 1, false},
+                                         Expected{"Mannequiny.glb", 13932, 10366, 45, 0, 3, 3, 11, 0, true}),
+                         [](const auto& test) { return std::filesystem::path(test.param.file).stem().string(); });
+
+TEST(GltfSharedPoses, AgreeWithAnIndependentSkinner) {
+  const std::filesystem::path golden = kCharacters / "golden_pose.json";
+  if (!std::filesystem::exists(golden)) GTEST_SKIP() << "needs shared/characters/golden_pose.json";
+  std::ifstream stream(golden);
+  const nlohmann::json poses = nlohmann::json::parse(stream).at("poses");
+  LoadOptions options;
+  options.normalise.height = std::nullopt;
+  std::string file;
+  Character c;
+  for (const auto& pose : poses) {
+    if (pose.at("file") != file) {
+      file = pose.at("file");
+      c = load_character(kCharacters / file, options);
+    }
+    SCOPED_TRACE(file + " " + pose.dump().substr(0, 120));
+    const auto positions = skin_positions(c.mesh, joint_matrices(c, pose.at("clip_index"), pose.at("t")));
+    ASSERT_EQ(pose.at("verts").get<size_t>(), c.mesh.file_vertex_count());
+    const double height = pose.at("bbox_max")[1].get<double>() - pose.at("bbox_min")[1].get<double>();
+    for (const auto& [index, expected] : pose.at("samples").items()) {
+      size_t v = std::stoul(index);
+      if (!c.mesh.file_vertices.empty()) v = c.mesh.file_vertices[v];
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(positions[v][axis], expected[static_cast<size_t>(axis)].get<double>(), 1e-5 + 1e-5 * height);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::scene
