@@ -33,9 +33,10 @@ class Target {
   const Pass& pass() const;
   void bind() const;
   unsigned framebuffer() const;  // GL name, for blits
-  Capture read() const;          // waits for the GPU
+  Capture read() const;  // waits for the GPU; depth in metres holds for the last frame that a Renderer drew here
 
  private:
+  friend class Renderer;
   struct State;
   std::unique_ptr<State> state_;
 };
@@ -54,6 +55,8 @@ class Renderer {
   Capture capture(const scene::Frame& frame, Representation& representation, const CaptureOptions& options = {});
   // Bytes of the pose banks and frame buffers that all representations share.
   uint64_t shared_bytes() const;
+  // The same frame's resources, for a representation drawn outside of draw() (bakes, tests).
+  FrameResources& resources();
 
  private:
   struct State;

@@ -1,3 +1,4 @@
+#include "renderers/mesh/mesh.h"
 #include "renderers/representation.h"
 
 namespace crowdbench::renderers {
@@ -5,7 +6,9 @@ namespace crowdbench::renderers {
 // One line a representation.
 
 const std::vector<RepresentationType>& representation_types() {
-  static const std::vector<RepresentationType> types = {};
+  static const std::vector<RepresentationType> types = {
+      mesh_type,
+  };
   return types;
 }
 

@@ -32,11 +32,20 @@ struct Spec {
   std::string name;
   std::vector<std::pair<std::string, std::string>> options;  // in the order given; keys are unique
   std::vector<Spec> parts;                                   // hybrid: near, far
-  // The canonical text: options in the order of the type's table, defaults left out.
+  // The canonical text: options in the order of the type's table, defaults left out; parses to the same Spec but for
+  // the order of options and defaults.
   std::string text() const;
 };
 // Throws Error: unknown name or option (naming the nearest), a value twice, bad brackets.
 Spec parse_spec(const std::string& text);
+// The grammar, against a table of types given by the caller:
+//   spec  = name [":" option {"," option}]  |  name "(" part {"," part} {"," option} ")"
+//   part  = spec | "(" spec ")"             option = key "=" value
+// Within a name's brackets an option that follows a part with ":" belongs to that part when its type knows the key; a
+// part in brackets of its own takes none from outside. A value holds no comma, colon or bracket.
+struct RepresentationType;
+Spec parse_spec(const std::string& text, const std::vector<RepresentationType>& types);
+std::string canonical_text(const Spec& spec, const std::vector<RepresentationType>& types);
 
 // One option of a representation: what `info --representations` prints and parse_spec checks.
 struct OptionDoc {
@@ -99,6 +108,7 @@ struct RepresentationType {
   std::vector<OptionDoc>
       options;  // "floor" is common to all: 1 draws the representation's floor (spec'd in its README)
   std::function<std::unique_ptr<Representation>(const MakeContext&, const Spec&)> make;
+  size_t parts = 0;  // how many representations it is made of, given in brackets: 2 for hybrid(near,far)
 };
 
 const std::vector<RepresentationType>& representation_types();           // registry.cpp

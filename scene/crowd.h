@@ -21,6 +21,13 @@ struct Cast {
 Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder = {});
 
 // What does not change with time: integers, hashes, + - * / and sqrt only, so the same bytes on any x86-64 machine.
+// What an agent is (character, clip, phase, speed, scale, heading, outfit) does not depend on how many there are; where
+// it stands does, except on a grid and with jitter, whose cells are counted outwards from the middle. In lanes, an
+// agent's clip, speed and heading are those that its lane's ground speed and direction ask for.
+//
+// How near two agents' pivots come at tick 0, and with motion `treadmill` or `lanes` at any tick, in spacings: grid 1,
+// jittered and lanes 0.7, poisson 0.75; so at the smallest spacing of 0.7 m never nearer than 0.49 m, a person's
+// breadth. Stage `frustum` and motion `free` promise nothing.
 struct Crowd {
   uint64_t seed = 0;
   std::vector<double> x, z;  // metres, world, at tick 0
@@ -32,11 +39,13 @@ struct Crowd {
   std::vector<double> scale;
   std::vector<uint32_t> outfit;
   MotionKind motion = MotionKind::treadmill;
-  double period = 0;  // metres: `lanes` and `free` wrap over this length
+  double period = 0;  // metres: `lanes` wrap over this length of their axis, `free` over a square of this side
+  double wrap_x = 0, wrap_z = 0;  // metres: the middle of what they wrap over
+  std::vector<Outfit> palette;    // the frame's outfits
   size_t size() const { return x.size(); }
 };
 
-// The view for which `stage = frustum` places agents.
+// The view for which `stage = frustum` places agents, and beyond which lanes wrap.
 struct StageView {
   Camera camera;
   double aspect = 4.0 / 3.0;
@@ -44,6 +53,10 @@ struct StageView {
   double far_depth = 60;
 };
 
+// The first view of the scenario with its stage depths: the view for make_crowd wherever no other is meant.
+StageView stage_view(const Scenario& scenario);
+
+// Throws Error when motion is `lanes` and a character has no clip that moves.
 Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& view);
 
 // The frame of one tick, whatever was computed before. Agents wholly outside the view frustum (by bounding sphere) are
@@ -51,7 +64,9 @@ Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& vi
 Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd, const Camera& camera, uint64_t tick,
                  bool cull = true);
 
-// Colour factors by part for `count` outfits: row 0 white, the rest from the seed.
+// Colour factors by part for `count` outfits: row 0 white, the rest from the seed. Parts are those of the mannequin
+// (skin, hair, shirt, trousers, shoes); higher parts get cloth. Loaded characters number parts by material, so every
+// factor is mild enough for any of them: luminance 0.3 to 1.3.
 std::vector<Outfit> make_outfits(uint64_t seed, uint32_t count);
 
 }  // namespace crowdbench::scene

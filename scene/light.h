@@ -10,6 +10,7 @@ struct Light {
                       0.45916F};  // towards the light, normalised by whoever uses it; normalize(.4, .8, .45)
   float ambient = 0.25F;
   float diffuse = 0.75F;
+  bool operator==(const Light&) const = default;
 };
 
 }  // namespace crowdbench::scene

@@ -25,6 +25,7 @@ struct CharacterEntry {
   std::vector<std::string> hide;
   bool rigid_meshes = true;
   double share = 1.0;  // relative share of the agents, > 0
+  bool operator==(const CharacterEntry&) const = default;
 };
 
 struct CrowdSettings {
@@ -37,7 +38,10 @@ struct CrowdSettings {
   double scale_variation = 0.05;      // agents scale 1 +- this, 0..0.5
   double speed_variation = 0.1;       // playback speed 1 +- this, 0..0.5
   uint32_t outfits = 8;               // number of outfits, 1..4096; 1 = all alike (white)
-  glm::dvec3 centre{0.0};             // metres: where the stage lies in the world
+  glm::dvec3 centre{0.0};             // metres: where the stage lies in the world; y is the ground's height
+  double stage_near = 4;              // metres: `stage = frustum` places agents between these eye-space depths
+  double stage_far = 60;
+  bool operator==(const CrowdSettings&) const = default;
 };
 
 struct Scenario {
@@ -51,19 +55,22 @@ struct Scenario {
   std::optional<double> occupancy;  // requested fraction of covered pixels, (0, 1]; solved for camera and placement
   std::vector<CharacterEntry> characters{CharacterEntry{}};
   CrowdSettings crowd;
-  CameraPath camera{{CameraKey{0.0, Camera{{0.0, 3.0, 9.0}, {0.0, 0.9, 0.0}}}}};
+  CameraPath camera{{CameraKey{0.0, Camera{{0.0, 3.0, 9.0}, {0.0, 0.9, 0.0}, {0.0, 1.0, 0.0}, 0.6108652381980153}}}};
   Light light;
   bool ground = false;
   glm::vec3 background{0.2158605F, 0.2158605F, 0.2158605F};  // linear; in TOML '#rrggbb' sRGB
+  bool operator==(const Scenario&) const = default;
 };
 
 // Parses a scenario. Unknown keys name the nearest known one; every fault names file and line. Throws Error; hostile
-// text (deep nesting, huge, invalid UTF-8) is refused the same way.
+// text (deep nesting, more than 256 KiB, invalid UTF-8) is refused the same way.
 Scenario parse_scenario(const std::string& toml, const std::string& where);
 Scenario load_scenario(const std::filesystem::path& path);
 // The TOML text that parses to the same scenario, every key written.
 std::string to_toml(const Scenario& scenario);
 // JSON Schema (draft 2020-12) of the scenario, made from the same table of keys as the parser.
 std::string scenario_schema();
+// The same table as Markdown, one row a key: name, type, default, unit, range, meaning.
+std::string scenario_markdown();
 
 }  // namespace crowdbench::scene

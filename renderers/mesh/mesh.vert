@@ -1,0 +1,62 @@
+#version 450 core
+// Linear blend skinning of one character type, instanced. CB_STATIC: the floor, positions already posed, no palette.
+#include "renderers/shaders/frame.glsl"
+
+layout(location = CB_ATTRIBUTE_POSITION) in vec4 in_position;  // w: the material's index
+layout(location = CB_ATTRIBUTE_NORMAL) in vec4 in_normal;
+layout(location = CB_ATTRIBUTE_UV) in vec2 in_uv;
+#ifndef CB_STATIC
+layout(location = CB_ATTRIBUTE_JOINTS) in uvec4 in_joints;
+layout(location = CB_ATTRIBUTE_WEIGHTS) in vec4 in_weights;
+layout(std430, binding = CB_STORAGE_PALETTE) readonly restrict buffer Palette { vec4 palette[]; };
+layout(location = CB_LOCATION_JOINTS) uniform uint joints;
+#endif
+#ifdef CB_COLOURS
+layout(location = CB_ATTRIBUTE_COLOUR) in vec4 in_colour;
+layout(location = 3) out vec3 v_colour;
+#endif
+#ifdef CB_EMISSIVE_UVS
+layout(location = CB_ATTRIBUTE_EMISSIVE_UV) in vec2 in_emissive_uv;
+layout(location = 4) out vec2 v_emissive_uv;
+#endif
+layout(location = CB_LOCATION_FIRST) uniform uint first;
+
+layout(location = 0) out vec4 v_normal_u;  // world normal, not unit; u. Few outputs: each costs every triangle's set-up
+layout(location = 1) out float v_v;
+layout(location = 2) flat out uint v_agent_material;  // agent in the low 20 bits, material above
+
+void main() {
+  uint agent = list[first + uint(gl_InstanceID)];
+  vec3 world;
+  vec3 normal;
+#ifdef CB_STATIC
+  AgentRecord record = agents[agent];
+  vec2 heading = record.heading_blend.xy;
+  world = record.position_scale.xyz + record.position_scale.w * turn(in_position.xyz, heading);
+  normal = turn(in_normal.xyz, heading);
+#else
+  uint base = uint(gl_InstanceID) * joints * 3u;
+  uvec4 at = base + in_joints * 3u;
+  vec4 w = in_weights;
+  vec4 row0 = w.x * palette[at.x] + w.y * palette[at.y] + w.z * palette[at.z] + w.w * palette[at.w];
+  vec4 row1 = w.x * palette[at.x + 1u] + w.y * palette[at.y + 1u] + w.z * palette[at.z + 1u] + w.w * palette[at.w + 1u];
+  vec4 row2 = w.x * palette[at.x + 2u] + w.y * palette[at.y + 2u] + w.z * palette[at.z + 2u] + w.w * palette[at.w + 2u];
+  vec4 p = vec4(in_position.xyz, 1.0);
+  world = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
+  normal = vec3(dot(row0.xyz, in_normal.xyz), dot(row1.xyz, in_normal.xyz), dot(row2.xyz, in_normal.xyz));
+#endif
+#ifdef CB_FEEDBACK
+  v_normal_u = vec4(world, 0.0);
+#else
+  v_normal_u = vec4(normal, in_uv.x);
+#endif
+  v_v = in_uv.y;
+  v_agent_material = agent | uint(in_position.w) << 20u;
+#ifdef CB_COLOURS
+  v_colour = in_colour.rgb;
+#endif
+#ifdef CB_EMISSIVE_UVS
+  v_emissive_uv = in_emissive_uv;
+#endif
+  gl_Position = frame.clip_from_world * vec4(world, 1.0);
+}

@@ -1,0 +1,195 @@
+// Based on: P. Sander, D. Nehab and J. Barczak, "Fast triangle reordering for vertex locality and reduced overdraw"
+// (2007), and T. Forsyth, "Linear-speed vertex cache optimisation" (2006), both as meshoptimizer implements them.
+#include "renderers/mesh/mesh_data.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace crowdbench::renderers {
+namespace {
+
+using ArrayKey = std::tuple<int, int, bool, bool, bool, bool, bool>;
+ArrayKey key_of(const scene::Texture& t) {
+  return {t.image.width, t.image.height, t.repeat_u, t.repeat_v, t.mirrored_u, t.mirrored_v, t.nearest};
+}
+
+// Array and layer of every image that a material uses as base colour or as emissive colour.
+struct Placed {
+  int array = -1;
+  int layer = 0;
+};
+std::vector<Placed> place_images(const scene::Character& character, std::vector<MeshTextureArray>& arrays) {
+  std::vector<Placed> placed(character.images.size());
+  std::map<ArrayKey, int> found;
+  const auto place = [&](int image) {
+    if (image < 0 || placed[static_cast<size_t>(image)].array >= 0) return;
+    const scene::Texture& texture = character.images[static_cast<size_t>(image)];
+    if (texture.image.empty()) return;
+    const auto [it, fresh] = found.try_emplace(key_of(texture), static_cast<int>(arrays.size()));
+    if (fresh) {
+      MeshTextureArray array;
+      array.width = texture.image.width;
+      array.height = texture.image.height;
+      array.sampling = texture;
+      array.sampling.image = {};
+      arrays.push_back(std::move(array));
+    }
+    auto& images = arrays[static_cast<size_t>(it->second)].images;
+    placed[static_cast<size_t>(image)] = {it->second, static_cast<int>(images.size())};
+    images.push_back(image);
+  };
+  for (const scene::Material& m : character.materials) {
+    place(m.base_colour_image);
+    place(m.emissive_image);
+  }
+  return placed;
+}
+
+void pack_weights(const glm::vec4& weights, uint16_t out[4]) {
+  int sum = 0;
+  int largest = 0;
+  int values[4];
+  for (int i = 0; i < 4; ++i) {
+    values[i] = static_cast<int>(std::lround(std::clamp(weights[i], 0.0F, 1.0F) * 65535.0F));
+    sum += values[i];
+    if (values[i] > values[largest]) largest = i;
+  }
+  values[largest] += 65535 - sum;
+  for (int i = 0; i < 4; ++i) out[i] = static_cast<uint16_t>(values[i]);
+}
+
+}  // namespace
+
+uint32_t pack_normal(const glm::vec3& normal) {
+  uint32_t packed = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto value = static_cast<int32_t>(std::lround(std::clamp(normal[i], -1.0F, 1.0F) * 511.0F));
+    packed |= (static_cast<uint32_t>(value) & 0x3ffU) << (10 * i);
+  }
+  return packed;
+}
+
+glm::vec3 unpack_normal(uint32_t packed) {
+  glm::vec3 normal;
+  for (int i = 0; i < 3; ++i) {
+    const auto field = static_cast<int32_t>((packed >> (10 * i)) & 0x3ffU);
+    const int32_t value = field >= 512 ? field - 1024 : field;
+    normal[i] = std::max(static_cast<float>(value) / 511.0F, -1.0F);
+  }
+  return normal;
+}
+
+MeshData make_mesh_data(const scene::Character& character) {
+  const scene::Mesh& mesh = character.mesh;
+  MeshData data;
+  const std::vector<Placed> placed = place_images(character, data.arrays);
+  const auto placed_of = [&](int image) { return image >= 0 ? placed[static_cast<size_t>(image)] : Placed{}; };
+  for (const scene::Material& m : character.materials) {
+    data.material_layer.push_back(placed_of(m.base_colour_image).layer);
+    data.material_emissive_layer.push_back(placed_of(m.emissive_image).layer);
+  }
+
+  // Which groups are needed: materials with images fix their arrays; those without join any group of their culling.
+  struct Want {
+    int base, emissive;
+    bool double_sided;
+    auto operator<=>(const Want&) const = default;
+  };
+  const auto want_of = [&](const scene::Primitive& p) {
+    const scene::Material& m = character.materials[static_cast<size_t>(p.material)];
+    return Want{placed_of(m.base_colour_image).array, placed_of(m.emissive_image).array, m.double_sided};
+  };
+  std::vector<Want> wants;
+  std::vector<std::vector<uint32_t>> group_indices;
+  const auto group_for = [&](const Want& want) {
+    for (size_t g = 0; g < wants.size(); ++g) {
+      Want& have = wants[g];
+      const bool base_fits = want.base < 0 || have.base < 0 || want.base == have.base;
+      const bool emissive_fits = want.emissive < 0 || have.emissive < 0 || want.emissive == have.emissive;
+      if (have.double_sided != want.double_sided || !base_fits || !emissive_fits) continue;
+      have.base = std::max(have.base, want.base);
+      have.emissive = std::max(have.emissive, want.emissive);
+      return g;
+    }
+    wants.push_back(want);
+    group_indices.emplace_back();
+    return wants.size() - 1;
+  };
+  std::vector<int> vertex_material(mesh.positions.size(), 0);
+  // A vertex shared by primitives of different materials would need two records; the loader never makes one, because a
+  // primitive has its own run of vertices.
+  for (const scene::Primitive& p : mesh.primitives) {
+    for (uint32_t v = 0; v < p.vertex_count; ++v) vertex_material[p.first_vertex + v] = p.material;
+    auto& indices = group_indices[group_for(want_of(p))];
+    for (uint32_t i = 0; i + 2 < p.index_count; i += 3) {
+      const uint32_t a = mesh.indices[p.first_index + i];
+      uint32_t b = mesh.indices[p.first_index + i + 1];
+      uint32_t c = mesh.indices[p.first_index + i + 2];
+      if (p.mirrored) std::swap(b, c);
+      indices.insert(indices.end(), {a, b, c});
+    }
+  }
+
+  for (size_t g = 0; g < group_indices.size(); ++g) {
+    std::vector<uint32_t>& indices = group_indices[g];
+    if (indices.empty()) continue;
+    meshopt_optimizeVertexCache(indices.data(), indices.data(), indices.size(), mesh.positions.size());
+    MeshGroup group;
+    group.first_index = static_cast<uint32_t>(data.indices.size());
+    group.index_count = static_cast<uint32_t>(indices.size());
+    group.base_array = wants[g].base;
+    group.emissive_array = wants[g].emissive;
+    group.double_sided = wants[g].double_sided;
+    data.groups.push_back(group);
+    data.indices.insert(data.indices.end(), indices.begin(), indices.end());
+  }
+
+  // Vertices in the order of first use; those that no triangle uses are dropped.
+  std::vector<unsigned> remap(mesh.positions.size());
+  const size_t used =
+      meshopt_optimizeVertexFetchRemap(remap.data(), data.indices.data(), data.indices.size(), mesh.positions.size());
+  meshopt_remapIndexBuffer(data.indices.data(), data.indices.data(), data.indices.size(), remap.data());
+  data.vertices.resize(used);
+  data.source_vertex.resize(used);
+  if (!mesh.colours.empty()) data.extras.colours.resize(used);
+  if (!mesh.emissive_uvs.empty()) data.extras.emissive_uvs.resize(used);
+  for (size_t source = 0; source < remap.size(); ++source) {
+    if (remap[source] == ~0U) continue;
+    const size_t to = remap[source];
+    data.source_vertex[to] = static_cast<uint32_t>(source);
+    MeshVertex& v = data.vertices[to];
+    for (int i = 0; i < 3; ++i) v.position[i] = mesh.positions[source][i];
+    v.material = static_cast<float>(vertex_material[source]);
+    v.normal = pack_normal(mesh.normals[source]);
+    v.uv[0] = mesh.uvs.empty() ? 0.0F : mesh.uvs[source].x;
+    v.uv[1] = mesh.uvs.empty() ? 0.0F : mesh.uvs[source].y;
+    for (int i = 0; i < 4; ++i) v.joints[i] = mesh.joints[source][i];
+    pack_weights(mesh.weights[source], v.weights);
+    if (!data.extras.colours.empty()) data.extras.colours[to] = mesh.colours[source];
+    if (!data.extras.emissive_uvs.empty()) data.extras.emissive_uvs[to] = mesh.emissive_uvs[source];
+  }
+  return data;
+}
+
+void bake_static_pose(MeshData& data, const scene::Character& character, const std::vector<scene::Mat3x4>& palette) {
+  const scene::Mesh& mesh = character.mesh;
+  for (size_t i = 0; i < data.vertices.size(); ++i) {
+    const size_t source = data.source_vertex[i];
+    glm::vec4 rows[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
+    for (int k = 0; k < scene::kInfluences; ++k)
+      for (int r = 0; r < 3; ++r) rows[r] += mesh.weights[source][k] * palette[mesh.joints[source][k]].rows[r];
+    glm::vec3 normal;
+    for (int r = 0; r < 3; ++r) {
+      data.vertices[i].position[r] = glm::dot(rows[r], glm::vec4(mesh.positions[source], 1.0F));
+      normal[r] = glm::dot(glm::vec3(rows[r]), mesh.normals[source]);
+    }
+    const float length = glm::length(normal);
+    data.vertices[i].normal = pack_normal(length > 0 ? normal / length : glm::vec3(0.0F, 1.0F, 0.0F));
+  }
+}
+
+}  // namespace crowdbench::renderers

@@ -1,0 +1,246 @@
+#include "renderers/representation.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+
+#include "core/error.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+constexpr size_t kMaxSpecLength = 4096;
+constexpr int kMaxSpecDepth = 4;
+
+const RepresentationType* find_type(const std::string& name, const std::vector<RepresentationType>& types) {
+  for (const RepresentationType& t : types)
+    if (t.name == name) return &t;
+  return nullptr;
+}
+
+const RepresentationType& require_type(const std::string& name, const std::vector<RepresentationType>& types) {
+  if (const RepresentationType* type = find_type(name, types)) return *type;
+  std::vector<std::string> names;
+  for (const RepresentationType& t : types) names.push_back(t.name);
+  const std::string near = nearest_name(name, names);
+  throw Error("--representation", fmt::format("there is no representation '{}'", printable(name)),
+              near.empty() ? "crowdbench info --representations lists them" : fmt::format("did you mean '{}'?", near));
+}
+
+const OptionDoc& floor_option() {
+  static const OptionDoc doc = {"floor", "0|1", "0",
+                                "1 draws the floor: the same draw with the work removed, for the efficiency figure"};
+  return doc;
+}
+
+const OptionDoc* find_option(const RepresentationType& type, const std::string& key) {
+  for (const OptionDoc& o : type.options)
+    if (o.key == key) return &o;
+  return key == floor_option().key ? &floor_option() : nullptr;
+}
+
+std::vector<std::string> option_keys(const RepresentationType& type) {
+  std::vector<std::string> keys;
+  for (const OptionDoc& o : type.options) keys.push_back(o.key);
+  if (std::find(keys.begin(), keys.end(), floor_option().key) == keys.end()) keys.push_back(floor_option().key);
+  return keys;
+}
+
+class Parser {
+ public:
+  Parser(const std::string& text, const std::vector<RepresentationType>& types) : text_(text), types_(types) {}
+
+  Spec parse() {
+    if (text_.size() > kMaxSpecLength) fail("it is too long");
+    Spec spec = parse_one(0);
+    if (at_ < text_.size()) fail(fmt::format("'{}' is left over", printable(text_.substr(at_))));
+    return spec;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& wrong) const {
+    throw Error(fmt::format("representation '{}'", printable(text_)), wrong,
+                "write name, name:key=value,... or hybrid(near,far,key=value,...)");
+  }
+
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  bool take(char c) {
+    if (peek() != c) return false;
+    ++at_;
+    return true;
+  }
+  // Up to the next character of the grammar.
+  std::string word() {
+    const size_t end = std::min(text_.find_first_of(":,=()", at_), text_.size());
+    std::string out = text_.substr(at_, end - at_);
+    at_ = end;
+    return out;
+  }
+  // Whether a key=value comes next.
+  bool option_ahead() const {
+    const size_t end = text_.find_first_of(":,=()", at_);
+    return end != std::string::npos && text_[end] == '=';
+  }
+  std::string key_ahead() const { return text_.substr(at_, text_.find('=', at_) - at_); }
+
+  void parse_option(Spec& spec, const RepresentationType& type) {
+    const std::string key = word();
+    if (key.empty() || !take('=')) fail(fmt::format("'{}' is no key=value", printable(key)));
+    const std::string value = word();
+    const std::string where = fmt::format("representation '{}'", type.name);
+    if (!find_option(type, key)) {
+      const std::string near = nearest_name(key, option_keys(type));
+      throw Error(
+          where, fmt::format("there is no option '{}'", printable(key)),
+          near.empty() ? "crowdbench info --representations lists them" : fmt::format("did you mean '{}'?", near));
+    }
+    if (value.empty()) throw Error(where, fmt::format("option '{}' has no value", key));
+    for (const auto& [k, v] : spec.options)
+      if (k == key) throw Error(where, fmt::format("option '{}' is given twice", key));
+    spec.options.emplace_back(key, value);
+  }
+
+  // One part inside brackets.
+  Spec parse_part(int depth) {
+    if (!take('(')) return parse_one(depth, true);
+    Spec part = parse_one(depth);
+    if (!take(')')) fail("a ')' is missing");
+    return part;
+  }
+
+  // `inside`: in another's brackets without brackets of its own, where a comma may end this spec.
+  Spec parse_one(int depth, bool inside = false) {
+    if (depth > kMaxSpecDepth) fail("the brackets go too deep");
+    Spec spec;
+    spec.name = word();
+    if (spec.name.empty()) fail("a name is missing");
+    const RepresentationType& type = require_type(spec.name, types_);
+    if (take('(')) {
+      do {
+        if (option_ahead())
+          parse_option(spec, type);
+        else if (!spec.options.empty())
+          fail("a part follows an option");
+        else
+          spec.parts.push_back(parse_part(depth + 1));
+      } while (take(','));
+      if (!take(')')) fail("a ')' is missing");
+    } else if (take(':')) {
+      parse_option(spec, type);
+      while (peek() == ',') {
+        if (inside) {
+          ++at_;
+          const bool mine = option_ahead() && find_option(type, key_ahead());
+          --at_;
+          if (!mine) break;
+        }
+        ++at_;
+        parse_option(spec, type);
+      }
+    }
+    if (spec.parts.size() != type.parts)
+      fail(type.parts == 0
+               ? fmt::format("'{}' takes no parts in brackets", type.name)
+               : fmt::format("'{}' takes {} parts in brackets, {} given", type.name, type.parts, spec.parts.size()));
+    return spec;
+  }
+
+  const std::string& text_;
+  const std::vector<RepresentationType>& types_;
+  size_t at_ = 0;
+};
+
+}  // namespace
+
+Spec parse_spec(const std::string& text) { return parse_spec(text, representation_types()); }
+
+Spec parse_spec(const std::string& text, const std::vector<RepresentationType>& types) {
+  return Parser(text, types).parse();
+}
+
+std::string canonical_text(const Spec& spec, const std::vector<RepresentationType>& types) {
+  const RepresentationType& type = require_type(spec.name, types);
+  std::vector<std::string> options;
+  for (const std::string& key : option_keys(type))
+    for (const auto& [k, value] : spec.options)
+      if (k == key && value != find_option(type, key)->default_value) options.push_back(key + "=" + value);
+  if (spec.parts.empty()) {
+    std::string out = spec.name;
+    for (size_t i = 0; i < options.size(); ++i) out += (i == 0 ? ":" : ",") + options[i];
+    return out;
+  }
+  std::string out = spec.name + "(";
+  for (size_t i = 0; i < spec.parts.size(); ++i) {
+    const std::string part = canonical_text(spec.parts[i], types);
+    // Brackets keep a part's options its own.
+    const bool brackets = part.find(':') != std::string::npos && spec.parts[i].parts.empty();
+    out += (i == 0 ? "" : ",") + (brackets ? "(" + part + ")" : part);
+  }
+  for (const std::string& o : options) out += "," + o;
+  return out + ")";
+}
+
+std::string Spec::text() const { return canonical_text(*this, representation_types()); }
+
+const RepresentationType& representation_type(const std::string& name) {
+  return require_type(name, representation_types());
+}
+
+std::unique_ptr<Representation> make_representation(const MakeContext& context, const Spec& spec) {
+  return representation_type(spec.name).make(context, spec);
+}
+
+OptionReader::OptionReader(const RepresentationType& type, const Spec& spec) : type_(type) {
+  for (const std::string& key : option_keys(type)) values_[key] = find_option(type, key)->default_value;
+  for (const auto& [key, value] : spec.options) values_[key] = value;
+}
+
+std::string OptionReader::text(const std::string& key) const {
+  const auto found = values_.find(key);
+  assert(found != values_.end());
+  return found->second;
+}
+
+namespace {
+[[noreturn]] void bad_value(const RepresentationType& type, const std::string& key, const std::string& value,
+                            const std::string& want) {
+  throw Error(fmt::format("representation '{}'", type.name),
+              fmt::format("option {}={} is no {}", key, printable(value), want));
+}
+}  // namespace
+
+size_t OptionReader::choice(const std::string& key, const std::vector<std::string>& words) const {
+  const std::string value = text(key);
+  const auto found = std::find(words.begin(), words.end(), value);
+  if (found != words.end()) return static_cast<size_t>(found - words.begin());
+  throw Error(fmt::format("representation '{}'", type_.name),
+              fmt::format("option {}={} is none of {}", key, printable(value), fmt::join(words, ", ")));
+}
+
+int64_t OptionReader::integer(const std::string& key, int64_t low, int64_t high) const {
+  const std::string value = text(key);
+  int64_t number = 0;
+  const auto [end, fault] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (fault != std::errc{} || end != value.data() + value.size() || number < low || number > high)
+    bad_value(type_, key, value, fmt::format("whole number from {} to {}", low, high));
+  return number;
+}
+
+double OptionReader::number(const std::string& key, double low, double high) const {
+  const std::string value = text(key);
+  double number = 0;
+  const auto [end, fault] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (fault != std::errc{} || end != value.data() + value.size() || !(number >= low && number <= high))
+    bad_value(type_, key, value, fmt::format("number from {} to {}", low, high));
+  return number;
+}
+
+bool OptionReader::flag(const std::string& key) const {
+  const std::string value = text(key);
+  if (value != "0" && value != "1") bad_value(type_, key, value, "flag: 0 or 1");
+  return value == "1";
+}
+
+}  // namespace crowdbench::renderers

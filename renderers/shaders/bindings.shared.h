@@ -1,0 +1,42 @@
+// Names of every binding, attribute and uniform that C++ and GLSL share; both include this file.
+#ifndef CROWDBENCH_BINDINGS_SHARED_H
+#define CROWDBENCH_BINDINGS_SHARED_H
+
+// Uniform blocks.
+#define CB_UNIFORM_FRAME 0  // FrameUniforms (frame.glsl, frame_resources.h)
+
+// Shader storage blocks 0 to 7 are common, 8 and above belong to a representation.
+#define CB_STORAGE_AGENTS 0     // AgentRecord[]: all agents of the frame, character after character
+#define CB_STORAGE_OUTFITS 1    // vec4[]: kParts colours an outfit
+#define CB_STORAGE_LIST 2       // uint[]: positions in AGENTS of the agents to draw
+#define CB_STORAGE_PALETTE 3    // vec4[]: posed joints of the listed agents, three rows a joint, list-major
+#define CB_STORAGE_POSE_BANK 4  // vec4[]: one character's bank, three rows a joint, sample-major
+#define CB_STORAGE_MATERIALS 8  // MaterialRecord[] of the character being drawn
+
+// Texture units.
+#define CB_TEXTURE_BASE_COLOUR 0
+#define CB_TEXTURE_EMISSIVE 1
+
+// Uniform locations.
+#define CB_LOCATION_FIRST 0   // uint: position in LIST (and in PALETTE) of the first instance
+#define CB_LOCATION_JOINTS 1  // uint: joints of the character
+#define CB_LOCATION_COUNT 2   // uint: agents to pose
+
+// Vertex attributes of the mesh.
+#define CB_ATTRIBUTE_POSITION 0  // vec3 position, w = the material's index
+#define CB_ATTRIBUTE_NORMAL 1
+#define CB_ATTRIBUTE_UV 2
+#define CB_ATTRIBUTE_JOINTS 3
+#define CB_ATTRIBUTE_WEIGHTS 4
+#define CB_ATTRIBUTE_COLOUR 5
+#define CB_ATTRIBUTE_EMISSIVE_UV 6
+
+// Body parts that an outfit colours (scene::kParts).
+#define CB_PARTS 16
+
+// MaterialRecord::flags.
+#define CB_MATERIAL_UNLIT 1u
+#define CB_MATERIAL_TEXTURE 2u
+#define CB_MATERIAL_EMISSIVE_TEXTURE 4u
+
+#endif

@@ -1,0 +1,18 @@
+// The one shading of every representation, so that a difference between two pictures is never a difference in shading.
+// Linear light throughout; the sRGB curve comes at the very end, in output_colour().
+#include "renderers/shaders/frame.glsl"
+
+layout(std430, binding = CB_STORAGE_OUTFITS) readonly restrict buffer Outfits { vec4 outfits[]; };
+
+// The outfit's colour factor for a body part; parts beyond CB_PARTS keep their own colour.
+vec3 outfit_colour(uint part, uint outfit) {
+  return part < uint(CB_PARTS) ? outfits[outfit * uint(CB_PARTS) + part].rgb : vec3(1.0);
+}
+
+// albedo: linear, before the outfit. normal: world axes, any length but zero. Returns linear light.
+vec3 shade(vec3 albedo, vec3 normal, uint part, uint outfit, bool unlit, vec3 emissive) {
+  vec3 base = albedo * outfit_colour(part, outfit);
+  if (unlit) return base;
+  float lambert = max(0.0, dot(normal, frame.light_direction.xyz) * inversesqrt(max(dot(normal, normal), 1e-30)));
+  return base * (frame.light.x + frame.light.y * lambert) + emissive;
+}

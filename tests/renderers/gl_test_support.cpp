@@ -1,0 +1,150 @@
+#include "gl_test_support.h"
+
+#include <cmath>
+
+#include "core/portable_math.h"
+
+namespace crowdbench::renderers::testing {
+namespace {
+
+// A material, a mesh vertex by vertex; every quad is two triangles, counter-clockwise from outside.
+struct Builder {
+  scene::Character character;
+
+  void vertex(const glm::vec3& p, const glm::vec3& n, uint16_t joint) {
+    scene::Mesh& m = character.mesh;
+    m.positions.push_back(p);
+    m.normals.push_back(n);
+    m.uvs.emplace_back(0.0F);
+    m.joints.emplace_back(joint, 0, 0, 0);
+    m.weights.emplace_back(1.0F, 0.0F, 0.0F, 0.0F);
+  }
+  void quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d, uint16_t joint) {
+    const glm::vec3 n = glm::normalize(glm::cross(b - a, d - a));
+    const auto first = static_cast<uint32_t>(character.mesh.positions.size());
+    for (const glm::vec3& p : {a, b, c, d}) vertex(p, n, joint);
+    for (const uint32_t i : {0U, 1U, 2U, 0U, 2U, 3U}) character.mesh.indices.push_back(first + i);
+  }
+  void box(const glm::vec3& low, const glm::vec3& high, uint16_t joint) {
+    const auto corner = [&](int x, int y, int z) {
+      return glm::vec3(x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z);
+    };
+    quad(corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1), joint);
+    quad(corner(1, 0, 0), corner(0, 0, 0), corner(0, 1, 0), corner(1, 1, 0), joint);
+    quad(corner(1, 0, 1), corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), joint);
+    quad(corner(0, 0, 0), corner(0, 0, 1), corner(0, 1, 1), corner(0, 1, 0), joint);
+    quad(corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0), corner(0, 1, 0), joint);
+    quad(corner(0, 0, 0), corner(1, 0, 0), corner(1, 0, 1), corner(0, 0, 1), joint);
+  }
+  void joint(const std::string& name, int parent, const glm::dvec3& translation, const glm::dvec3& bind_origin) {
+    scene::Node node;
+    node.name = name;
+    node.parent = parent;
+    node.translation = translation;
+    scene::Joint entry;
+    entry.name = name;
+    entry.node = static_cast<int>(character.skeleton.nodes.size());
+    entry.inverse_bind[3] = glm::dvec4(-bind_origin, 1.0);
+    character.skeleton.nodes.push_back(node);
+    character.skeleton.joints.push_back(entry);
+    character.skeleton.root_node = 0;
+  }
+  scene::Character finish(const glm::vec4& colour) {
+    scene::Material material;
+    material.base_colour = colour;
+    character.materials.push_back(material);
+    scene::Primitive primitive;
+    primitive.index_count = static_cast<uint32_t>(character.mesh.indices.size());
+    primitive.vertex_count = static_cast<uint32_t>(character.mesh.positions.size());
+    character.mesh.primitives.push_back(primitive);
+    character.motion.resize(character.clips.size());
+    character.content_hash = character.name;
+    return std::move(character);
+  }
+};
+
+}  // namespace
+
+gl::Context& context() {
+  static gl::Context one(gl::ContextOptions{.device = {}, .debug = true});
+  return one;
+}
+
+void GlTest::SetUp() {
+  context().make_current();
+  context().take_debug_messages();
+}
+
+void GlTest::TearDown() {
+  for (const std::string& message : context().take_debug_messages()) ADD_FAILURE() << "OpenGL: " << message;
+}
+
+scene::Character card(float width, float height, const glm::vec4& colour) {
+  Builder b;
+  b.character.name = "card";
+  b.joint("root", -1, {}, {});
+  b.quad({-width / 2, 0, 0}, {width / 2, 0, 0}, {width / 2, height, 0}, {-width / 2, height, 0}, 0);
+  return b.finish(colour);
+}
+
+scene::Character two_bones() {
+  Builder b;
+  b.character.name = "two_bones";
+  b.joint("lower", -1, {}, {});
+  b.joint("upper", 0, {0, 1, 0}, {0, 1, 0});
+  b.box({-0.1F, 0, -0.1F}, {0.1F, 1, 0.1F}, 0);
+  b.box({-0.1F, 1, -0.1F}, {0.1F, 1.8F, 0.1F}, 1);
+  scene::Clip clip;
+  clip.name = "bend";
+  clip.start = 0;
+  clip.end = 1;
+  scene::Channel channel;
+  channel.node = 1;
+  channel.target = scene::Target::rotation;
+  const double s = std::sqrt(0.5);
+  channel.times = {0.0, 0.5, 1.0};
+  channel.values = {0, 0, 0, 1, s, 0, 0, s, 0, 0, 0, 1};
+  clip.channels.push_back(channel);
+  b.character.clips.push_back(clip);
+  return b.finish(glm::vec4(1.0F));
+}
+
+scene::Cast cast_of(scene::Character character, double rate) {
+  scene::Cast cast;
+  auto shared = std::make_shared<const scene::Character>(std::move(character));
+  const std::vector<int> clips = shared->clips.empty() ? std::vector<int>{-1} : std::vector<int>{0};
+  cast.banks.push_back(std::make_shared<const scene::PoseBank>(*shared, clips, rate));
+  cast.characters.push_back(std::move(shared));
+  cast.shares.push_back(1.0);
+  return cast;
+}
+
+scene::Frame frame_of_one(double distance, double eye_height, int width, int height, double fov_y_deg) {
+  scene::Frame frame;
+  frame.camera.eye = {0, eye_height, distance};
+  frame.camera.target = {0, eye_height, 0};
+  frame.camera.fov_y = fov_y_deg * 3.14159265358979323846 / 180.0;
+  frame.origin = frame.camera.eye;
+  frame.width = width;
+  frame.height = height;
+  scene::Outfit white;
+  for (glm::vec4& c : white.colours) c = glm::vec4(1.0F);
+  frame.outfits.push_back(white);
+  frame.agents.resize(1);
+  return frame;
+}
+
+void add_agent(scene::Frame& frame, const scene::Cast& cast, const glm::dvec3& place, uint32_t id, double phase,
+               float heading_turns, float scale) {
+  scene::FrameAgent agent;
+  agent.position = glm::vec3(place - frame.origin);
+  agent.scale = scale;
+  const SinCos heading = sincos_turns(heading_turns);
+  agent.heading = {static_cast<float>(heading.sin), static_cast<float>(heading.cos)};
+  agent.pose = cast.banks[0]->sample(0, phase);
+  agent.phase = static_cast<float>(phase);
+  agent.id = id;
+  frame.agents[0].push_back(agent);
+}
+
+}  // namespace crowdbench::renderers::testing

@@ -1,0 +1,38 @@
+// What the OpenGL tests share: one debug context for the whole program, and small characters made by hand.
+#pragma once
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "renderers/capture.h"
+#include "renderers/gl/context.h"
+#include "renderers/representation.h"
+
+namespace crowdbench::renderers::testing {
+
+// The program's context; made at first use. Every error that the driver reports fails the test in which it happens.
+gl::Context& context();
+
+// A fixture that fails on any message of the driver.
+class GlTest : public ::testing::Test {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+};
+
+// A card of width x height metres in the plane z = 0, its lower edge's middle at the origin, facing +Z, one joint.
+scene::Character card(float width, float height, const glm::vec4& colour = glm::vec4(1.0F));
+
+// Two boxes on two joints, one on the other; the upper joint turns about X by a quarter turn in clip "bend" (one
+// second).
+scene::Character two_bones();
+
+// A cast of one character with the bank of its first clip (or its bind pose).
+scene::Cast cast_of(scene::Character character, double rate = 30.0);
+
+// A frame looking along -Z from (0, eye_height, distance): one agent at the origin.
+scene::Frame frame_of_one(double distance, double eye_height, int width, int height, double fov_y_deg = 40.0);
+void add_agent(scene::Frame& frame, const scene::Cast& cast, const glm::dvec3& place, uint32_t id, double phase = 0.0,
+               float heading_turns = 0.0F, float scale = 1.0F);
+
+}  // namespace crowdbench::renderers::testing
