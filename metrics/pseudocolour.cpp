@@ -1,0 +1,138 @@
+// Based on: B. Ottosson, "A perceptual color space for image processing" (OKLab), 2020, for the spacing of the colours.
+#include "metrics/pseudocolour.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "core/colour.h"
+#include "metrics/mat.h"
+#include "metrics/sizes.h"
+
+namespace crowdbench::metrics {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+Triple oklab_of(const Triple& srgb8) {
+  Triple linear{};
+  for (size_t c = 0; c < 3; ++c) linear[c] = srgb_to_linear(srgb8[c] / 255);
+  const auto [r, g, b] = linear;
+  const double l = std::cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
+  const double m = std::cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
+  const double s = std::cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
+  return {0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+          1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+          0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
+}
+
+std::array<uint8_t, 3> srgb_of(const Triple& lab) {
+  const double l = std::pow(lab[0] + 0.3963377774 * lab[1] + 0.2158037573 * lab[2], 3);
+  const double m = std::pow(lab[0] - 0.1055613458 * lab[1] - 0.0638541728 * lab[2], 3);
+  const double s = std::pow(lab[0] - 0.0894841775 * lab[1] - 1.2914855480 * lab[2], 3);
+  return {linear_to_srgb8(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+          linear_to_srgb8(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+          linear_to_srgb8(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
+}
+
+double distance(const Triple& a, const Triple& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+// A polyline through OKLab, walked at constant speed.
+std::array<std::array<uint8_t, 3>, 256> make_colours() {
+  constexpr std::array<Triple, 6> kStops = {
+      {{2, 4, 70}, {34, 10, 165}, {104, 16, 196}, {176, 20, 178}, {226, 26, 116}, {255, 18, 10}}};
+  std::array<Triple, kStops.size()> lab{};
+  std::array<double, kStops.size()> along{};
+  for (size_t i = 0; i < kStops.size(); ++i) {
+    lab[i] = oklab_of(kStops[i]);
+    along[i] = i == 0 ? 0 : along[i - 1] + distance(lab[i - 1], lab[i]);
+  }
+  std::array<std::array<uint8_t, 3>, 256> colours{};
+  size_t leg = 0;
+  for (size_t i = 0; i < colours.size(); ++i) {
+    const double at = along.back() * static_cast<double>(i) / 255;
+    while (leg + 2 < kStops.size() && at > along[leg + 1]) ++leg;
+    const double t = (at - along[leg]) / (along[leg + 1] - along[leg]);
+    Triple mixed{};
+    for (size_t c = 0; c < 3; ++c) mixed[c] = lab[leg][c] + t * (lab[leg + 1][c] - lab[leg][c]);
+    colours[i] = srgb_of(mixed);
+  }
+  return colours;
+}
+
+template <typename T>
+Image8 error_levels_of(const Image<T>& a, const Image<T>& b) {
+  require_same_size(a, b);
+  constexpr int kWhole = 3 * (std::numeric_limits<T>::max() / 255);
+  const auto a1 = static_cast<size_t>(a.channels >= 3 ? 1 : 0);
+  const auto b1 = static_cast<size_t>(b.channels >= 3 ? 1 : 0);
+  Image8 out(a.width, a.height, 1);
+  const T* p = a.data.data();
+  const T* q = b.data.data();
+  for (size_t i = 0; i < out.data.size(); ++i, p += a.channels, q += b.channels) {
+    const int sum =
+        std::abs(int{p[0]} - int{q[0]}) + std::abs(int{p[a1]} - int{q[b1]}) + std::abs(int{p[2 * a1]} - int{q[2 * b1]});
+    out.data[i] = static_cast<uint8_t>((sum + kWhole / 2) / kWhole);
+  }
+  return out;
+}
+
+}  // namespace
+
+const std::array<std::array<uint8_t, 3>, 256>& error_colours() {
+  static const auto colours = make_colours();
+  return colours;
+}
+
+Image8 error_levels(const Image8& a, const Image8& b) { return error_levels_of(a, b); }
+Image8 error_levels(const Image16& a, const Image16& b) { return error_levels_of(a, b); }
+
+Image8 pseudocolour(const Image8& levels) {
+  const auto& colours = error_colours();
+  Image8 out(levels.width, levels.height, 3);
+  for (size_t i = 0; i < levels.data.size(); ++i)
+    std::copy_n(colours[levels.data[i]].begin(), 3, out.data.begin() + static_cast<ptrdiff_t>(3 * i));
+  return out;
+}
+
+Image8 with_colour_bar(const Image8& picture, const std::string& caption) {
+  constexpr int kNarrowest = 360;
+  const double scale = std::max(1.0, std::min(picture.width, picture.height * 2) / 960.0);
+  const auto scaled = [&](double pixels) { return static_cast<int>(std::lround(pixels * scale)); };
+  const int width = std::max(picture.width, scaled(kNarrowest));
+  const int bar_top = picture.height + scaled(10);
+  const int bar_height = scaled(14);
+  const int bar_left = scaled(20);
+  const int bar_width = width - 2 * bar_left;
+  Image8 out(width, picture.height + scaled(66), 3);
+  std::fill(out.data.begin(), out.data.end(), uint8_t{255});
+  const int left = (width - picture.width) / 2;
+  for (int y = 0; y < picture.height; ++y)
+    std::copy_n(picture.at(0, y), static_cast<size_t>(picture.width) * 3, out.at(left, y));
+
+  const auto& colours = error_colours();
+  for (int x = 0; x < bar_width; ++x) {
+    const auto level = static_cast<size_t>(std::lround(255.0 * x / (bar_width - 1)));
+    for (int y = 0; y < bar_height; ++y) std::copy_n(colours[level].begin(), 3, out.at(bar_left + x, bar_top + y));
+  }
+  cv::Mat canvas = view(out);
+  const cv::Scalar ink(40, 40, 40);
+  const int thickness = std::max(1, scaled(1));
+  const auto text = [&](const std::string& words, int centre, int baseline, double size) {
+    int below = 0;
+    const cv::Size extent = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size * scale, thickness, &below);
+    cv::putText(canvas, words, {centre - extent.width / 2, baseline}, cv::FONT_HERSHEY_SIMPLEX, size * scale, ink,
+                thickness, cv::LINE_AA);
+  };
+  for (const int level : {0, 64, 128, 191, 255}) {
+    const int x = bar_left + static_cast<int>(std::lround(level / 255.0 * (bar_width - 1)));
+    cv::line(canvas, {x, bar_top + bar_height}, {x, bar_top + bar_height + scaled(4)}, ink, thickness);
+    text(std::to_string(level), x, bar_top + bar_height + scaled(17), 0.4);
+  }
+  text(caption, width / 2, bar_top + bar_height + scaled(34), 0.4);
+  return out;
+}
+
+}  // namespace crowdbench::metrics

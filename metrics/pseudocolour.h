@@ -1,0 +1,27 @@
+// The error picture: dark blue where two pictures are equal, red where they differ as much as they can.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "metrics/difference.h"
+
+namespace crowdbench::metrics {
+
+// 256 sRGB colours from dark blue (0) over violet to red (255). Lightness rises all the way and neighbours are equally
+// far apart in OKLab, so that a larger error never looks like a smaller one, in print and to colour-blind readers too.
+const std::array<std::array<uint8_t, 3>, 256>& error_colours();
+
+// The mean of |a - b| over R, G and B, rounded: one channel. Its mean is the MAE up to rounding. Throws Error when the
+// sizes differ.
+Image8 error_levels(const Image8& a, const Image8& b);
+Image8 error_levels(const Image16& a, const Image16& b);
+
+// One channel of 0..255 through error_colours(): RGB, same size.
+Image8 pseudocolour(const Image8& levels);
+
+// `picture` (RGB) with the colour bar below it, its ends and quarters labelled in code values and `caption` beneath. At
+// least 360 pixels wide: a narrow picture is centred on white. Larger pictures get a larger bar.
+Image8 with_colour_bar(const Image8& picture, const std::string& caption);
+
+}  // namespace crowdbench::metrics

@@ -1,0 +1,139 @@
+#include "metrics/silhouette.h"
+
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "core/statistics.h"
+#include "metrics/mat.h"
+#include "metrics/sizes.h"
+#include "metrics/ssim.h"
+
+namespace crowdbench::metrics {
+namespace {
+
+// 0 on the boundary and 255 elsewhere, as the distance transform wants it; `count` becomes the boundary's pixels.
+Image8 boundary_of(const Mask& mask, size_t& count) {
+  Image8 out(mask.width, mask.height, 1);
+  count = 0;
+  const auto outside = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < mask.width && y < mask.height && *mask.at(x, y) == 0;
+  };
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      const bool boundary =
+          *mask.at(x, y) != 0 && (outside(x - 1, y) || outside(x + 1, y) || outside(x, y - 1) || outside(x, y + 1));
+      *out.at(x, y) = boundary ? 0 : 255;
+      count += boundary ? 1 : 0;
+    }
+  }
+  return out;
+}
+
+// Appends the distance to the nearest boundary pixel of `to`, for every boundary pixel of `from`.
+void append_distances(const Image8& from, const Image8& to, std::vector<double>& distances) {
+  Image<float> distance(to.width, to.height, 1);
+  cv::Mat out = view(distance);
+  cv::distanceTransform(view(to), out, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
+  for (size_t i = 0; i < from.data.size(); ++i)
+    if (from.data[i] == 0)
+      distances.push_back(out.at<float>(static_cast<int>(i / static_cast<size_t>(from.width)),
+                                        static_cast<int>(i % static_cast<size_t>(from.width))));
+}
+
+}  // namespace
+
+Mask mask_of(const ImageU32& ids) {
+  Mask mask(ids.width, ids.height, 1);
+  for (size_t i = 0; i < mask.data.size(); ++i)
+    mask.data[i] = ids.data[i * static_cast<size_t>(ids.channels)] ? 255 : 0;
+  return mask;
+}
+
+Mask union_of(const Mask& a, const Mask& b) {
+  require_same_size(a, b);
+  Mask out(a.width, a.height, 1);
+  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = (a.data[i] | b.data[i]) != 0 ? 255 : 0;
+  return out;
+}
+
+std::optional<double> silhouette_iou(const Mask& a, const Mask& b) {
+  require_same_size(a, b);
+  size_t both = 0;
+  size_t either = 0;
+  for (size_t i = 0; i < a.data.size(); ++i) {
+    both += a.data[i] != 0 && b.data[i] != 0 ? 1 : 0;
+    either += a.data[i] != 0 || b.data[i] != 0 ? 1 : 0;
+  }
+  if (either == 0) return std::nullopt;
+  return static_cast<double>(both) / static_cast<double>(either);
+}
+
+std::optional<BoundaryDistance> boundary_distance(const Mask& a, const Mask& b) {
+  require_same_size(a, b);
+  size_t count_a = 0;
+  size_t count_b = 0;
+  const Image8 boundary_a = boundary_of(a, count_a);
+  const Image8 boundary_b = boundary_of(b, count_b);
+  if (count_a == 0 || count_b == 0) return std::nullopt;
+  std::vector<double> distances;
+  distances.reserve(count_a + count_b);
+  append_distances(boundary_a, boundary_b, distances);
+  append_distances(boundary_b, boundary_a, distances);
+  double sum = 0;
+  for (const double d : distances) sum += d;
+  return BoundaryDistance{sum / static_cast<double>(distances.size()), quantile(distances, 0.95)};
+}
+
+std::optional<Box> crop_box(const Mask& a, const Mask& b, int margin) {
+  require_same_size(a, b);
+  int left = a.width;
+  int right = -1;
+  int top = a.height;
+  int bottom = -1;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      if (*a.at(x, y) == 0 && *b.at(x, y) == 0) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = y;
+    }
+  }
+  if (right < 0) return std::nullopt;
+  left = std::max(left - margin, 0);
+  top = std::max(top - margin, 0);
+  right = std::min(right + margin, a.width - 1);
+  bottom = std::min(bottom + margin, a.height - 1);
+  return Box{left, top, right - left + 1, bottom - top + 1};
+}
+
+FigureScores score_figure(const Image8& reference, const Image8& test, const Mask& reference_mask,
+                          const Mask& test_mask) {
+  require_same_size(reference, test);
+  require_same_size(reference, reference_mask);
+  FigureScores out;
+  out.silhouette_iou = silhouette_iou(reference_mask, test_mask);
+  out.boundary = boundary_distance(reference_mask, test_mask);
+  const auto box = crop_box(reference_mask, test_mask);
+  if (!box) return out;
+  const Mask either = union_of(reference_mask, test_mask);
+  const auto inside = difference(reference, test, &either);
+  out.psnr = inside->psnr;
+  out.mae = inside->mae;
+  const auto similarity = ssim(luma601(crop(reference, *box)), luma601(crop(test, *box)));
+  if (!similarity) return out;
+  out.ssim = similarity->mean;
+  double sum = 0;
+  size_t count = 0;
+  for (int y = 0; y < similarity->map.height; ++y) {
+    for (int x = 0; x < similarity->map.width; ++x) {
+      if (*either.at(box->x + x + kSsimRadius, box->y + y + kSsimRadius) == 0) continue;
+      sum += *similarity->map.at(x, y);
+      ++count;
+    }
+  }
+  if (count > 0) out.ssim_union = sum / static_cast<double>(count);
+  return out;
+}
+
+}  // namespace crowdbench::metrics

@@ -1,0 +1,42 @@
+// Structural similarity with its map, and over five scales.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "metrics/difference.h"
+
+namespace crowdbench::metrics {
+
+constexpr int kSsimWindow = 11;
+constexpr int kSsimRadius = kSsimWindow / 2;
+constexpr int kMsSsimSmallest = 176;
+
+// SSIM of Wang et al. 2004. With mu the means, s the (population) variances and covariance under an 11 x 11 Gaussian
+// window of sigma 1.5:
+//   SSIM = (2 mu_a mu_b + C1) (2 s_ab + C2) / ((mu_a^2 + mu_b^2 + C1) (s_a + s_b + C2)),
+//   C1 = (0.01 * 255)^2, C2 = (0.03 * 255)^2.
+struct Ssim {
+  double mean = 0;      // of the map; 1 = equal, lower is worse, -1 the least possible
+  double contrast = 0;  // mean of the second factor alone, (2 s_ab + C2) / (s_a + s_b + C2)
+  // One value a window that lies wholly inside: (width - 10) x (height - 10). Element (x, y) belongs to the pixel
+  // (x + 5, y + 5).
+  Plane map;
+};
+// a, b: luma601() of the pictures (or any planes of 0..255). Nothing when a side is below 11 pixels: the window does
+// not fit, and no smaller one is put in its place. Throws Error when the sizes differ.
+std::optional<Ssim> ssim(const Plane& a, const Plane& b);
+
+// MS-SSIM of Wang, Simoncelli and Bovik 2003: the contrast terms of scales 1..4 and the SSIM of scale 5, each to its
+// power (0.0448, 0.2856, 0.3001, 0.2363, 0.1333), multiplied. A scale is halved by the mean of 2 x 2 pixels (the last
+// row or column of an odd size counts twice). 1 = equal, 0 the least. Nothing when a side is below 176 pixels.
+// first: ssim(a, b), where the caller has it already.
+std::optional<double> ms_ssim(const Plane& a, const Plane& b, const Ssim* first = nullptr);
+
+// GMSD of Xue et al. 2014: the standard deviation (N - 1) of the similarity of gradient magnitudes, on luma halved by
+// the mean of 2 x 2 pixels. 0 = equal, higher is worse. Defined for every size; pictures of one pixel or two give 0.
+double gmsd(const Plane& a, const Plane& b);
+
+// The map as a grey picture of its own size: 255 = equal, 0 = no or inverted similarity.
+Image8 ssim_picture(const Ssim& ssim);
+
+}  // namespace crowdbench::metrics

@@ -1,0 +1,409 @@
+// Each metric: identity, and an image small enough to work out by hand. Outside oracles: ground_truth_test.cpp.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <vector>
+
+#include "core/colour.h"
+#include "core/error.h"
+#include "core/random.h"
+#include "metrics/agents.h"
+#include "metrics/difference.h"
+#include "metrics/pseudocolour.h"
+#include "metrics/silhouette.h"
+#include "metrics/ssim.h"
+#include "metrics/temporal.h"
+
+namespace crowdbench::metrics {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+template <typename T>
+Image<T> image(int width, int height, int channels, std::vector<T> data) {
+  Image<T> out(width, height, channels);
+  EXPECT_EQ(out.data.size(), data.size());
+  out.data = std::move(data);
+  return out;
+}
+
+Image8 noise(int width, int height, int channels, uint64_t seed) {
+  Image8 out(width, height, channels);
+  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = static_cast<uint8_t>(random_below(seed, i, 1, 256));
+  return out;
+}
+
+// A filled rectangle.
+Mask rectangle(int width, int height, int x, int y, int w, int h) {
+  Mask mask(width, height, 1);
+  for (int j = y; j < y + h; ++j)
+    for (int i = x; i < x + w; ++i) *mask.at(i, j) = 255;
+  return mask;
+}
+
+TEST(Difference, IdenticalPicturesHaveNoneAndInfinitePsnr) {
+  const Image8 a = noise(13, 7, 3, 1);
+  const auto d = difference(a, a);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->pixels, 91U);
+  EXPECT_EQ(d->mae, 0);
+  EXPECT_EQ(d->mse, 0);
+  EXPECT_EQ(d->psnr, kInfinity);
+  EXPECT_EQ(d->worst, 0);
+}
+
+TEST(Difference, TwoPixelsByHand) {
+  // Differences 3, 0, 0 and 0, 1, 9: sum 13, squares 91, over 6 samples.
+  const Image8 a = image<uint8_t>(2, 1, 3, {10, 20, 30, 40, 50, 60});
+  const Image8 b = image<uint8_t>(2, 1, 3, {13, 20, 30, 40, 49, 51});
+  const auto d = difference(a, b);
+  EXPECT_DOUBLE_EQ(d->mae, 13.0 / 6);
+  EXPECT_DOUBLE_EQ(d->mse, 91.0 / 6);
+  EXPECT_DOUBLE_EQ(d->psnr, 10 * std::log10(65025.0 / (91.0 / 6)));
+  EXPECT_EQ(d->worst, 9);
+  EXPECT_EQ(d->worst_x, 1);
+  EXPECT_EQ(d->worst_y, 0);
+  EXPECT_EQ(absolute_difference(a, b), (image<uint8_t>(2, 1, 3, {3, 0, 0, 0, 1, 9})));
+  EXPECT_EQ(error_levels(a, b), (image<uint8_t>(2, 1, 1, {1, 3})));  // 3/3 and 10/3
+  const Mask second = image<uint8_t>(2, 1, 1, {0, 1});
+  EXPECT_DOUBLE_EQ(difference(a, b, &second)->mae, 10.0 / 3);
+  const Mask none(2, 1, 1);
+  EXPECT_FALSE(difference(a, b, &none));
+}
+
+TEST(Difference, BlackAgainstWhiteIsTheMost) {
+  Image8 white(4, 4, 3);
+  std::fill(white.data.begin(), white.data.end(), uint8_t{255});
+  const auto d = difference(Image8(4, 4, 3), white);
+  EXPECT_EQ(d->mae, 255);
+  EXPECT_EQ(d->mse, 65025);
+  EXPECT_EQ(d->psnr, 0);
+}
+
+TEST(Difference, GreyIsRepeatedAndAlphaIsIgnored) {
+  const Image8 grey = image<uint8_t>(1, 1, 1, {100});
+  const Image8 rgba = image<uint8_t>(1, 1, 4, {101, 102, 103, 7});
+  EXPECT_DOUBLE_EQ(difference(grey, rgba)->mae, 2);
+  EXPECT_EQ(absolute_difference(rgba, grey), (image<uint8_t>(1, 1, 3, {1, 2, 3})));
+}
+
+TEST(Difference, SixteenBitsAreScaledUnrounded) {
+  const Image16 a = image<uint16_t>(1, 1, 1, {1000});
+  const Image16 b = image<uint16_t>(1, 1, 1, {1001});
+  EXPECT_DOUBLE_EQ(difference(a, b)->mae, 1 / 257.0);
+  EXPECT_DOUBLE_EQ(difference(a, b)->mse, 1 / (257.0 * 257.0));
+  EXPECT_DOUBLE_EQ(luma601(a).data[0], 1000 / 257.0);
+  EXPECT_EQ(absolute_difference(a, image<uint16_t>(1, 1, 1, {1000 + 2 * 257 + 129})).data[0], 3);
+  EXPECT_EQ(widen(image<uint8_t>(1, 1, 1, {200})).data[0], 51400);
+}
+
+TEST(Difference, SizesMustAgree) {
+  EXPECT_THROW(difference(Image8(2, 3, 3), Image8(3, 2, 3)), Error);
+  EXPECT_THROW(ssim(Plane(20, 20, 1), Plane(20, 21, 1)), Error);
+  EXPECT_THROW(gmsd(Plane(20, 20, 1), Plane(20, 21, 1)), Error);
+  EXPECT_THROW(silhouette_iou(Mask(2, 2, 1), Mask(2, 3, 1)), Error);
+  EXPECT_THROW(score_agents(Image8(2, 2, 3), Image8(2, 2, 3), ImageU32(2, 2, 1), ImageU32(2, 1, 1)), Error);
+}
+
+TEST(Difference, LinearErrorsOfFloats) {
+  const ImageF a = image<float>(2, 1, 1, {1, 2});
+  const ImageF b = image<float>(2, 1, 1, {4, -2});
+  EXPECT_DOUBLE_EQ(linear_difference(a, b).mae, 3.5);
+  EXPECT_DOUBLE_EQ(linear_difference(a, b).rms, std::sqrt(12.5));
+  const float inf = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(linear_difference(image<float>(2, 1, 1, {inf, 1}), image<float>(2, 1, 1, {inf, 1})).mae, 0);
+  EXPECT_EQ(linear_difference(image<float>(2, 1, 1, {inf, 1}), image<float>(2, 1, 1, {5, 1})).mae, kInfinity);
+}
+
+TEST(Over, IsSourceOverOnEncodedValues) {
+  // Alpha 128/255 over 100: (200 * 128 + 100 * 127) / 255 = 150.196; 0 gives 49.804, 255 gives 177.804. Rounded down.
+  const Image8 a = image<uint8_t>(3, 1, 4, {200, 0, 255, 128, 9, 9, 9, 0, 1, 2, 3, 255});
+  EXPECT_EQ(over(a, {100, 100, 100}), (image<uint8_t>(3, 1, 3, {150, 49, 177, 100, 100, 100, 1, 2, 3})));
+  EXPECT_EQ(over(image<uint8_t>(1, 1, 1, {77}), {1, 2, 3}), (image<uint8_t>(1, 1, 3, {77, 77, 77})));
+  // Sixteen bits at the same point: 51400 * 32896 + 25700 * 32639 over 65535 * 257.
+  EXPECT_EQ(over(image<uint16_t>(1, 1, 4, {51400, 0, 65535, 32896}), {100, 100, 100}),
+            (image<uint8_t>(1, 1, 3, {150, 49, 177})));
+}
+
+TEST(Ssim, IdenticalPicturesScoreOne) {
+  const Plane a = luma601(noise(31, 23, 3, 4));
+  const auto s = ssim(a, a);
+  ASSERT_TRUE(s);
+  EXPECT_NEAR(s->mean, 1, 1e-12);
+  EXPECT_NEAR(s->contrast, 1, 1e-12);
+  EXPECT_EQ(s->map.width, 21);
+  EXPECT_EQ(s->map.height, 13);
+  EXPECT_EQ(ssim_picture(*s).data, std::vector<uint8_t>(21 * 13, 255));
+}
+
+TEST(Ssim, TwoFlatPicturesByHand) {
+  // No variance: only the means count, (2 * 100 * 150 + C1) / (100^2 + 150^2 + C1), C1 = 6.5025.
+  Plane a(11, 11, 1);
+  Plane b(11, 11, 1);
+  std::fill(a.data.begin(), a.data.end(), 100.0);
+  std::fill(b.data.begin(), b.data.end(), 150.0);
+  const auto s = ssim(a, b);
+  ASSERT_TRUE(s);
+  EXPECT_EQ(s->map.pixels(), 1U);
+  EXPECT_NEAR(s->mean, (30000 + 6.5025) / (32500 + 6.5025), 1e-9);
+  EXPECT_NEAR(s->contrast, 1, 1e-9);
+}
+
+TEST(Ssim, OnePointInTheWindowByHand) {
+  // a is 0 but for one pixel of value v at the window's centre, whose weight is w; b = 0. Then mu_a = w v,
+  // s_a = w v^2 - (w v)^2, all else 0.
+  double norm = 0;
+  for (int y = -5; y <= 5; ++y)
+    for (int x = -5; x <= 5; ++x) norm += std::exp(-(x * x + y * y) / 4.5);
+  const double v = 255;
+  const double mu = v / norm;
+  const double variance = v * v / norm - mu * mu;
+  Plane a(11, 11, 1);
+  *a.at(5, 5) = v;
+  const auto s = ssim(a, Plane(11, 11, 1));
+  EXPECT_NEAR(s->mean, 6.5025 / (mu * mu + 6.5025) * 58.5225 / (variance + 58.5225), 1e-12);
+}
+
+TEST(Ssim, DoesNotExistBelowElevenPixels) {
+  EXPECT_FALSE(ssim(Plane(10, 40, 1), Plane(10, 40, 1)));
+  EXPECT_FALSE(ssim(Plane(40, 10, 1), Plane(40, 10, 1)));
+  EXPECT_TRUE(ssim(Plane(11, 11, 1), Plane(11, 11, 1)));
+}
+
+TEST(MsSsim, IdentitySizesAndOrder) {
+  const Plane a = luma601(noise(180, 177, 1, 5));
+  EXPECT_NEAR(*ms_ssim(a, a), 1, 1e-12);
+  EXPECT_FALSE(ms_ssim(Plane(175, 300, 1), Plane(175, 300, 1)));
+  // A constant offset leaves every contrast term at 1; only the coarsest scale's mean factor counts.
+  Plane flat_a(176, 176, 1);
+  Plane flat_b(176, 176, 1);
+  std::fill(flat_a.data.begin(), flat_a.data.end(), 100.0);
+  std::fill(flat_b.data.begin(), flat_b.data.end(), 150.0);
+  EXPECT_NEAR(*ms_ssim(flat_a, flat_b), std::pow((30000 + 6.5025) / (32500 + 6.5025), 0.1333), 1e-9);
+  // An inverted picture has negative contrast terms: 0, never a number without meaning.
+  Plane inverted = a;
+  for (double& v : inverted.data) v = 255 - v;
+  EXPECT_EQ(*ms_ssim(a, inverted), 0);
+  const auto first = ssim(a, inverted);
+  EXPECT_EQ(*ms_ssim(a, inverted, &*first), 0);
+}
+
+TEST(Gmsd, IdentityAndAStepByHand) {
+  const Plane a = luma601(noise(17, 9, 1, 6));
+  EXPECT_EQ(gmsd(a, a), 0);
+  EXPECT_EQ(gmsd(Plane(1, 1, 1), Plane(1, 1, 1)), 0);
+  // 4 x 2 pixels halve to 2 x 1: b = (30, 0), a = 0. Zeros beyond the border: the gradients of b are horizontal (0 -
+  // 0)/3 and (0 - 30)/3, vertical 0 (no row above or below) in both. So magnitudes 0 and 10, similarities 1 and 170 /
+  // (100 + 170); the deviation of two values is their difference over sqrt(2).
+  Plane b(4, 2, 1);
+  for (const int x : {0, 1})
+    for (const int y : {0, 1}) *b.at(x, y) = 30;
+  EXPECT_NEAR(gmsd(Plane(4, 2, 1), b), (1 - 170.0 / 270.0) / std::sqrt(2.0), 1e-12);
+}
+
+TEST(Silhouette, IouByHand) {
+  const Mask a = rectangle(10, 10, 0, 0, 4, 4);
+  const Mask b = rectangle(10, 10, 2, 2, 4, 4);
+  EXPECT_DOUBLE_EQ(*silhouette_iou(a, a), 1);
+  EXPECT_DOUBLE_EQ(*silhouette_iou(a, b), 4.0 / 28.0);
+  EXPECT_DOUBLE_EQ(*silhouette_iou(a, Mask(10, 10, 1)), 0);
+  EXPECT_FALSE(silhouette_iou(Mask(10, 10, 1), Mask(10, 10, 1)));
+}
+
+TEST(Silhouette, BoundaryDistanceOfAShiftedSquare) {
+  const Mask a = rectangle(40, 40, 10, 10, 9, 9);
+  EXPECT_DOUBLE_EQ(boundary_distance(a, a)->mean, 0);
+  EXPECT_DOUBLE_EQ(boundary_distance(a, a)->p95, 0);
+  // One pixel squares d apart: both distances are d, whatever the direction.
+  const auto d = boundary_distance(rectangle(40, 40, 5, 5, 1, 1), rectangle(40, 40, 8, 9, 1, 1));
+  EXPECT_NEAR(d->mean, 5, 1e-5);
+  EXPECT_NEAR(d->p95, 5, 1e-5);
+  // A 9 x 9 square shifted by one to the right. Of its 32 boundary pixels the 7 inner ones of the left side are 1 off,
+  // the right side's 7 lie inside the other's ring: 1 off as well; the top and bottom rows but for the left corners
+  // coincide (16), and those two corners are 1 off. 16 of 32 are 1 off, from both sides: mean 0.5.
+  const auto shifted = boundary_distance(a, rectangle(40, 40, 11, 10, 9, 9));
+  EXPECT_NEAR(shifted->mean, 0.5, 1e-6);
+  EXPECT_NEAR(shifted->p95, 1, 1e-6);
+  EXPECT_FALSE(boundary_distance(a, Mask(40, 40, 1)));
+}
+
+TEST(Silhouette, ThePicturesEdgeIsNoBoundary) {
+  // Both figures are cut by the left edge; they differ by one column on the right.
+  const auto d = boundary_distance(rectangle(10, 4, 0, 0, 5, 4), rectangle(10, 4, 0, 0, 6, 4));
+  ASSERT_TRUE(d);
+  EXPECT_NEAR(d->mean, 1, 1e-6);
+  EXPECT_FALSE(boundary_distance(rectangle(4, 4, 0, 0, 4, 4), rectangle(4, 4, 0, 0, 2, 4)));
+}
+
+TEST(Silhouette, CropIsWidenedAndCut) {
+  const auto box = crop_box(rectangle(40, 30, 10, 2, 4, 4), rectangle(40, 30, 33, 8, 2, 3));
+  ASSERT_TRUE(box);
+  EXPECT_EQ(box->x, 5);
+  EXPECT_EQ(box->y, 0);
+  EXPECT_EQ(box->width, 35);   // 5 .. 39: 34 + 5 is the last column
+  EXPECT_EQ(box->height, 16);  // 0 .. 15
+  EXPECT_FALSE(crop_box(Mask(4, 4, 1), Mask(4, 4, 1)));
+}
+
+TEST(Figure, IdenticalFiguresAndNothingDrawn) {
+  const Image8 a = noise(60, 50, 3, 8);
+  const Mask mask = rectangle(60, 50, 20, 15, 12, 20);
+  const FigureScores same = score_figure(a, a, mask, mask);
+  EXPECT_DOUBLE_EQ(*same.silhouette_iou, 1);
+  EXPECT_DOUBLE_EQ(same.boundary->mean, 0);
+  EXPECT_NEAR(*same.ssim, 1, 1e-12);
+  EXPECT_NEAR(*same.ssim_union, 1, 1e-12);
+  EXPECT_EQ(*same.psnr, kInfinity);
+  EXPECT_EQ(*same.mae, 0);
+  const FigureScores nothing = score_figure(a, a, Mask(60, 50, 1), Mask(60, 50, 1));
+  EXPECT_FALSE(nothing.silhouette_iou);
+  EXPECT_FALSE(nothing.boundary);
+  EXPECT_FALSE(nothing.ssim);
+  EXPECT_FALSE(nothing.psnr);
+}
+
+TEST(Figure, ScoresAreOverTheUnionAndTheCropOnly) {
+  Image8 a = noise(80, 60, 3, 9);
+  Image8 b = a;
+  const Mask in_a = rectangle(80, 60, 20, 20, 10, 12);
+  const Mask in_b = rectangle(80, 60, 22, 20, 10, 12);
+  // Inside the union (12 x 12 at 20, 20): every red is 6 off. Far outside: garbage, which must not count.
+  for (int y = 20; y < 32; ++y)
+    for (int x = 20; x < 32; ++x) {
+      a.at(x, y)[0] = 100;
+      b.at(x, y)[0] = 106;
+    }
+  for (int x = 0; x < 80; ++x) b.at(x, 59)[1] ^= 0xff;
+  const FigureScores s = score_figure(a, b, in_a, in_b);
+  EXPECT_DOUBLE_EQ(*s.silhouette_iou, 8.0 / 12.0);
+  EXPECT_DOUBLE_EQ(*s.mae, 2);
+  EXPECT_DOUBLE_EQ(*s.psnr, 10 * std::log10(65025.0 / 12.0));
+  // The crop is 22 x 22 at (15, 15), its valid region the 12 x 12 pixels of the union: here the two are the same.
+  const Box box{15, 15, 22, 22};
+  EXPECT_NEAR(*s.ssim, ssim(luma601(crop(a, box)), luma601(crop(b, box)))->mean, 1e-12);
+  EXPECT_NEAR(*s.ssim_union, *s.ssim, 1e-12);
+  EXPECT_LT(*s.ssim, 1);
+}
+
+TEST(Agents, EachAgentIsScoredOverItsOwnUnion) {
+  // Agent 7: pixels 0, 1 in the reference, 1, 2 in the test; agent 4000000000 only in the test, at pixel 3; agent 2 at
+  // pixel 4 in both. Differences of the pixels: 0, 3, 6, 9, 0 in every channel.
+  const Image8 a = image<uint8_t>(6, 1, 1, {50, 50, 50, 50, 50, 50});
+  const Image8 b = image<uint8_t>(6, 1, 1, {50, 53, 56, 59, 50, 99});
+  const ImageU32 ids_a = image<uint32_t>(6, 1, 1, {7, 7, 0, 0, 2, 0});
+  const ImageU32 ids_b = image<uint32_t>(6, 1, 1, {0, 7, 7, 4000000000U, 2, 0});
+  const ImageF depth_a = image<float>(6, 1, 1, {1, 2, 3, 4, 5, 6});
+  const ImageF depth_b = image<float>(6, 1, 1, {1, 2.5, 3, 4, 5, 6});
+  const auto scores = score_agents(a, b, ids_a, ids_b, {&depth_a, &depth_b});
+  ASSERT_EQ(scores.size(), 3U);
+  EXPECT_EQ(scores[0].id, 2U);
+  EXPECT_EQ(scores[0].iou, 1);
+  EXPECT_EQ(scores[0].psnr, kInfinity);
+  EXPECT_EQ(scores[1].id, 7U);
+  EXPECT_EQ(scores[1].pixels_ref, 2U);
+  EXPECT_EQ(scores[1].pixels_test, 2U);
+  EXPECT_EQ(scores[1].pixels_both, 1U);
+  EXPECT_DOUBLE_EQ(scores[1].iou, 1.0 / 3);
+  EXPECT_DOUBLE_EQ(scores[1].mae, 3);
+  EXPECT_DOUBLE_EQ(scores[1].mse, 15);
+  EXPECT_DOUBLE_EQ(*scores[1].depth_mae, 0.5);
+  EXPECT_FALSE(scores[1].ssim_union);  // one row has no SSIM
+  EXPECT_EQ(scores[2].id, 4000000000U);
+  EXPECT_EQ(scores[2].pixels_ref, 0U);
+  EXPECT_EQ(scores[2].iou, 0);
+  EXPECT_DOUBLE_EQ(scores[2].mae, 9);
+  EXPECT_FALSE(scores[2].depth_mae);
+}
+
+TEST(Agents, SsimOfAnAgentIsTheMapOverItsPixels) {
+  const Image8 a = noise(30, 30, 3, 1);
+  const Image8 b = noise(30, 30, 3, 2);
+  ImageU32 ids(30, 30, 1);
+  *ids.at(12, 13) = 5;
+  *ids.at(2, 2) = 5;  // no window there
+  const auto s = ssim(luma601(a), luma601(b));
+  const auto scores = score_agents(a, b, ids, ids);
+  ASSERT_EQ(scores.size(), 1U);
+  EXPECT_DOUBLE_EQ(*scores[0].ssim_union, *s->map.at(7, 8));
+  EXPECT_DOUBLE_EQ(*score_agents(a, b, ids, ids, {}, &*s)[0].ssim_union, *s->map.at(7, 8));
+}
+
+Image8 grey(uint8_t left, uint8_t right) { return image<uint8_t>(2, 1, 1, {left, right}); }
+
+TEST(Flicker, ByHandAndOverSilhouettes) {
+  // A shared movement is no flicker; a constant error is none; one frame of the test that is 10 off is 10, -20, 10.
+  const std::vector<Image8> r = {grey(0, 10), grey(20, 10), grey(10, 10), grey(5, 10), grey(0, 10)};
+  EXPECT_EQ(*flicker(r, r), 0);
+  std::vector<Image8> t = r;
+  for (Image8& frame : t) frame.data[0] = static_cast<uint8_t>(frame.data[0] + 7);
+  EXPECT_NEAR(*flicker(r, t), 0, 1e-12);
+  t = r;
+  t[2].data[1] = 20;
+  EXPECT_NEAR(*flicker(r, t), (10 + 20 + 10) / 6.0, 1e-12);
+  const std::vector<Mask> left(5, grey(255, 0));
+  EXPECT_NEAR(*flicker(r, t, left), 0, 1e-12);
+  const std::vector<Mask> right(5, grey(0, 255));
+  EXPECT_NEAR(*flicker(r, t, right), 40 / 3.0, 1e-12);
+  const std::vector<Mask> none(5, grey(0, 0));
+  EXPECT_FALSE(flicker(r, t, none));
+  EXPECT_FALSE(flicker(std::span(r).first(2), std::span(t).first(2)));
+  // The pop shows as a step into it and a step out of it, over two pixels.
+  EXPECT_EQ(step_difference(r, t), (std::vector<double>{0, 5, 5, 0}));
+}
+
+TEST(Pseudocolour, RunsFromDarkBlueToRedInOrder) {
+  const auto& colours = error_colours();
+  EXPECT_GT(colours[0][2], 3 * colours[0][0]);  // blue
+  EXPECT_LT(colours[0][2], 100);                // and dark
+  EXPECT_GT(colours[255][0], 240);
+  EXPECT_LT(colours[255][1] + colours[255][2], 60);
+  double last = -1;
+  for (const auto& c : colours) {
+    const double luminance = 0.2126 * srgb_to_linear(c[0] / 255.0) + 0.7152 * srgb_to_linear(c[1] / 255.0) +
+                             0.0722 * srgb_to_linear(c[2] / 255.0);
+    EXPECT_GT(luminance, last - 2e-3);  // the rounding to 8 bits
+    last = std::max(last, luminance);
+  }
+  for (size_t i = 16; i < colours.size(); i += 16) {
+    const auto luminance = [&](size_t k) {
+      return 0.2126 * srgb_to_linear(colours[k][0] / 255.0) + 0.7152 * srgb_to_linear(colours[k][1] / 255.0) +
+             0.0722 * srgb_to_linear(colours[k][2] / 255.0);
+    };
+    EXPECT_GT(luminance(i), luminance(i - 16)) << i;
+  }
+  // Every level has a colour of its own.
+  const std::set<std::array<uint8_t, 3>> distinct(colours.begin(), colours.end());
+  EXPECT_EQ(distinct.size(), 256U);
+}
+
+TEST(Pseudocolour, PictureAndBar) {
+  const Image8 levels = image<uint8_t>(3, 1, 1, {0, 128, 255});
+  const Image8 picture = pseudocolour(levels);
+  const auto& colours = error_colours();
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(picture.data[3 * i + c], colours[levels.data[i]][c]);
+  Image8 wide(640, 20, 3);
+  std::fill(wide.data.begin(), wide.data.end(), uint8_t{9});
+  const Image8 with_bar = with_colour_bar(wide, "caption");
+  EXPECT_EQ(with_bar.width, 640);
+  EXPECT_GT(with_bar.height, 60);
+  for (int x = 0; x < 640; ++x) EXPECT_EQ(with_bar.at(x, 19)[0], 9);
+  // Both ends of the bar are there, and there is ink below it.
+  const auto holds = [&](const std::array<uint8_t, 3>& colour) {
+    for (int y = 20; y < with_bar.height; ++y)
+      for (int x = 0; x < 640; ++x)
+        if (std::equal(colour.begin(), colour.end(), with_bar.at(x, y))) return true;
+    return false;
+  };
+  EXPECT_TRUE(holds(colours[0]));
+  EXPECT_TRUE(holds(colours[127]));
+  EXPECT_TRUE(holds(colours[255]));
+  EXPECT_TRUE(holds({40, 40, 40}));
+  EXPECT_EQ(with_colour_bar(Image8(1, 1, 3), "c").width, 360);
+}
+
+}  // namespace
+}  // namespace crowdbench::metrics
