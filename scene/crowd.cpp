@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
 
 #include "core/error.h"
 #include "core/portable_math.h"
@@ -168,6 +167,23 @@ std::vector<Place> place_frustum(const Scenario& scenario, const Cast& cast, con
   const double tall = half_tangent(camera);
   const double wide = tall * view.aspect;
   const double middle = scenario.crowd.centre.y + stage_height(cast) / 2;  // the point of a body that is kept in view
+  // In the middle column a body's middle lies at y = rise + slope * depth in eye space; keep the depths where that is
+  // within the picture.
+  double nearest = view.near_depth;
+  double farthest = view.far_depth;
+  if (axes[1].y > 0.2) {
+    const double rise = (middle - camera.eye.y) / axes[1].y;
+    const double slope = axes[2].y / axes[1].y;
+    for (const double side : {1.0, -1.0}) {  // side * (rise + slope * depth) + tall * depth >= 0
+      const double gain = side * slope + tall;
+      if (gain > 0) nearest = std::max(nearest, -side * rise / gain);
+      if (gain < 0) farthest = std::min(farthest, -side * rise / gain);
+    }
+    if (!(nearest <= farthest)) {  // the view misses the stage: place it as it was asked for
+      nearest = view.near_depth;
+      farthest = view.far_depth;
+    }
+  }
   const uint64_t start_x = random_bits(scenario.seed, 0, kStratumX);
   const uint64_t start_z = random_bits(scenario.seed, 0, kStratumZ);
   std::vector<Place> places(n);
@@ -177,7 +193,7 @@ std::vector<Place> place_frustum(const Scenario& scenario, const Cast& cast, con
     glm::dvec3 eye_space;
     const double across = 2.0 * a - 1.0;
     if (axes[1].y > 0.2) {
-      const double depth = view.near_depth + b * (view.far_depth - view.near_depth);
+      const double depth = nearest + b * (farthest - nearest);
       const double x = across * wide * depth;
       const double y = (middle - camera.eye.y - axes[0].y * x + axes[2].y * depth) / axes[1].y;
       eye_space = {x, y, -depth};
@@ -301,28 +317,6 @@ void fill_lanes(const Scenario& scenario, const Cast& cast, const Lanes& lanes, 
 }
 
 }  // namespace
-
-Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder) {
-  Cast cast;
-  double sum = 0;
-  for (const CharacterEntry& entry : scenario.characters) sum += entry.share;
-  for (const CharacterEntry& entry : scenario.characters) {
-    LoadOptions options;
-    options.normalise.height = entry.height;
-    options.rigid_meshes = entry.rigid_meshes;
-    options.hide = entry.hide;
-    const bool built_in = entry.source == "mannequin" || entry.source.rfind("mannequin:", 0) == 0;
-    const std::string source = built_in || folder.empty() ? entry.source : (folder / entry.source).string();
-    auto character = std::make_shared<const Character>(open_character(source, options));
-    std::vector<int> clips;
-    for (const std::string& name : entry.clips) clips.push_back(require_clip(*character, name));
-    if (clips.empty()) clips.push_back(character->placement.default_clip);
-    cast.banks.push_back(std::make_shared<const PoseBank>(*character, clips, scenario.pose_rate));
-    cast.characters.push_back(std::move(character));
-    cast.shares.push_back(entry.share / sum);
-  }
-  return cast;
-}
 
 StageView stage_view(const Scenario& scenario) {
   return {scenario.camera.at(0.0), static_cast<double>(scenario.width) / scenario.height, scenario.crowd.stage_near,
