@@ -1,0 +1,218 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/commands.h"
+#include "core/error.h"
+#include "scene/gltf.h"
+#include "scene/pose.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Options {
+  std::string file;
+  std::string save;
+  std::string height = "1.75";
+  std::vector<std::string> hide;
+  bool no_rigid = false;
+  bool json = false;
+};
+
+std::optional<double> parse_height(const std::string& text) {
+  if (text == "as_is") return std::nullopt;
+  double metres = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), metres);
+  if (error != std::errc{} || stop != text.data() + text.size() || !(metres >= 1e-3 && metres <= 1e3))
+    throw Error("--height", fmt::format("{} is no height", printable(text, 40)),
+                "give metres from 0.001 to 1000, or as_is");
+  return metres;
+}
+
+struct Bytes {
+  size_t file = 0;  // 0 for the built-in character
+  size_t mesh = 0;
+  size_t clips = 0;
+  size_t images = 0;
+  size_t memory() const { return mesh + clips + images; }
+};
+
+template <typename T>
+size_t bytes_of(const std::vector<T>& v) {
+  return v.size() * sizeof(T);
+}
+
+Bytes measure_bytes(const scene::Character& c) {
+  Bytes bytes;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(c.source, error);
+  if (!error) bytes.file = size;
+  const scene::Mesh& m = c.mesh;
+  bytes.mesh = bytes_of(m.positions) + bytes_of(m.normals) + bytes_of(m.uvs) + bytes_of(m.emissive_uvs) +
+               bytes_of(m.colours) + bytes_of(m.joints) + bytes_of(m.weights) + bytes_of(m.indices);
+  for (const scene::Clip& clip : c.clips)
+    for (const scene::Channel& channel : clip.channels)
+      bytes.clips += bytes_of(channel.times) + bytes_of(channel.values);
+  for (const scene::Texture& t : c.images) bytes.images += t.image.data.size();
+  return bytes;
+}
+
+size_t count_joints(const scene::Character& c, bool rigid) {
+  return static_cast<size_t>(std::count_if(c.skeleton.joints.begin(), c.skeleton.joints.end(),
+                                           [&](const scene::Joint& j) { return j.rigid == rigid; }));
+}
+
+ordered_json to_json(const scene::Character& c) {
+  const Bytes bytes = measure_bytes(c);
+  const glm::dvec3 ground(c.placement.model_from_gltf[3]);
+  ordered_json out = {
+      {"file", c.source},
+      {"name", c.name},
+      {"triangles", c.triangles()},
+      {"vertices", c.mesh.file_vertex_count()},
+      {"drawn_vertices", c.mesh.positions.size()},
+      {"joints", count_joints(c, false) != 0 ? count_joints(c, false) : count_joints(c, true)},
+      {"rigid_meshes", count_joints(c, true)},
+      {"nodes", c.skeleton.nodes.size()},
+      {"influences", c.file_max_influences},
+      {"height", c.placement.height},
+      {"scale", c.placement.scale},
+      {"ground_y", c.placement.scale > 0 ? -ground.y / c.placement.scale : 0.0},
+      {"pivot_xz", {-ground.x / c.placement.scale, -ground.z / c.placement.scale}},
+      {"default_clip", nullptr},
+      {"clips", ordered_json::array()},
+      {"primitives", c.mesh.primitives.size()},
+      {"materials", ordered_json::array()},
+      {"textures", ordered_json::array()},
+      {"bytes", bytes.file},
+      {"memory_bytes",
+       {{"mesh", bytes.mesh}, {"clips", bytes.clips}, {"textures", bytes.images}, {"all", bytes.memory()}}},
+      {"content_hash", c.content_hash},
+      {"warnings", c.warnings}};
+  if (c.placement.default_clip >= 0) out["default_clip"] = c.placement.default_clip;
+  for (size_t i = 0; i < c.clips.size(); ++i) {
+    const scene::Clip& clip = c.clips[i];
+    const scene::ClipMotion& motion = c.motion[i];
+    out["clips"].push_back({{"name", clip.name},
+                            {"index", i},
+                            {"seconds", clip.duration()},
+                            {"start", clip.start},
+                            {"end", clip.end},
+                            {"cycle_seconds", scene::cycle_seconds(c, static_cast<int>(i))},
+                            {"ground_speed", motion.ground_speed},
+                            {"ground_speed_from", motion.ground_speed <= 0 ? nullptr
+                                                  : motion.from_stance     ? ordered_json("stance foot")
+                                                                           : ordered_json("root motion")},
+                            {"default", static_cast<int>(i) == c.placement.default_clip}});
+  }
+  for (const scene::Material& m : c.materials)
+    out["materials"].push_back(
+        {{"name", m.name},
+         {"part", m.part},
+         {"base_colour", {m.base_colour.r, m.base_colour.g, m.base_colour.b, m.base_colour.a}},
+         {"base_colour_texture", m.base_colour_image < 0 ? ordered_json() : ordered_json(m.base_colour_image)},
+         {"emissive", {m.emissive.r, m.emissive.g, m.emissive.b}},
+         {"emissive_texture", m.emissive_image < 0 ? ordered_json() : ordered_json(m.emissive_image)},
+         {"unlit", m.unlit},
+         {"double_sided", m.double_sided}});
+  for (const scene::Texture& t : c.images)
+    out["textures"].push_back({{"width", t.image.width}, {"height", t.image.height}});
+  return out;
+}
+
+void print_text(const scene::Character& c) {
+  const Bytes bytes = measure_bytes(c);
+  const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<14}{}\n", key, value); };
+  line("character", printable(c.source, 300));
+  line("triangles", fmt::format("{}", c.triangles()));
+  line("vertices", c.mesh.positions.size() == c.mesh.file_vertex_count()
+                       ? fmt::format("{}", c.mesh.positions.size())
+                       : fmt::format("{} ({} as drawn flat)", c.mesh.file_vertex_count(), c.mesh.positions.size()));
+  line("joints", fmt::format("{} and {} rigid meshes, {} nodes; {} influences a vertex at most", count_joints(c, false),
+                             count_joints(c, true), c.skeleton.nodes.size(), c.file_max_influences));
+  line("height", fmt::format("{:.4g} m ({:.6g} m a file unit)", c.placement.height, c.placement.scale));
+  const glm::dvec3 origin = glm::dvec3(c.placement.model_from_gltf[3]) / c.placement.scale;
+  line("stands at", fmt::format("x {:.4g}, ground y {:.4g}, z {:.4g} in file units", 0.0 - origin.x, 0.0 - origin.y,
+                                0.0 - origin.z));
+  std::string textures;
+  for (const scene::Texture& t : c.images)
+    textures += fmt::format("{}{} x {}", textures.empty() ? "" : ", ", t.image.width, t.image.height);
+  line("textures", textures.empty() ? "none" : textures);
+  line("bytes", fmt::format("{} in the file; in memory {}: mesh {}, clips {}, textures {}", bytes.file, bytes.memory(),
+                            bytes.mesh, bytes.clips, bytes.images));
+  fmt::print("\n{:>4}  {:<32}{:>9}{:>9}{:>9}  {}\n", "clip", "name", "seconds", "start", "end", "ground speed");
+  for (size_t i = 0; i < c.clips.size(); ++i) {
+    const scene::Clip& clip = c.clips[i];
+    const scene::ClipMotion& motion = c.motion[i];
+    fmt::print("{:>4}  {:<32}{:>9.3f}{:>9.3f}{:>9.3f}  {}{}\n", i,
+               clip.name.empty() ? "(unnamed)" : printable(clip.name, 31), clip.duration(), clip.start, clip.end,
+               motion.ground_speed > 0 ? fmt::format("{:.3f} m/s by {}", motion.ground_speed,
+                                                     motion.from_stance ? "stance foot" : "root motion")
+                                       : "-",
+               static_cast<int>(i) == c.placement.default_clip ? "  (default)" : "");
+  }
+  if (c.clips.empty()) fmt::print("      none\n");
+  fmt::print("\n{:>4}  {:<32}{:<28}{}\n", "part", "material", "base colour (linear)", "texture");
+  for (const scene::Material& m : c.materials)
+    fmt::print(
+        "{:>4}  {:<32}{:<28}{}{}{}\n", m.part, m.name.empty() ? "(unnamed)" : printable(m.name, 31),
+        fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", m.base_colour.r, m.base_colour.g, m.base_colour.b, m.base_colour.a),
+        m.base_colour_image < 0 ? "-" : fmt::format("{}", m.base_colour_image), m.unlit ? ", unlit" : "",
+        m.double_sided ? ", double-sided" : "");
+  if (!c.warnings.empty()) fmt::print("\n");
+  for (const std::string& warning : c.warnings) fmt::print("warning: {}\n", printable(warning, 400));
+}
+
+std::string limits_text() {
+  const scene::GltfLimits l;
+  return fmt::format(
+      "\nLimits (a file beyond them is refused): {} MiB of files, {} MiB of JSON with {} values and {} levels, {} "
+      "nodes,\n{} joints, {} primitives, {} vertices, {} triangles, {} animation numbers, {} clips of {} s,\n{} "
+      "influences a vertex, pictures of {} a side and {} MiB decoded in all",
+      l.file_bytes >> 20, l.json_bytes >> 20, l.json_values, l.json_depth, l.nodes, l.joints, l.primitives, l.vertices,
+      l.triangles, l.keys, l.clips, l.clip_seconds, l.influence_sets * 4, l.image_side, l.image_bytes >> 20);
+}
+
+int inspect(const Options& options) {
+  scene::LoadOptions load;
+  load.normalise.height = parse_height(options.height);
+  load.rigid_meshes = !options.no_rigid;
+  load.hide = options.hide;
+  const scene::Character character = scene::open_character(options.file, load);
+  if (!options.save.empty()) scene::save_character(character, options.save);
+  if (options.json)
+    fmt::print("{}\n", to_json(character).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  else
+    print_text(character);
+  return 0;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("inspect", "Say what a character file holds; write it as glTF");
+  command->footer(
+      "Examples:\n  crowdbench inspect knight.glb\n  crowdbench inspect knight.glb --json --hide 2H_Sword\n"
+      "  crowdbench inspect mannequin:joints=53 --save mannequin.glb\n" +
+      limits_text());
+  auto options = std::make_shared<Options>();
+  command->add_option("character", options->file, "a .glb or .gltf file, or mannequin[:triangles=N,joints=N]")
+      ->required();
+  command->add_flag("--json", options->json, "print the facts as JSON");
+  command->add_option("--save", options->save, "write the character as a self-contained .glb");
+  command->add_option("--height", options->height, "height to scale it to, in metres, or as_is")->capture_default_str();
+  command->add_option("--hide", options->hide, "drop the meshes at and below the node of this name (may be repeated)")
+      ->take_all()
+      ->expected(1);
+  command->add_flag("--no-rigid", options->no_rigid, "drop the unskinned meshes of a skinned character");
+  command->callback([options, &run] { run = [options] { return inspect(*options); }; });
+}
+
+}  // namespace crowdbench::bench
