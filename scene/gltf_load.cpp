@@ -635,6 +635,7 @@ class Loader {
     if (model_.animations.size() * std::max<size_t>(model_.nodes.size(), 1) > limits_.clip_nodes)
       fail("/animations", fmt::format("{} clips of {} nodes, the limit is a product of {}", model_.animations.size(),
                                       model_.nodes.size(), limits_.clip_nodes));
+    std::vector<std::string> still;
     for (size_t a = 0; a < model_.animations.size(); ++a) {
       const tinygltf::Animation& in = model_.animations[a];
       Clip clip;
@@ -651,11 +652,15 @@ class Loader {
         clip.start = 0;
         warn(fmt::format("/animations/{}: moves no node", a));
       } else if (clip.end == clip.start) {
-        warn(fmt::format("clip {} has zero length",
-                         clip.name.empty() ? fmt::format("{}", a) : printable(clip.name, 60)));
+        still.push_back(clip.name.empty() ? fmt::format("{}", a) : printable(clip.name, 40));
       }
       character_.clips.push_back(std::move(clip));
     }
+    if (still.empty()) return;
+    const size_t listed = std::min<size_t>(still.size(), 8);
+    warn(fmt::format("{} clips have zero length: {}{}", still.size(),
+                     fmt::join(still.begin(), still.begin() + static_cast<std::ptrdiff_t>(listed), ", "),
+                     listed < still.size() ? ", ..." : ""));
   }
 
   Channel read_channel(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& in,

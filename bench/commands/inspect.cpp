@@ -139,7 +139,7 @@ void print_text(const scene::Character& c) {
                              count_joints(c, true), c.skeleton.nodes.size(), c.file_max_influences));
   line("height", fmt::format("{:.4g} m ({:.6g} m a file unit)", c.placement.height, c.placement.scale));
   const glm::dvec3 origin = glm::dvec3(c.placement.model_from_gltf[3]) / c.placement.scale;
-  line("stands at", fmt::format("x {:.4g}, ground y {:.4g}, z {:.4g} in file units", 0.0 - origin.x, 0.0 - origin.y,
+  line("stands at", fmt::format("x {:.4f}, ground y {:.4f}, z {:.4f} in file units", 0.0 - origin.x, 0.0 - origin.y,
                                 0.0 - origin.z));
   std::string textures;
   for (const scene::Texture& t : c.images)

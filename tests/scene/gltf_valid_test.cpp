@@ -405,7 +405,7 @@ TEST(GltfValid, KeysAfterZeroAndZeroLength) {
   expect_point(posed(c, 0, 3.0)[3], -1, 1, 0);
   EXPECT_EQ(c.clips[1].duration(), 0.0);
   EXPECT_EQ(c.placement.default_clip, 0);
-  EXPECT_TRUE(warns(c, "zero length"));
+  EXPECT_TRUE(warns(c, "1 clips have zero length: wave"));
 }
 
 TEST(GltfValid, RigidMeshOnAJointAndItsOptions) {
