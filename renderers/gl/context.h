@@ -1,4 +1,4 @@
-// Context: one OpenGL 4.5 core context, headless through EGL or made by a Window, and what it can do.
+// Context: one OpenGL 4.5 core context, headless through EGL or and what it can do.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,0 +1,129 @@
+#include "studies/pair.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+
+#include "bench/commands.h"
+#include "bench/scene_options.h"
+#include "core/error.h"
+#include "renderers/gl/context.h"
+
+namespace crowdbench::bench {
+namespace {
+
+struct Options {
+  SceneOptions scene;
+  std::string a;
+  std::string b;
+  std::string out;
+  double seconds = 25;
+  std::optional<size_t> frames;
+  int supersample = 1;
+  bool no_ground = false;
+  bool json = false;
+  studies::ClipSettings clip;
+};
+
+std::string decibels(double db) { return std::isinf(db) ? "exact" : fmt::format("{:.2f} dB", db); }
+
+int run_pair(const Options& options) {
+  studies::PairRequest request;
+  request.a = renderers::parse_spec(options.a);
+  request.b = renderers::parse_spec(options.b);
+  request.supersample = options.supersample;
+  request.clip = options.clip;
+  request.clip.title = "crowdbench pair";
+  if (options.frames) {
+    request.frames = *options.frames;
+  } else {
+    if (!(options.seconds > 0 && options.seconds <= 3600)) {
+      throw Error("--seconds", fmt::format("{} is not above 0 and at most 3600", options.seconds));
+    }
+    request.frames = static_cast<size_t>(std::llround(options.seconds * request.clip.fps));
+  }
+  if (request.frames < 1 || request.frames > 108'000) {
+    throw Error("--frames", fmt::format("{} is not 1 to 108000", request.frames));
+  }
+  if (request.supersample < 1 || request.supersample > 9 || request.supersample % 2 == 0) {
+    throw Error("--supersample", fmt::format("{} is not odd and 1 to 9", request.supersample));
+  }
+
+  ChosenScenario chosen = read_scenario(options.scene);
+  chosen.scenario.ground = !options.no_ground;
+  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
+  gl::Context context(gl::ContextOptions{options.scene.device});
+  fmt::print(stderr, "renderer: {}\n", context.renderer());
+  Staged staged = stage_scenario(chosen.scenario, cast, context);
+  if (staged.solved && staged.solved->unreachable) {
+    fmt::print(stderr, "warning: occupancy {:.3f} is out of reach; the clip has {:.3f}\n", staged.solved->requested,
+               staged.solved->achieved);
+  }
+  request.scenario = std::move(staged.scenario);
+  request.crowd = std::move(staged.crowd);
+  const studies::Pair pair = studies::export_pair(context, cast, request, options.out);
+
+  const studies::Clip& clip = pair.clip;
+  if (!clip.accurate) {
+    const studies::ClipError& error = clip.files[0].error;
+    fmt::print(stderr, "crowdbench: {}: decoded frame {} is at {}, less than {} dB, even at crf {}; nothing written\n",
+               options.out, error.worst_frame, decibels(error.psnr_worst_frame), request.clip.least_psnr,
+               clip.attempts.back().crf);
+    return 1;
+  }
+  if (options.json) {
+    fmt::print("{}", pair.manifest);
+    return 0;
+  }
+  fmt::print("{} frames of {}x{} at {} fps; {} on top, {} below (by the seed)\n", clip.frame_sha256.size(), clip.width,
+             clip.height, clip.fps, (pair.a_on_top ? request.a : request.b).text(),
+             (pair.a_on_top ? request.b : request.a).text());
+  for (const studies::ClipFile& file : clip.files) {
+    fmt::print("{}  {}, {}, {:.1f} MB; decoded: mean {}, worst frame {}{}\n", file.path.string(), file.role,
+               file.crf ? fmt::format("{} crf {}", file.pixel_format, *file.crf) : file.pixel_format + " lossless",
+               static_cast<double>(file.bytes) / 1e6, decibels(file.error.psnr_mean),
+               decibels(file.error.psnr_worst_frame), file.role == "compatibility" ? "  (NOT for studies)" : "");
+  }
+  fmt::print("{}\n", std::filesystem::path(options.out).replace_extension(".json").string());
+  return 0;
+}
+
+}  // namespace
+
+void add_pair(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("pair", "Two representations of one crowd as one stacked clip, for a study");
+  command->footer(
+      "The same scenario and seed give the same bytes on one machine and build. A manifest (JSON) beside the clip "
+      "says\n"
+      "which half is which, by what rule, and how far the decoded frames lie from the drawn ones.\n"
+      "Example:\n  crowdbench pair --a mesh --b flat --agents 250 --seconds 10 --out clip.mp4");
+  auto options = std::make_shared<Options>();
+  add_scene_options(*command, options->scene);
+  command->add_option("--a", options->a, "one representation, name[:key=value,...]")->required()->type_name("R");
+  command->add_option("--b", options->b, "the other; a hash of the seed says which is on top")
+      ->required()
+      ->type_name("R");
+  command->add_option("--out", options->out, "the clip to write")->required()->type_name("FILE.mp4");
+  auto* seconds = command->add_option("--seconds", options->seconds, "length, at 30 frames a second")
+                      ->type_name("S")
+                      ->capture_default_str();
+  command->add_option("--frames", options->frames, "length in frames")->type_name("N")->excludes(seconds);
+  command->add_option("--supersample", options->supersample, "K x K samples a pixel, K odd, both halves alike")
+      ->type_name("K")
+      ->capture_default_str();
+  command->add_flag("--no-ground", options->no_ground, "leave the grey grid out");
+  command->add_option("--crf", options->clip.crf, "x264's rate factor to start from; lowered until accurate enough")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--least-psnr", options->clip.least_psnr, "decoded accuracy of the worst frame, dB; else exit 1")
+      ->type_name("DB")
+      ->capture_default_str();
+  command->add_flag("--compat", options->clip.compat, "also a 4:2:0 copy, marked as not for studies");
+  command->add_flag("--master", options->clip.master, "also a lossless RGB copy");
+  command->add_flag("--json", options->json, "print the manifest");
+  command->callback([options, &run] { run = [options] { return run_pair(*options); }; });
+}
+
+}  // namespace crowdbench::bench

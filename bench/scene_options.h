@@ -1,0 +1,59 @@
+// What every command that draws a scenario has in common: [SCENARIO], the options that override its keys, and the way
+// from there to a crowd in front of a camera.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "scene/crowd.h"
+#include "scene/occupancy.h"
+#include "scene/scenario.h"
+
+namespace CLI {
+class App;
+}
+namespace crowdbench::gl {
+class Context;
+}
+
+namespace crowdbench::bench {
+
+// What the user gave; empty or nullopt leaves the scenario's own value.
+struct SceneOptions {
+  std::string file;  // the scenario; empty: every key at its default
+  std::optional<uint32_t> agents;
+  std::optional<uint64_t> seed;
+  std::optional<double> occupancy;
+  std::string size;       // "WxH"
+  std::string character;  // replaces the scenario's characters by this one
+  std::string device;     // gl::ContextOptions::device
+};
+
+// [SCENARIO] --agents --seed --occupancy --size --character --device. `options` must outlive `command`.
+void add_scene_options(CLI::App& command, SceneOptions& options);
+
+// The scenario with the overrides in it, and the folder that its characters' paths are relative to.
+struct ChosenScenario {
+  scene::Scenario scenario;
+  std::filesystem::path folder;
+};
+// Throws Error.
+ChosenScenario read_scenario(const SceneOptions& options);
+
+// "640x480" taken apart, each side 1..16384. Throws Error naming `option`.
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+PictureSize parse_size(const std::string& text, const std::string& option = "--size");
+
+// A crowd in front of a camera. With an occupancy asked for it is solved for, by drawing the mesh.
+struct Staged {
+  scene::Scenario scenario;  // as solved
+  scene::Crowd crowd;
+  std::optional<scene::Solved> solved;
+};
+Staged stage_scenario(const scene::Scenario& scenario, const scene::Cast& cast, gl::Context& context);
+
+}  // namespace crowdbench::bench
