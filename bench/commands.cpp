@@ -5,7 +5,11 @@ namespace crowdbench::bench {
 // In the order that --help lists them.
 
 void add_all_commands(CLI::App& app, Run& run) {
-  const std::initializer_list<AddCommand> commands = {add_inspect, add_schema};
+  const std::initializer_list<AddCommand> commands = {
+      add_inspect,
+      add_compare,
+      add_schema,
+  };
   for (const AddCommand add : commands) add(app, run);
 }
 

@@ -15,6 +15,7 @@ namespace crowdbench::bench {
 using Run = std::function<int()>;
 using AddCommand = void (*)(CLI::App& app, Run& run);
 
+void add_compare(CLI::App& app, Run& run);
 void add_inspect(CLI::App& app, Run& run);
 void add_schema(CLI::App& app, Run& run);
 
