@@ -65,7 +65,8 @@ Character make_mannequin(const MannequinOptions& options) {
     out.materials.push_back(std::move(material));
   }
   Texture texture;
-  texture.image = mannequin::make_texture();
+  static const Image8 painted = mannequin::make_texture();  // the same for every option: painted once a process
+  texture.image = painted;
   texture.repeat_u = false;
   texture.repeat_v = false;
   out.images.push_back(std::move(texture));

@@ -24,7 +24,7 @@ inline constexpr double kAnkleZ = -0.012;
 inline constexpr double kBallZ = 0.118;  // of the foot, ahead of the hips
 inline constexpr double kBallY = 0.022;
 inline constexpr double kHeelZ = -0.068;
-inline constexpr glm::dvec3 kShoulder{0.176, 1.418, -0.012};
+inline constexpr glm::dvec3 kShoulder{0.166, 1.412, -0.014};
 inline constexpr double kHalfRoot = 0.70710678118654752;
 inline constexpr glm::dvec3 kArmAxis{kHalfRoot, -kHalfRoot, 0.0};  // from the shoulder to the fingers
 inline constexpr glm::dvec3 kArmUp{kHalfRoot, kHalfRoot, 0.0};     // away from the body; -kArmUp is the palm's side

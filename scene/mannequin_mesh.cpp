@@ -73,17 +73,18 @@ dvec2 rounded(double sine, double cosine, double squareness) {
 // Head, neck and hair.
 
 // y: front z, back z, half width, squareness, how far the front hangs below the back.
-constexpr Key<5> kHead[] = {{1.430, {.046, -.074, .062, .00, .000}},   {1.470, {.043, -.068, .057, .00, .010}},
-                            {1.500, {.045, -.066, .0545, .00, .026}},  {1.522, {.053, -.068, .0555, .00, .038}},
-                            {1.536, {.076, -.071, .0575, .02, .032}},  {1.548, {.090, -.074, .060, .04, .022}},
-                            {1.562, {.0925, -.077, .063, .06, .014}},  {1.578, {.0930, -.081, .066, .07, .008}},
-                            {1.592, {.0955, -.085, .0685, .07, .004}}, {1.604, {.0955, -.088, .070, .06, .002}},
-                            {1.620, {.0955, -.092, .072, .05, .000}},  {1.640, {.0950, -.096, .0745, .04, .000}},
-                            {1.658, {.0985, -.099, .0760, .03, .000}}, {1.680, {.0980, -.100, .0765, .02, .000}},
-                            {1.700, {.0900, -.096, .0735, .01, .000}}, {1.718, {.0740, -.086, .0650, .00, .000}},
-                            {1.731, {.0480, -.064, .0480, .00, .000}}, {1.738, {.0120, -.030, .0200, .00, .000}}};
+constexpr Key<5> kHead[] = {{1.430, {.044, -.078, .064, .00, .010}},    {1.468, {.036, -.070, .052, .00, .014}},
+                            {1.500, {.034, -.066, .0475, .00, .016}},   {1.520, {.039, -.067, .0475, .00, .016}},
+                            {1.533, {.064, -.069, .0490, -.05, .018}},  {1.544, {.0875, -.072, .0535, -.12, .017}},
+                            {1.557, {.0935, -.075, .0585, -.12, .013}}, {1.574, {.0935, -.080, .0640, -.08, .008}},
+                            {1.590, {.0955, -.085, .0680, -.03, .004}}, {1.604, {.0958, -.089, .0703, .01, .002}},
+                            {1.620, {.0958, -.093, .0725, .04, .000}},  {1.640, {.0950, -.097, .0745, .04, .000}},
+                            {1.658, {.0985, -.100, .0755, .03, .000}},  {1.676, {.0975, -.101, .0755, .02, .000}},
+                            {1.693, {.0905, -.097, .0725, .01, .000}},  {1.710, {.0770, -.087, .0645, .00, .000}},
+                            {1.724, {.0570, -.070, .0510, .00, .000}},  {1.733, {.0300, -.046, .0310, .00, .000}},
+                            {1.736, {.0080, -.026, .0130, .00, .000}}};
 constexpr double kHeadLow = 1.430;
-constexpr double kHeadHigh = 1.738;
+constexpr double kHeadHigh = 1.736;
 
 constexpr Key<1> kNose[] = {{1.592, {0.0}},  {1.600, {.006}}, {1.607, {.019}}, {1.614, {.0215}},
                             {1.628, {.016}}, {1.644, {.008}}, {1.660, {.002}}, {1.672, {0.0}}};
@@ -115,26 +116,27 @@ dvec3 head_shape(double u, double y) {
 double hairline(double u) {
   const SinCos turn = head_turn(u);
   const double front = -turn.cos;
-  if (front > 0.75) return 1.694 + 0.006 * (front - 0.75) * 4.0;
-  if (front > 0.45) return 1.694 - 0.050 * smooth(0.75, 0.45, front);
-  if (front > 0.10) return 1.644 - 0.022 * smooth(0.45, 0.10, front);
-  return 1.622 - 0.082 * smooth(0.10, -0.65, front);
+  if (front > 0.62) return 1.706 - 0.004 * smooth(0.80, 1.00, front);  // a little lower in the middle
+  if (front > 0.40) return 1.706 - 0.034 * smooth(0.62, 0.40, front);
+  if (front > 0.16) return 1.672 - 0.044 * smooth(0.40, 0.16, front);
+  if (front > -0.05) return 1.628 + 0.004 * smooth(0.16, -0.05, front);
+  return 1.632 - 0.090 * smooth(-0.05, -0.70, front);
 }
 
 // ---------------------------------------------------------------------------------------------------------------
 // Shirt.
 
 // y: front z, back z, half width, squareness, how far the sides stand above the front.
-constexpr Key<5> kTorso[] = {{0.990, {.098, -.106, .146, .10, .000}},  {1.040, {.102, -.102, .147, .10, .000}},
-                             {1.085, {.107, -.098, .147, .10, .000}},  {1.130, {.108, -.099, .149, .12, .000}},
-                             {1.190, {.110, -.107, .155, .14, .000}},  {1.250, {.116, -.116, .163, .16, .000}},
-                             {1.310, {.116, -.124, .170, .18, .000}},  {1.355, {.108, -.126, .174, .18, .002}},
-                             {1.395, {.093, -.122, .174, .16, .006}},  {1.425, {.076, -.113, .166, .12, .010}},
-                             {1.450, {.060, -.100, .142, .06, .010}},  {1.468, {.053, -.088, .105, .00, .006}},
-                             {1.480, {.052, -.080, .078, .00, -.002}}, {1.488, {.055, -.077, .067, .00, -.006}},
-                             {1.506, {.060, -.079, .066, .00, -.006}}};
-constexpr double kTorsoLow = 0.990;
-constexpr double kTorsoHigh = 1.506;
+constexpr Key<5> kTorso[] = {{0.955, {.098, -.106, .150, .10, .000}},  {1.005, {.105, -.106, .155, .10, .000}},
+                             {1.035, {.110, -.105, .1555, .10, .000}}, {1.080, {.110, -.100, .152, .10, .000}},
+                             {1.130, {.109, -.100, .151, .12, .000}},  {1.190, {.111, -.107, .155, .14, .000}},
+                             {1.250, {.116, -.116, .161, .16, .000}},  {1.305, {.116, -.124, .167, .18, .000}},
+                             {1.350, {.108, -.126, .170, .18, .002}},  {1.390, {.093, -.122, .169, .16, .006}},
+                             {1.420, {.076, -.113, .164, .12, .011}},  {1.446, {.060, -.100, .154, .06, .011}},
+                             {1.464, {.051, -.088, .114, .00, .009}},  {1.476, {.050, -.080, .076, .00, .000}},
+                             {1.484, {.052, -.078, .065, .00, -.006}}, {1.502, {.057, -.080, .0645, .00, -.006}}};
+constexpr double kTorsoLow = 0.955;
+constexpr double kTorsoHigh = 1.502;
 
 dvec3 torso_shape(double u, double y) {
   const auto p = along<5>(kTorso, y);
@@ -142,7 +144,7 @@ dvec3 torso_shape(double u, double y) {
   const dvec2 round = rounded(turn.sin, -turn.cos, p[3]);
   const double middle = 0.5 * (p[0] + p[1]);
   dvec3 at{p[2] * round.x, y + p[4] * square(turn.sin), middle + 0.5 * (p[0] - p[1]) * round.y};
-  if (y > 1.47) at.y -= 0.016 * smooth(1.47, 1.50, y) * smooth(-0.2, 1.0, -turn.cos);  // a collar dips in front
+  if (y > 1.46) at.y -= 0.024 * smooth(1.46, 1.49, y) * smooth(-0.2, 1.0, -turn.cos);  // a collar dips in front
   // Chest and shoulder blades.
   if (round.y > 0.0) {
     at.z += 0.010 * bump(square((std::abs(at.x) - 0.075) / 0.085) + square((y - 1.315) / 0.085));
@@ -154,15 +156,16 @@ dvec3 torso_shape(double u, double y) {
 }
 
 // t along the arm: half width forwards, half width upwards.
-constexpr Key<2> kSleeve[] = {{.030, {.070, .064}}, {.070, {.066, .061}},   {.110, {.062, .058}},
-                              {.160, {.058, .055}}, {.205, {.0575, .0555}}, {.230, {.058, .056}}};
+constexpr Key<2> kSleeve[] = {{.022, {.066, .0430}}, {.050, {.0675, .0505}}, {.085, {.064, .0545}},
+                              {.125, {.060, .0550}}, {.170, {.057, .0545}},  {.210, {.0565, .0550}},
+                              {.232, {.0575, .0560}}};
 // t: half width forwards, half width upwards, how far the centre lies forwards, and towards the palm.
 constexpr Key<4> kArm[] = {
     {.140, {.042, .043, .000, .000}},   {.210, {.042, .043, .000, .000}},    {.255, {.0385, .040, -.001, .000}},
     {.285, {.037, .0385, -.003, .000}}, {.320, {.0405, .0395, -.001, .000}}, {.355, {.041, .038, .001, .000}},
     {.410, {.0365, .033, .001, .000}},  {.470, {.030, .026, .000, .000}},    {.515, {.0275, .021, .000, .000}},
     {.540, {.0275, .019, .000, .000}},  {.560, {.031, .0185, .002, .001}},   {.585, {.0385, .018, .003, .002}},
-    {.610, {.0425, .017, .001, .003}},  {.632, {.0420, .0155, .000, .005}},  {.646, {.0370, .0115, .000, .007}},
+    {.610, {.0425, .017, .001, .003}},  {.632, {.0405, .0150, .000, .005}},  {.646, {.0350, .0100, .000, .007}},
     {.680, {.0390, .0120, .000, .016}}, {.705, {.0350, .0110, .000, .028}},  {.722, {.0220, .0080, .000, .038}}};
 constexpr double kKnuckles = 0.646;  // the palm ends here where fingers follow, the mitten further on
 constexpr double kWrist = kUpperArm + kForearm;
@@ -173,13 +176,12 @@ dvec3 arm_point(double t) { return kShoulder + kArmAxis * t; }
 // Trousers and shoes.
 
 // y: front z, back z, half width, squareness.
-constexpr Key<4> kPelvis[] = {{0.850, {.100, -.122, .1820, .16}}, {0.880, {.103, -.125, .1815, .16}},
-                              {0.920, {.106, -.126, .1780, .15}}, {0.960, {.107, -.122, .1700, .14}},
-                              {1.000, {.107, -.115, .1600, .12}}, {1.030, {.108, -.109, .1545, .10}},
-                              {1.052, {.109, -.106, .1530, .10}}};
+constexpr Key<4> kPelvis[] = {{0.850, {.100, -.122, .1800, .16}}, {0.880, {.103, -.125, .1790, .16}},
+                              {0.920, {.106, -.126, .1750, .15}}, {0.960, {.108, -.120, .1680, .13}},
+                              {0.990, {.109, -.113, .1610, .11}}, {1.018, {.110, -.108, .1570, .10}}};
 // y: front z, back z, centre x, half width.
 constexpr Key<4> kLeg[] = {
-    {0.028, {.062, -.072, .098, .0600}}, {0.045, {.058, -.074, .098, .0590}}, {0.110, {.048, -.072, .098, .0560}},
+    {0.026, {.062, -.080, .098, .0590}}, {0.045, {.058, -.080, .098, .0585}}, {0.110, {.047, -.075, .098, .0555}},
     {0.200, {.047, -.074, .098, .0575}}, {0.300, {.050, -.083, .099, .0630}}, {0.370, {.055, -.084, .099, .0650}},
     {0.440, {.064, -.076, .098, .0650}}, {0.500, {.071, -.071, .097, .0670}}, {0.560, {.076, -.074, .096, .0700}},
     {0.640, {.083, -.084, .095, .0780}}, {0.720, {.090, -.097, .094, .0860}}, {0.790, {.096, -.112, .0935, .0905}},
@@ -203,9 +205,9 @@ struct ShoeRow {
   double y, front, back, half_width, heel_half_width;
 };
 constexpr ShoeRow kShoe[] = {
-    {.000, .188, -.064, .0470, .0300}, {.006, .197, -.073, .0505, .0345}, {.024, .198, -.074, .0510, .0350},
-    {.027, .192, -.069, .0470, .0315}, {.044, .188, -.071, .0465, .0320}, {.060, .160, -.072, .0435, .0325},
-    {.076, .116, -.070, .0390, .0330}, {.096, .070, -.066, .0350, .0340}, {.118, .046, -.062, .0350, .0340}};
+    {.000, .188, -.060, .0470, .0300}, {.006, .197, -.068, .0505, .0345}, {.024, .198, -.069, .0510, .0350},
+    {.027, .192, -.063, .0470, .0315}, {.044, .188, -.060, .0465, .0315}, {.060, .160, -.058, .0435, .0315},
+    {.076, .116, -.056, .0390, .0315}, {.096, .070, -.052, .0345, .0310}, {.118, .046, -.046, .0340, .0300}};
 
 // A shoe's outline: broad at the ball, narrow at the heel, the inner edge straighter than the outer one.
 dvec3 shoe_shape(double u, double row) {
@@ -240,9 +242,9 @@ Influences torso_weights(const dvec3& p, bool sleeve) {
   const double upper = smooth(1.12, 1.28, p.y);
   const int side = p.x >= 0.0 ? 0 : 1;
   const double x = std::abs(p.x);
-  double arm = smooth(0.120, 0.235, x) * (sleeve ? 1.0 : smooth(1.20, 1.34, p.y));
+  double arm = smooth(0.110, 0.225, x) * (sleeve ? 1.0 : smooth(1.20, 1.34, p.y));
   const double t = glm::dot(dvec3(x, p.y, p.z) - kShoulder, kArmAxis);
-  if (sleeve) arm = std::max(arm, smooth(0.03, 0.12, t));
+  if (sleeve) arm = std::max(arm, smooth(-0.02, 0.09, t));
   const double collar = smooth(0.03, 0.13, x) * smooth(1.30, 1.43, p.y) * 0.8;
   const double neck = 0.35 * smooth(1.47, 1.51, p.y);
   Influences out{{upper_arm(side), arm}};
@@ -528,6 +530,7 @@ struct Detail {
   std::vector<double> head_rows;  // y
   int hair_columns, hair_rows;
   bool ears;
+  bool folds;                      // hems and collar turn inwards before they are closed
   int torso_columns;               // a multiple of 4
   int hole_half;                   // half the armhole's width in columns
   std::vector<double> torso_low;   // y below the armhole; the last is its bottom
@@ -547,68 +550,71 @@ struct Detail {
 
 Detail detail(int triangles) {
   if (triangles == 5000) {
-    return {26,
-            {1.435, 1.468, 1.497, 1.520, 1.534, 1.546, 1.560, 1.573, 1.582, 1.592, 1.604, 1.613, 1.628, 1.644, 1.660,
-             1.680, 1.700, 1.722},
+    return {24,
+            {1.435, 1.475, 1.505, 1.524, 1.536, 1.548, 1.562, 1.577, 1.590, 1.604, 1.613, 1.628, 1.644, 1.660, 1.682,
+             1.712},
             24,
             7,
             true,
+            true,
             24,
             2,
-            {0.992, 1.040, 1.085, 1.135, 1.190, 1.250, 1.312},
-            {1.357, 1.397},
-            {1.437, 1.458, 1.472, 1.481, 1.489, 1.504},
-            {.060, .095, .135, .180, .215, .228},
+            {0.960, 1.008, 1.036, 1.085, 1.135, 1.190, 1.250, 1.308},
+            {1.352, 1.398},
+            {1.442, 1.455, 1.467, 1.477, 1.486, 1.501},
+            {.026, .052, .082, .115, .155, .195, .230},
             10,
-            {.150, .215, .250, .285, .320, .360, .410, .465, .515, .540, .562, .587, .612, .634, .646},
+            {.150, .235, .265, .300, .335, .375, .430, .490, .530, .560, .587, .617, .636, .646},
             true,
             6,
-            {0.858, 0.885, 0.920, 0.960, 1.000, 1.030, 1.050},
+            {0.858, 0.890, 0.930, 0.968, 1.000, 1.017},
             3,
-            {0.790, 0.735, 0.670, 0.600, 0.555, 0.520, 0.485, 0.450, 0.405, 0.350, 0.280, 0.205, 0.130, 0.070, 0.034},
-            18,
-            {0, 1, 2, 3, 4, 5, 6, 7, 8}};
+            {0.785, 0.715, 0.635, 0.570, 0.525, 0.485, 0.445, 0.390, 0.315, 0.215, 0.115, 0.046, 0.028},
+            16,
+            {0, 1, 2, 3, 4, 5, 6, 8}};
   }
   if (triangles == 2200) {
     return {16,
-            {1.440, 1.490, 1.522, 1.542, 1.562, 1.584, 1.600, 1.613, 1.640, 1.670, 1.708},
+            {1.440, 1.485, 1.522, 1.540, 1.560, 1.584, 1.602, 1.613, 1.640, 1.668, 1.705},
             14,
             4,
             false,
+            true,
             16,
             1,
-            {0.992, 1.060, 1.130, 1.220, 1.312},
-            {1.375},
-            {1.437, 1.466, 1.484, 1.504},
-            {.070, .130, .205, .228},
+            {0.965, 1.036, 1.120, 1.220, 1.308},
+            {1.370},
+            {1.442, 1.464, 1.482, 1.500},
+            {.060, .115, .190, .230},
             8,
-            {.160, .240, .285, .330, .410, .515, .548, .590, .632, .680, .722},
+            {.160, .245, .290, .335, .410, .510, .548, .590, .632, .680, .722},
             false,
             5,
-            {0.858, 0.900, 0.960, 1.020, 1.050},
+            {0.858, 0.900, 0.955, 1.016},
             2,
-            {0.770, 0.670, 0.565, 0.500, 0.440, 0.360, 0.220, 0.100, 0.034},
+            {0.770, 0.670, 0.565, 0.500, 0.440, 0.360, 0.220, 0.100, 0.030},
             10,
             {0, 1.5, 3, 4, 5.5, 8}};
   }
   return {8,
-          {1.450, 1.520, 1.550, 1.610, 1.690},
-          8,
+          {1.460, 1.525, 1.552, 1.611, 1.680},
+          6,
           2,
           false,
+          false,
           8,
           1,
-          {1.000, 1.130, 1.312},
+          {0.990, 1.130, 1.308},
           {},
-          {1.437, 1.490},
-          {.090, .220},
+          {1.440, 1.488},
+          {.080, .225},
           5,
-          {.180, .285, .380, .530, .610, .715},
+          {.190, .285, .520, .610, .715},
           false,
           0,
-          {0.858, 0.950, 1.045},
+          {0.858, 1.012},
           1,
-          {0.740, 0.500, 0.330, 0.060},
+          {0.740, 0.500, 0.330, 0.040},
           6,
           {0, 3, 8}};
 }
@@ -640,15 +646,15 @@ void build_head(Builder& b, const Detail& d) {
     struct Row {
       double out, scale;
     };
-    constexpr Row kRows[] = {{-.004, .70}, {.006, 1.0}, {.013, 1.12}, {.0155, .62}};
+    constexpr Row kRows[] = {{-.006, .70}, {.004, .95}, {.0105, 1.08}, {.0125, .66}};
     std::vector<Ring> ear;
     for (const Row& row : kRows) {
       Ring ring;
-      ring.v = (row.out + .004) / .0195;
+      ring.v = (row.out + .006) / .0185;
       for (int i = 0; i < 8; ++i) {
         const SinCos turn = sincos_turns(i / 8.0);
-        dvec3 p{0.0728 + row.out, 1.627 + 0.0315 * row.scale * turn.cos,
-                -0.006 - row.out * 0.75 + 0.0185 * row.scale * turn.sin * (1.0 + 0.25 * turn.cos)};
+        dvec3 p{0.0728 + row.out, 1.628 + 0.0285 * row.scale * turn.cos,
+                -0.008 - row.out * 0.80 + 0.0160 * row.scale * turn.sin * (1.0 + 0.25 * turn.cos)};
         p.z -= 0.004 * turn.cos;
         p = mirrored(p, side);
         ring.points.push_back(b.add(p, weights(p)));
@@ -730,15 +736,19 @@ void build_shirt(Builder& b, const Detail& d) {
     }
   }
   // The collar turns inwards and ends below, around the neck.
-  Ring inner;
-  inner.v = 1.0;
-  for (const int point : rings.back().points) {
-    const dvec3 p = b.at(point);
-    const dvec3 q{p.x * 0.80, p.y - 0.022, -0.012 + (p.z + 0.012) * 0.80};
-    inner.points.push_back(b.add(q, torso_weights(p, false)));
+  if (d.folds) {
+    Ring inner;
+    inner.v = 1.0;
+    for (const int point : rings.back().points) {
+      const dvec3 p = b.at(point);
+      const dvec3 q{p.x * 0.80, p.y - 0.022, -0.012 + (p.z + 0.012) * 0.80};
+      inner.points.push_back(b.add(q, torso_weights(p, false)));
+    }
+    b.band(rings.back(), inner, chart_torso);
+    b.cap(inner, chart_torso);
+  } else {
+    b.cap(rings.back(), chart_torso);
   }
-  b.band(rings.back(), inner, chart_torso);
-  b.cap(inner, chart_torso);
 
   for (int side = 0; side < 2; ++side) {
     // The armhole's edge, once around from the middle of its top over the front.
@@ -760,7 +770,7 @@ void build_shirt(Builder& b, const Detail& d) {
       for (int i = 0; i < columns; ++i) {
         const SinCos turn = sincos_turns(static_cast<double>(i) / columns);
         // Near the shoulder the rings lean with the armhole, whose lower end lies further along the arm.
-        const double lean = 0.45 * smooth(0.16, 0.05, t) * p[1];
+        const double lean = 0.60 * smooth(0.17, 0.05, t) * p[1];
         const dvec3 q = mirrored(arm_point(t - lean * turn.cos) + kArmUp * (p[1] * shrink * turn.cos) +
                                      kForward * (p[0] * shrink * turn.sin),
                                  side);
@@ -773,9 +783,12 @@ void build_shirt(Builder& b, const Detail& d) {
       b.band(previous, ring, chart_sleeve);
       previous = std::move(ring);
     }
-    const Ring hem = sleeve_ring(d.sleeve.back() - 0.015, 0.62, 0.0);
-    b.band(previous, hem, chart_sleeve);
-    b.cap(hem, chart_sleeve);
+    if (d.folds) {
+      Ring hem = sleeve_ring(d.sleeve.back() - 0.015, 0.62, 0.0);
+      b.band(previous, hem, chart_sleeve);
+      previous = std::move(hem);
+    }
+    b.cap(previous, chart_sleeve);
   }
   b.finish(shirt);
 }
@@ -788,7 +801,7 @@ void build_arm(Builder& b, const Detail& d, int side) {
     for (int i = 0; i < d.arm_columns; ++i) {
       // From the back edge over the palm's side to the thumb's edge and over the back of the hand.
       const SinCos turn = sincos_turns((i + 0.5) / d.arm_columns);
-      const dvec2 round = rounded(turn.sin, -turn.cos, t > kWrist ? 0.35 : 0.0);
+      const dvec2 round = rounded(turn.sin, -turn.cos, t > kWrist ? 0.20 : 0.0);
       const dvec3 q =
           mirrored(arm_point(t) + kForward * (p[2] + p[0] * round.y) + kPalm * (p[3] + p[1] * round.x), side);
       const bool mitten = t > kKnuckles && b.full();
@@ -862,9 +875,12 @@ void build_trousers(Builder& b, const Detail& d) {
   std::vector<Ring> pelvis;
   for (const double y : d.pelvis_rows) pelvis.push_back(pelvis_ring(y, 1.0, v_of(y)));
   for (size_t r = 0; r + 1 < pelvis.size(); ++r) b.band(pelvis[r], pelvis[r + 1], chart_pelvis);
-  const Ring inside = pelvis_ring(high - 0.012, 0.84, 1.0);
-  b.band(pelvis.back(), inside, chart_pelvis);
-  b.cap(inside, chart_pelvis);
+  Ring waist = pelvis.back();
+  if (d.folds) {
+    waist = pelvis_ring(high - 0.012, 0.84, 1.0);
+    b.band(pelvis.back(), waist, chart_pelvis);
+  }
+  b.cap(waist, chart_pelvis);
 
   // The crotch's line, from the front to the back, shared by both legs.
   const Ring& split = pelvis.front();
@@ -908,9 +924,12 @@ void build_trousers(Builder& b, const Detail& d) {
       b.band(previous, ring, chart_leg);
       previous = std::move(ring);
     }
-    const Ring fold = leg_ring(hem + 0.012, 0.70, 0.0);
-    b.band(previous, fold, chart_leg);
-    b.cap(fold, chart_leg);
+    if (d.folds) {
+      Ring fold = leg_ring(hem + 0.012, 0.70, 0.0);
+      b.band(previous, fold, chart_leg);
+      previous = std::move(fold);
+    }
+    b.cap(previous, chart_leg);
   }
   b.finish(trousers);
 }
@@ -978,12 +997,12 @@ dvec3 hair_point(double u, double v) {
   const dvec3 middle{0.0, 1.655, -0.008};
   const dvec3 outward = glm::normalize(scalp - middle);
   const SinCos turn = head_turn(u);
-  // Thin at the edge; fuller on top and behind, a little lift above the forehead.
-  const double body =
-      0.0105 + 0.004 * turn.cos * 0.5 + 0.006 * bump(square((turn.cos + 1.0) / 0.5)) * smooth(0.0, 0.4, v);
-  const double thick = 0.0035 + (body - 0.0035) * smooth(0.0, 0.38, v);
+  // Thin at the edge, above all in front; fuller on top and behind.
+  const double back = 0.5 + 0.5 * turn.cos;
+  const double body = 0.0085 + 0.0060 * back + 0.0035 * smooth(0.35, 0.95, v);
+  const double thick = 0.0030 + (body - 0.0030) * smooth(0.0, 0.75 - 0.40 * back, v);
   dvec3 p = scalp + outward * thick;
-  p.y = std::min(p.y, kHeight - 0.002 * (1.0 - v));
+  p.y = std::min(p.y, kHeight - 0.001);
   return p;
 }
 

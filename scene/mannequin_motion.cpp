@@ -276,7 +276,7 @@ Figure walk_figure(const Poser& poser, double phase) {
     const double forward = -cosine(p - 0.02);  // 1 when this arm is in front: opposite to its leg
     const double sign = side == 0 ? 1.0 : -1.0;
     f.local[static_cast<size_t>(clavicle(side))] = turn(kY, -sign * 3.0 * forward) * turn(kZ, -sign * 4.0);
-    poser.place_arm(f, side, 3.0 + 23.0 * forward, 80.0, 20.0 - 13.0 * cosine(p - 0.07), 6.0);
+    poser.place_arm(f, side, -1.0 + 20.0 * forward, 80.0, 19.0 - 11.0 * cosine(p - 0.07), 6.0);
   }
   return f;
 }
@@ -345,9 +345,9 @@ Figure wave_figure(const Poser& poser, double phase) {
   // The right arm is raised sideways and turned out, so that the elbow bends upwards and the palm shows.
   const dvec3 axis = Poser::arm_axis(1);
   f.local[static_cast<size_t>(clavicle(1))] = turn(kZ, -9.0);
-  f.local[static_cast<size_t>(upper_arm(1))] = turn(kY, 14.0) * turn(kZ, -34.0 - 3.0 * late) * turn(axis, -78.0);
+  f.local[static_cast<size_t>(upper_arm(1))] = turn(kY, 14.0) * turn(kZ, -38.0 - 3.0 * late) * turn(axis, 80.0);
   f.local[static_cast<size_t>(forearm(1))] = turn(glm::cross(axis, kZ), 84.0 + 21.0 * beat);
-  f.local[static_cast<size_t>(hand(1))] = turn(kZ, 4.0) * turn(kZ, 0.0);
+  f.local[static_cast<size_t>(hand(1))] = turn(kX, -7.0 * late);
   poser.curl_fingers(f, 1, -14.0);
   return f;
 }
