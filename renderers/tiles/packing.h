@@ -1,0 +1,29 @@
+// Packing of rectangles into the layers of an array texture.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace crowdbench::renderers {
+
+struct PackSize {
+  int width = 0;  // texels, gutters included; 0 in either: nothing is placed
+  int height = 0;
+};
+struct PackPlace {
+  int x = 0;  // texels
+  int y = 0;
+  int layer = -1;  // -1: nothing was placed
+};
+struct Packing {
+  int width = 0;   // of every layer, texels
+  int height = 0;  // smaller than asked when everything fits in one lower layer
+  int layers = 0;
+  std::vector<PackPlace> places;  // one a size, no two overlap
+};
+
+// Shelves of falling height, deterministic. Layers are `side` texels square, or as wide as the widest rectangle where
+// that is more; a single layer is cut to the height it needs (a multiple of four, for block compression).
+Packing pack_tiles(std::span<const PackSize> sizes, int side);
+
+}  // namespace crowdbench::renderers

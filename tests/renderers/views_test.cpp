@@ -1,0 +1,166 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "renderers/views/view_grid.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+constexpr double kDegrees = std::numbers::pi / 180;
+
+glm::dvec3 direction(double azimuth_deg, double elevation_deg) {
+  const double a = azimuth_deg * kDegrees;
+  const double e = elevation_deg * kDegrees;
+  return {std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)};
+}
+
+ViewGrid grid(const std::string& text, double el_min_deg = 0) {
+  return parse_view_grid(text, el_min_deg * kDegrees, "views");
+}
+
+// The nearest by comparing with all.
+double least_angle(const ViewGrid& g, const glm::dvec3& d) {
+  double best = 10;
+  for (int v = 0; v < g.size(); ++v) {
+    const glm::dvec3 s = g.basis(v).to_eye;
+    best = std::min(best, std::atan2(glm::length(glm::cross(d, s)), glm::dot(d, s)));
+  }
+  return best;
+}
+
+TEST(ViewGrid, CountsViews) {
+  EXPECT_EQ(grid("sphere-17x8").size(), 136);
+  EXPECT_EQ(grid("cube-4").size(), 96);
+  EXPECT_EQ(grid("hemi-12").size(), 144);
+}
+
+TEST(ViewGrid, TextAndParserAgree) {
+  for (const char* text : {"sphere-17x8", "sphere-17x8-mirrored", "cube-4", "hemi-12"})
+    EXPECT_EQ(grid(text).text(), text);
+  for (const char* text : {"", "sphere", "sphere-", "sphere-17", "sphere-x8", "sphere-0x8", "sphere-17x8x", "cube-0",
+                           "cube-1e3", "hemi-1", "octa-4", "sphere-17x8-mirror"})
+    EXPECT_THROW(grid(text), Error) << text;
+}
+
+TEST(ViewGrid, AzimuthZeroIsTheFrontAndGrowsTowardsTheLeft) {
+  const ViewGrid g = grid("sphere-4x2");
+  EXPECT_NEAR(glm::distance(g.basis(0).to_eye, glm::dvec3(0, 0, 1)), 0, 1e-15);
+  EXPECT_NEAR(glm::distance(g.basis(1).to_eye, glm::dvec3(1, 0, 0)), 0, 1e-15);  // the character's left is +X
+  EXPECT_NEAR(glm::distance(g.basis(0).right, glm::dvec3(1, 0, 0)), 0,
+              1e-15);  // seen from the front, its left is right
+  for (int v = 4; v < 8; ++v) EXPECT_NEAR(g.basis(v).to_eye.y, 1, 1e-15) << "the last row is the pole";
+}
+
+TEST(ViewGrid, BasesAreRightHandedAndUpright) {
+  for (const char* text : {"sphere-17x8", "sphere-9x5-mirrored", "cube-3", "hemi-7"}) {
+    const ViewGrid g = grid(text);
+    for (int v = 0; v < g.size(); ++v) {
+      const ViewBasis b = g.basis(v);
+      EXPECT_NEAR(glm::length(b.to_eye), 1, 1e-12);
+      EXPECT_NEAR(glm::distance(glm::cross(b.right, b.up), b.to_eye), 0, 1e-12) << text << " view " << v;
+      EXPECT_NEAR(b.right.y, 0, 1e-12) << "tiles do not roll";
+      EXPECT_GE(b.up.y, -1e-12);
+    }
+  }
+}
+
+TEST(ViewGrid, SamplesPickThemselves) {
+  for (const char* text : {"sphere-17x8", "sphere-9x5-mirrored", "cube-3", "hemi-7", "hemi-12"}) {
+    const ViewGrid g = grid(text);
+    for (int v = 0; v < g.size(); ++v) {
+      if (!g.reachable(v)) continue;
+      // All samples of the pole row, and of the rim of the half-octahedron, stand for one direction each; the angle is
+      // what counts.
+      EXPECT_LT(view_error(g, g.basis(v).to_eye), 1e-7) << text << " view " << v;
+    }
+  }
+}
+
+TEST(ViewGrid, SpherePickIsTheNearestOfAll) {
+  for (const char* text : {"sphere-17x8", "sphere-5x3", "sphere-32x9", "sphere-8x1"}) {
+    const ViewGrid g = grid(text);
+    for (uint64_t i = 0; i < 4000; ++i) {
+      const double y = random_unit(7, i, 1);
+      const double azimuth = 360 * random_unit(7, i, 2);
+      const glm::dvec3 d = direction(azimuth, std::asin(y) / kDegrees);
+      EXPECT_NEAR(view_error(g, d), least_angle(g, d), 1e-9) << text << " " << d.x << " " << d.y << " " << d.z;
+    }
+  }
+}
+
+TEST(ViewGrid, CellPicksAreCloseToTheNearest) {
+  for (const char* text : {"cube-4", "hemi-12"}) {
+    const ViewGrid g = grid(text);
+    double worst = 0;
+    for (uint64_t i = 0; i < 4000; ++i) {
+      const double y = random_unit(7, i, 1);
+      const glm::dvec3 d = direction(360 * random_unit(7, i, 2), std::asin(y) / kDegrees);
+      worst = std::max(worst, view_error(g, d) - least_angle(g, d));
+    }
+    EXPECT_LT(worst, 4 * kDegrees) << text;
+  }
+}
+
+// Half a step in azimuth on the horizon and half a step in elevation, on the sphere's lowest cell: the farthest corner
+// of a cell between rows 0 and 1 lies where it is as far from both rows' samples.
+TEST(ViewGrid, LargestErrorAgreesWithGeometry) {
+  const ViewGrid g = grid("sphere-16x1");
+  // One row on the horizon: the pole is 90 degrees from every sample.
+  EXPECT_NEAR(compute_view_errors(g).largest, 90 * kDegrees, 1.5 * kDegrees);
+  const ViewGrid two = grid("sphere-12x7");  // 30 degrees by 15
+  // The corner (15 degrees, e) at equal distance from rows 0 and 15: by symmetry of the great circle through the two
+  // samples of one azimuth it lies at 7.5 degrees along it, and 15 degrees of azimuth away at that elevation.
+  const double half_azimuth = 15 * kDegrees;
+  double corner = 0;
+  for (double e = 0; e < 15; e += 0.01) {
+    const glm::dvec3 d = direction(15, e);
+    const double low = std::acos(glm::dot(d, direction(0, 0)));
+    const double high = std::acos(glm::dot(d, direction(0, 15)));
+    corner = std::max(corner, std::min(low, high));
+  }
+  EXPECT_GT(corner, half_azimuth);
+  EXPECT_NEAR(compute_view_errors(two, 200000).largest, corner, 0.1 * kDegrees);
+}
+
+TEST(ViewGrid, LowestElevationIsKeptTo) {
+  const ViewGrid g = grid("sphere-8x4", -30);  // rows at -30, 10, 50, 90
+  EXPECT_NEAR(std::asin(g.basis(0).to_eye.y), -30 * kDegrees, 1e-12);
+  EXPECT_NEAR(std::asin(g.basis(8).to_eye.y), 10 * kDegrees, 1e-12);
+  const ViewGrid level = grid("sphere-8x4");
+  EXPECT_EQ(level.pick(direction(45, -60)), level.pick(direction(45, 0))) << "directions below are raised";
+  const ViewGrid cube = grid("cube-4");
+  int reachable = 0;
+  for (int v = 0; v < cube.size(); ++v) reachable += cube.reachable(v);
+  EXPECT_EQ(reachable, 16 + 4 * 8) << "the top and the upper halves of the sides";
+  for (uint64_t i = 0; i < 4000; ++i) {
+    const glm::dvec3 d = direction(360 * random_unit(3, i, 1), 180 * random_unit(3, i, 2) - 90);
+    EXPECT_TRUE(cube.reachable(cube.pick(d).view));
+    EXPECT_LT(grid("hemi-9").pick(d).view, 81);
+  }
+}
+
+TEST(ViewGrid, AMirroredGridCoversTheTurnWithHalfOfIt) {
+  const ViewGrid g = grid("sphere-17x8-mirrored");
+  EXPECT_NEAR(std::atan2(g.basis(1).to_eye.x, g.basis(1).to_eye.z), 11.25 * kDegrees, 1e-12);
+  EXPECT_NEAR(std::atan2(g.basis(16).to_eye.x, g.basis(16).to_eye.z), 180 * kDegrees, 1e-12);
+  const ViewPick right = g.pick(direction(-50, 20));
+  EXPECT_TRUE(right.mirrored);
+  EXPECT_EQ(right.view, g.pick(direction(50, 20)).view);
+  EXPECT_LT(compute_view_errors(g).largest, 9 * kDegrees);
+}
+
+TEST(ViewGrid, ZeroVectorPicksSomeView) {
+  for (const char* text : {"sphere-17x8", "cube-4", "hemi-12"}) {
+    const ViewGrid g = grid(text);
+    const int view = g.pick({0, 0, 0}).view;
+    EXPECT_GE(view, 0);
+    EXPECT_LT(view, g.size());
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::renderers
