@@ -1,3 +1,4 @@
+#include "renderers/flat/flat.h"
 #include "renderers/mesh/mesh.h"
 #include "renderers/representation.h"
 
@@ -8,6 +9,7 @@ namespace crowdbench::renderers {
 const std::vector<RepresentationType>& representation_types() {
   static const std::vector<RepresentationType> types = {
       mesh_type,
+      flat_type,
   };
   return types;
 }

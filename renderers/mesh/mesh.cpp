@@ -119,11 +119,15 @@ struct Variant {
   auto operator<=>(const Variant&) const = default;
 };
 
+// What is drawn: the mesh, its floor (a static pose), or the maps that bakes are made of.
+enum class Use : uint8_t { picture, floor, capture };
+
 class MeshRepresentation : public Representation {
  public:
-  MeshRepresentation(const MakeContext& make, bool floor) : context_(make.context), floor_(floor) {
+  MeshRepresentation(const MakeContext& make, Use use)
+      : context_(make.context), floor_(use == Use::floor), capture_(use == Use::capture) {
     for (size_t c = 0; c < make.cast.characters.size(); ++c)
-      meshes_.push_back(upload(context_, *make.cast.characters[c], *make.cast.banks[c], floor));
+      meshes_.push_back(upload(context_, *make.cast.characters[c], *make.cast.banks[c], floor_));
   }
 
   void draw(const scene::Frame&, const FrameResources& resources, const AgentLists& agents, const Pass& pass) override {
@@ -161,6 +165,7 @@ class MeshRepresentation : public Representation {
         if (on) defines.emplace_back(name, "");
       };
       define(floor_, "CB_STATIC");
+      define(capture_, "CB_CAPTURE");
       define(v.ids, "CB_IDS");
       define(v.colours, "CB_COLOURS");
       define(v.emissive_uvs, "CB_EMISSIVE_UVS");
@@ -202,18 +207,24 @@ class MeshRepresentation : public Representation {
 
   gl::Context& context_;
   bool floor_;
+  bool capture_;
   std::vector<CharacterMesh> meshes_;
   std::map<Variant, gl::Program> programs_;
 };
 
 }  // namespace
 
+std::unique_ptr<Representation> make_mesh_capture(const MakeContext& make) {
+  return std::make_unique<MeshRepresentation>(make, Use::capture);
+}
+
 const RepresentationType mesh_type = {
     "mesh",
     "the reference: the skinned mesh, posed on the GPU, instanced",
     {},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
-      return std::make_unique<MeshRepresentation>(context, OptionReader(mesh_type, spec).flag("floor"));
+      return std::make_unique<MeshRepresentation>(
+          context, OptionReader(mesh_type, spec).flag("floor") ? Use::floor : Use::picture);
     }};
 
 }  // namespace crowdbench::renderers

@@ -1,6 +1,11 @@
 #version 450 core
-#include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
+#ifdef CB_CAPTURE
+#define CB_CAPTURE_OUTPUTS
+#include "renderers/tiles/capture.glsl"
+#else
+#include "renderers/shaders/output.glsl"
+#endif
 
 struct MaterialRecord {
   vec4 base_colour;    // linear factor
@@ -53,7 +58,11 @@ void main() {
 #ifdef CB_DOUBLE_SIDED
   if (!gl_FrontFacing) normal = -normal;
 #endif
+#ifdef CB_CAPTURE
+  write_capture(albedo, normal, material.part_flags.x, (flags & CB_MATERIAL_UNLIT) != 0u);
+#else
   uvec2 identity = agents[agent].identity.xy;
   write_output(shade(albedo, normal, material.part_flags.x, identity.x, (flags & CB_MATERIAL_UNLIT) != 0u, emissive),
                identity.y);
+#endif
 }

@@ -20,6 +20,9 @@ layout(location = CB_ATTRIBUTE_EMISSIVE_UV) in vec2 in_emissive_uv;
 layout(location = 4) out vec2 v_emissive_uv;
 #endif
 layout(location = CB_LOCATION_FIRST) uniform uint first;
+#ifdef CB_CAPTURE
+#include "renderers/tiles/capture.glsl"
+#endif
 
 layout(location = 0) out vec4 v_normal_u;  // world normal, not unit; u. Few outputs: each costs every triangle's set-up
 layout(location = 1) out float v_v;
@@ -58,5 +61,11 @@ void main() {
 #ifdef CB_EMISSIVE_UVS
   v_emissive_uv = in_emissive_uv;
 #endif
+#ifdef CB_CAPTURE
+  CaptureView view = capture_views[agent];
+  gl_Position = capture_position(view, world);
+  v_normal_u.xyz = capture_normal(view, normal);
+#else
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
+#endif
 }

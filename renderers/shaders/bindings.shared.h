@@ -12,6 +12,10 @@
 #define CB_STORAGE_PALETTE 3    // vec4[]: posed joints of the listed agents, three rows a joint, list-major
 #define CB_STORAGE_POSE_BANK 4  // vec4[]: one character's bank, three rows a joint, sample-major
 #define CB_STORAGE_MATERIALS 8  // MaterialRecord[] of the character being drawn
+#define CB_STORAGE_CAPTURE 9    // CaptureView[]: one orthographic view an agent, for bakes
+#define CB_STORAGE_TILES 10     // tiles of the character being drawn: where they lie (flat)
+#define CB_STORAGE_OUTLINES 11  // corners of the tiles' outlines (flat)
+#define CB_STORAGE_VIEWS 12     // the planes of a view grid, and a character's clips (flat)
 
 // Texture units.
 #define CB_TEXTURE_BASE_COLOUR 0

@@ -9,10 +9,16 @@ vec3 outfit_colour(uint part, uint outfit) {
   return part < uint(CB_PARTS) ? outfits[outfit * uint(CB_PARTS) + part].rgb : vec3(1.0);
 }
 
-// albedo: linear, before the outfit. normal: world axes, any length but zero. Returns linear light.
-vec3 shade(vec3 albedo, vec3 normal, uint part, uint outfit, bool unlit, vec3 emissive) {
+// albedo: linear, before the outfit. lambert: cosine between the normal and the light, 0 where the light is behind.
+// Returns linear light.
+vec3 shade_lit(vec3 albedo, float lambert, uint part, uint outfit, bool unlit, vec3 emissive) {
   vec3 base = albedo * outfit_colour(part, outfit);
   if (unlit) return base;
-  float lambert = max(0.0, dot(normal, frame.light_direction.xyz) * inversesqrt(max(dot(normal, normal), 1e-30)));
   return base * (frame.light.x + frame.light.y * lambert) + emissive;
+}
+
+// normal: world axes, any length but zero.
+vec3 shade(vec3 albedo, vec3 normal, uint part, uint outfit, bool unlit, vec3 emissive) {
+  float lambert = max(0.0, dot(normal, frame.light_direction.xyz) * inversesqrt(max(dot(normal, normal), 1e-30)));
+  return shade_lit(albedo, lambert, part, outfit, unlit, emissive);
 }

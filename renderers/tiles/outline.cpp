@@ -98,6 +98,7 @@ Polygon bounded(const Polygon& hull, size_t directions, const Box& box) {
 // of the cells that the contour passes through.
 Polygon covered_points(const Tile& tile) {
   Polygon points;
+  if (tile.rect.width == 0) return points;
   const auto value = [&](int column, int row) {
     return tile.albedo[4 * (static_cast<size_t>(row) * static_cast<size_t>(tile.stride()) +
                             static_cast<size_t>(column)) +

@@ -229,7 +229,8 @@ Tile encode(const Plane& plane, double area) {
 uint8_t encode_signed(double v) { return static_cast<uint8_t>(std::clamp(std::floor(v * 127 + 128.5), 1.0, 255.0)); }
 double decode_signed(uint8_t code) { return (static_cast<double>(code) - 128) / 127; }
 
-std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<CapturedTexel>& texels, int levels) {
+std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<CapturedTexel>& texels, int levels,
+                                    bool crop) {
   // Crop to what is covered: the caller's rectangle is a bound.
   int x0 = rect.width;
   int x1 = -1;
@@ -246,6 +247,11 @@ std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<Capt
     }
   std::vector<Tile> tiles(static_cast<size_t>(levels));
   if (x1 < 0) return tiles;
+  if (!crop) {
+    x0 = y0 = 0;
+    x1 = rect.width - 1;
+    y1 = rect.height - 1;
+  }
   Plane plane({rect.x + x0, rect.y + y0, x1 - x0 + 1, y1 - y0 + 1});
   double area = 0;
   for (int y = y0; y <= y1; ++y)

@@ -55,8 +55,9 @@ struct CapturedTexel {
 //   that the filtered alpha is at least one half over exactly that area. Colours, normals and depths are means weighted
 //   by coverage (colours in linear light, normals renormalised), material ids the most covered one; texels without
 //   coverage next to covered ones take their neighbours' values.
-// A tile that covers nothing gives empty rectangles.
-std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<CapturedTexel>& texels, int levels);
+// crop: the rectangle shrinks to what is covered. A tile that covers nothing gives empty rectangles.
+std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<CapturedTexel>& texels, int levels,
+                                    bool crop = true);
 
 // Filtered alpha in [0, 1] at a point in texels of the tile's level (lattice coordinates), as the GPU's bilinear filter
 // gives it.

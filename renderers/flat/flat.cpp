@@ -1,0 +1,371 @@
+#include "renderers/flat/flat.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "core/progress.h"
+#include "renderers/bake_cache.h"
+#include "renderers/flat/flat.shared.h"
+#include "renderers/flat/flat_bake.h"
+#include "renderers/frame_resources.h"
+#include "renderers/gl/objects.h"
+#include "renderers/gl/program.h"
+#include "renderers/shaders/bindings.shared.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+// `Table` of flat.vert, std430, without its views.
+struct LevelRecord {
+  glm::vec4 scale;
+  glm::uvec4 first;
+};
+struct TableHeader {
+  glm::vec4 centre;
+  glm::ivec4 grid;
+  glm::vec4 span;
+  glm::uvec4 counts;
+  LevelRecord levels[CB_FLAT_LEVELS];
+  glm::uvec4 clips[CB_FLAT_CLIPS];
+};
+
+// A level is drawn where its texels are at most this many pixels; coarser ones would blur, finer ones alias.
+constexpr double kPixelsPerTexel = std::numbers::sqrt2;
+
+// Agents drawn by one call: bounds the index buffer.
+constexpr uint32_t kBatch = 8192;
+
+struct CharacterTiles {
+  struct Level {
+    gl::Texture albedo, surface;
+    int corners = 4;
+  };
+  std::vector<Level> levels;
+  gl::Buffer table, tiles, outlines;
+  glm::vec3 centre{0.0F};
+  double texel = 0;
+  uint64_t disk_bytes = 0;
+  std::string cache_key;
+  bool cached = false;
+};
+
+TableHeader make_header(const FlatBake& bake, const ViewGrid& grid) {
+  TableHeader header{};
+  header.centre = {bake.centre[0], bake.centre[1], bake.centre[2], 0.0F};
+  const int along = grid.kind == GridKind::sphere ? grid.azimuths : grid.n;
+  header.grid = {static_cast<int>(grid.kind), along, grid.elevations, grid.mirrored ? 1 : 0};
+  const double turn = 2 * std::numbers::pi;
+  const double azimuth_step = grid.mirrored ? turn / 2 / (grid.azimuths - 1) : turn / grid.azimuths;
+  const double elevation_step = grid.elevations > 1 ? (turn / 4 - grid.el_min) / (grid.elevations - 1) : 1.0;
+  const double low = grid.kind == GridKind::hemi ? 0.0 : grid.el_min;
+  header.span = {static_cast<float>(azimuth_step), static_cast<float>(grid.el_min), static_cast<float>(elevation_step),
+                 static_cast<float>(std::tan(low))};
+  header.counts = {bake.views, 0U, 0U, 0U};
+  uint32_t tile = 0;
+  uint32_t corner = 0;
+  for (size_t l = 0; l < bake.levels.size(); ++l) {
+    const FlatLevel& level = bake.levels[l];
+    header.levels[l].scale = {static_cast<float>(bake.texel * std::exp2(static_cast<double>(l))),
+                              1.0F / static_cast<float>(std::max(level.width, 1)),
+                              1.0F / static_cast<float>(std::max(level.height, 1)), 0.0F};
+    header.levels[l].first = {tile, corner, 0U, 0U};
+    tile += static_cast<uint32_t>(level.tiles.size());
+    corner += static_cast<uint32_t>(level.outlines.size());
+  }
+  for (size_t c = 0; c < bake.clips.size(); ++c)
+    header.clips[c] = {bake.clips[c].first_frame, bake.clips[c].frames, 0U, 0U};
+  return header;
+}
+
+CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid& grid) {
+  CharacterTiles out;
+  out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
+  out.texel = bake.texel;
+  const TableHeader header = make_header(bake, grid);
+  std::vector<uint8_t> table(sizeof header + bake.views * 2 * sizeof(glm::vec4));
+  std::memcpy(table.data(), &header, sizeof header);
+  for (uint32_t v = 0; v < bake.views; ++v) {
+    const ViewBasis basis = grid.basis(static_cast<int>(v));
+    const std::array<float, 8> axes = {
+        static_cast<float>(basis.right.x), static_cast<float>(basis.right.y), static_cast<float>(basis.right.z), 0.0F,
+        static_cast<float>(basis.up.x),    static_cast<float>(basis.up.y),    static_cast<float>(basis.up.z),    0.0F};
+    std::memcpy(table.data() + sizeof header + v * sizeof axes, axes.data(), sizeof axes);
+  }
+  out.table = gl::Buffer(context, table);
+  std::vector<FlatTile> tiles;
+  std::vector<std::array<float, 2>> outlines;
+  for (const FlatLevel& level : bake.levels) {
+    tiles.insert(tiles.end(), level.tiles.begin(), level.tiles.end());
+    outlines.insert(outlines.end(), level.outlines.begin(), level.outlines.end());
+    CharacterTiles::Level& l = out.levels.emplace_back();
+    l.corners = level.corners;
+    if (level.layers == 0) continue;
+    const auto make = [&](const std::vector<uint8_t>& texels) {
+      gl::Texture texture = gl::Texture::make_array(context, GL_RGBA8, level.width, level.height, level.layers, 1);
+      const size_t layer_bytes = 4 * static_cast<size_t>(level.width) * static_cast<size_t>(level.height);
+      for (int layer = 0; layer < level.layers; ++layer)
+        texture.write(0, layer, GL_RGBA, GL_UNSIGNED_BYTE, texels.data() + static_cast<size_t>(layer) * layer_bytes);
+      return texture;
+    };
+    l.albedo = make(level.albedo);
+    l.surface = make(level.surface);
+  }
+  out.tiles = gl::Buffer(context, tiles);
+  out.outlines = gl::Buffer(context, outlines);
+  return out;
+}
+
+void check_limits(const gl::Context& context, const FlatBake& bake, const std::string& character) {
+  const gl::Limits& limits = context.limits();
+  const auto refuse = [&](const std::string& what) {
+    throw Error(fmt::format("flat bake of {}", character), what, "lower texels, frames or views, or use fewer clips");
+  };
+  uint64_t corners = 0;
+  for (const FlatLevel& level : bake.levels) {
+    corners += level.outlines.size();
+    if (level.layers > limits.array_layers)
+      refuse(fmt::format("{} layers are more than this driver's {}", level.layers, limits.array_layers));
+    if (level.albedo.size() >= (uint64_t{1} << 31))
+      refuse(fmt::format("a texture of {} bytes is too large", level.albedo.size()));
+  }
+  if (corners * sizeof(std::array<float, 2>) > static_cast<uint64_t>(limits.storage_block))
+    refuse(fmt::format("{} tiles need too large a table", uint64_t{bake.frames} * bake.views));
+}
+
+class FlatRepresentation : public Representation {
+ public:
+  FlatRepresentation(const MakeContext& make, const FlatBakeOptions& options, bool floor)
+      : context_(make.context), floor_(floor) {
+    const auto start = std::chrono::steady_clock::now();
+    const BakeCache cache(cache_directory() / "bakes", make.use_cache);
+    uint64_t left = make.bake_budget;
+    for (size_t c = 0; c < make.cast.characters.size(); ++c) {
+      const auto& character = make.cast.characters[c];
+      const auto& bank = make.cast.banks[c];
+      if (bank->clips().size() > CB_FLAT_CLIPS)
+        throw Error(fmt::format("flat bake of {}", character->name),
+                    fmt::format("{} clips; {} is the most", bank->clips().size(), CB_FLAT_CLIPS), "use fewer clips");
+      const std::string key = flat_cache_key(*character, *bank, options, context_.renderer(), context_.version());
+      std::optional<FlatBake> bake;
+      if (const auto stored = cache.load("flat", key)) bake = deserialise_flat(*stored);
+      const bool cached = bake.has_value();
+      if (!bake) {
+        std::optional<Progress> progress;
+        size_t shown = 0;
+        bake = bake_flat(context_, character, bank, options, left, [&](size_t done, size_t total) {
+          throw_if_interrupted();
+          if (!make.progress) return;
+          if (!progress) progress.emplace(fmt::format("baking flat impostors of {}", character->name), total);
+          progress->advance(done - shown);
+          shown = done;
+        });
+        cache.store("flat", key, serialise(*bake));
+      }
+      if (bake->texture_bytes() > left)
+        throw Error(
+            fmt::format("flat bake of {}", character->name),
+            fmt::format("{:.0f} MiB of tiles are more than what is left of the budget, {:.0f}",
+                        static_cast<double>(bake->texture_bytes()) / (1 << 20), static_cast<double>(left) / (1 << 20)),
+            "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
+      left -= bake->texture_bytes();
+      check_limits(context_, *bake, character->name);
+      characters_.push_back(upload(context_, *bake, options.grid));
+      characters_.back().cache_key = key;
+      characters_.back().cached = cached;
+      characters_.back().disk_bytes = cache.enabled() ? cache.disk_bytes("flat", key) : 0;
+    }
+    gl::SamplerOptions sampling{
+        .min_filter = GL_LINEAR, .mag_filter = GL_LINEAR, .wrap_s = GL_CLAMP_TO_EDGE, .wrap_t = GL_CLAMP_TO_EDGE};
+    filtered_ = gl::Sampler(context_, sampling);
+    sampling.min_filter = sampling.mag_filter = GL_NEAREST;
+    nearest_ = gl::Sampler(context_, sampling);
+    seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+
+  void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
+            const Pass& pass) override {
+    filtered_.bind(CB_FLAT_TEXTURE_ALBEDO);
+    nearest_.bind(CB_FLAT_TEXTURE_SURFACE);
+    for (size_t c = 0; c < characters_.size(); ++c) {
+      if (agents[c].empty()) continue;
+      const CharacterTiles& tiles = characters_[c];
+      sort_agents(frame, tiles, frame.agents[c], agents[c]);
+      tiles.table.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_VIEWS);
+      tiles.tiles.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_TILES);
+      tiles.outlines.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_OUTLINES);
+      for (size_t l = 0; l < tiles.levels.size(); ++l) {
+        const auto first = level_first_[l];
+        const auto count = level_first_[l + 1] - first;
+        const CharacterTiles::Level& level = tiles.levels[l];
+        if (count == 0 || !level.albedo) continue;
+        resources.draw_listed(c, std::span(sorted_).subspan(first, count), [&](uint32_t n) {
+          level.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
+          level.surface.bind(CB_FLAT_TEXTURE_SURFACE);
+          const gl::Program& p = program(pass, level.corners);
+          p.use();
+          p.set(CB_FLAT_LOCATION_LEVEL, static_cast<int>(l));
+          draw_polygons(level.corners, n);
+        });
+      }
+    }
+    for (const unsigned unit : {CB_FLAT_TEXTURE_ALBEDO, CB_FLAT_TEXTURE_SURFACE}) glBindSampler(unit, 0);
+  }
+
+  Footprint footprint() const override {
+    Footprint out;
+    for (const CharacterTiles& c : characters_) {
+      for (const CharacterTiles::Level& l : c.levels) out.texture_bytes += l.albedo.bytes() + l.surface.bytes();
+      out.buffer_bytes += c.table.size() + c.tiles.size() + c.outlines.size();
+      out.disk_bytes += c.disk_bytes;
+    }
+    for (const auto& [corners, polygons] : polygons_) out.buffer_bytes += polygons.indices.size();
+    out.upload_bytes_per_frame = uploaded_;
+    return out;
+  }
+
+  BakeInfo bake_info() const override {
+    BakeInfo info;
+    info.seconds = seconds_;
+    info.cached = !characters_.empty();
+    Sha256 keys;
+    for (const CharacterTiles& c : characters_) {
+      info.cached = info.cached && c.cached;
+      keys.text(c.cache_key);
+    }
+    info.cache_key = characters_.size() == 1 ? characters_[0].cache_key : keys.hex();
+    return info;
+  }
+
+  uint64_t triangles(size_t character) const override {
+    const auto& levels = characters_[character].levels;
+    return levels.empty() ? 0 : static_cast<uint64_t>(levels[0].corners) - 2;
+  }
+
+ private:
+  struct Variant {
+    bool ids;
+    int corners;
+    auto operator<=>(const Variant&) const = default;
+  };
+  struct Polygons {
+    gl::Buffer indices;
+    gl::VertexArray vertex_array;
+  };
+
+  // Chooses every agent's level by the size of its texels on the screen and orders them by level, and from front to
+  // back within one, so that what is hidden is refused by the depth test before it is shaded. Counting sort: the order
+  // of agents whose depths differ by less than 1.5 percent is that of their indices.
+  void sort_agents(const scene::Frame& frame, const CharacterTiles& tiles, const std::vector<scene::FrameAgent>& all,
+                   const std::vector<uint32_t>& chosen) {
+    const glm::vec3 forward = -glm::vec3(glm::transpose(scene::view_rotation(frame.camera))[2]);
+    // Pixels a metre at depth 1, times the texel: texel pixels = this * scale / depth.
+    const auto pixels = static_cast<float>(tiles.texel * frame.height / (2 * std::tan(frame.camera.fov_y / 2)));
+    const auto levels = static_cast<uint32_t>(tiles.levels.size());
+    constexpr uint32_t kBuckets = 2048;
+    constexpr uint32_t kShift = 17;  // keeps the exponent and six bits of the mantissa
+    constexpr uint32_t kLowest = std::bit_cast<uint32_t>(0x1p-10F) >> kShift;
+    counts_.assign(levels * kBuckets + 1, 0);
+    keys_.resize(chosen.size());
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      const scene::FrameAgent& a = all[chosen[i]];
+      const glm::vec3 centre =
+          a.position + a.scale * glm::vec3(a.heading.y * tiles.centre.x + a.heading.x * tiles.centre.z, tiles.centre.y,
+                                           a.heading.y * tiles.centre.z - a.heading.x * tiles.centre.x);
+      const float depth = std::max(glm::dot(centre, forward), 0x1p-10F);
+      const float coarser = static_cast<float>(kPixelsPerTexel) * depth / (pixels * a.scale);
+      const int level = static_cast<int>(std::bit_cast<uint32_t>(coarser) >> 23) - 127;  // floor(log2)
+      const auto l = static_cast<uint32_t>(std::clamp(level, 0, static_cast<int>(levels) - 1));
+      const uint32_t bucket = std::min((std::bit_cast<uint32_t>(depth) >> kShift) - kLowest, kBuckets - 1);
+      keys_[i] = l * kBuckets + bucket;
+      ++counts_[keys_[i] + 1];
+    }
+    for (size_t k = 1; k < counts_.size(); ++k) counts_[k] += counts_[k - 1];
+    level_first_.resize(levels + 1);
+    for (uint32_t l = 0; l <= levels; ++l) level_first_[l] = counts_[l * kBuckets];
+    sorted_.resize(chosen.size());
+    for (size_t i = 0; i < chosen.size(); ++i) sorted_[counts_[keys_[i]]++] = chosen[i];
+    uploaded_ = chosen.size() * sizeof(uint32_t);
+  }
+
+  void draw_polygons(int corners, uint32_t agents) {
+    Polygons& polygons = polygons_[corners];
+    const uint32_t batch = std::min(agents, kBatch);
+    const uint32_t per_agent = 3 * (static_cast<uint32_t>(corners) - 2);
+    if (polygons.indices.size() < size_t{batch} * per_agent * sizeof(uint32_t)) {
+      const uint32_t room = std::min(std::bit_ceil(batch), kBatch);
+      std::vector<uint32_t> indices;
+      indices.reserve(size_t{room} * per_agent);
+      for (uint32_t a = 0; a < room; ++a)
+        for (uint32_t t = 0; t + 2 < static_cast<uint32_t>(corners); ++t)
+          for (uint32_t k = 0; k < 3; ++k) indices.push_back(a * static_cast<uint32_t>(corners) + t + k);
+      polygons.indices = gl::Buffer(context_, indices);
+      polygons.vertex_array = gl::VertexArray(context_);
+      glVertexArrayElementBuffer(polygons.vertex_array.name(), polygons.indices.name());
+    }
+    polygons.vertex_array.bind();
+    for (uint32_t first = 0; first < agents; first += kBatch) {
+      const uint32_t n = std::min(kBatch, agents - first);
+      glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(n * per_agent), GL_UNSIGNED_INT, nullptr,
+                               static_cast<GLint>(first * static_cast<uint32_t>(corners)));
+    }
+  }
+
+  const gl::Program& program(const Pass& pass, int corners) {
+    const Variant v{pass.ids, corners};
+    auto found = programs_.find(v);
+    if (found == programs_.end()) {
+      gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
+      if (v.ids) defines.emplace_back("CB_IDS", "");
+      if (floor_) defines.emplace_back("CB_FLOOR", "");
+      found =
+          programs_.emplace(v, gl::Program(context_, {"renderers/flat/flat.vert", "renderers/flat/flat.frag"}, defines))
+              .first;
+    }
+    return found->second;
+  }
+
+  gl::Context& context_;
+  bool floor_;
+  double seconds_ = 0;
+  std::vector<CharacterTiles> characters_;
+  gl::Sampler filtered_, nearest_;
+  std::map<Variant, gl::Program> programs_;
+  std::map<int, Polygons> polygons_;  // by corners
+  // Of the frame being drawn.
+  std::vector<uint32_t> keys_, counts_, level_first_, sorted_;
+  uint64_t uploaded_ = 0;
+};
+
+}  // namespace
+
+const RepresentationType flat_type = {
+    "flat",
+    "flat impostors: one textured polygon an agent, its tile picked by view and clip frame, lit at run time",
+    {{"views", "sphere-AxE[-mirrored]|cube-N|hemi-N", "sphere-17x8",
+      "the view grid: azimuths x elevations, or N a side"},
+     {"el_min", "-89..89", "0", "degrees: the lowest elevation of the grid; lower views use its lowest row"},
+     {"frames", "1..256", "10", "frames a clip"},
+     {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
+     {"quad", "trimmed|square", "trimmed", "what is drawn: the outline of each tile, or the whole captured square"},
+     {"corners", "4..8", "8", "of the outlines of large tiles; small ones have four"}},
+    [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+      const OptionReader reader(flat_type, spec);
+      FlatBakeOptions options;
+      options.grid = parse_view_grid(reader.text("views"), reader.number("el_min", -89, 89) * std::numbers::pi / 180,
+                                     "representation 'flat', option 'views'");
+      options.frames = static_cast<int>(reader.integer("frames", 1, 256));
+      options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
+      options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
+      options.corners = static_cast<int>(reader.integer("corners", 4, 8));
+      return std::make_unique<FlatRepresentation>(context, options, reader.flag("floor"));
+    }};
+
+}  // namespace crowdbench::renderers

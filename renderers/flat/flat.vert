@@ -1,0 +1,70 @@
+#version 450 core
+// One convex polygon an agent: picks the tile for the direction from the capture centre to the eye, and lays the tile's
+// outline on the plane through the centre that the tile was captured on, turned with the agent, so that an agent seen
+// from above does not lean. CB_CORNERS vertices an agent, in strip order.
+#include "renderers/shaders/frame.glsl"
+#include "renderers/flat/flat.shared.h"
+#include "renderers/views/view_grid.glsl"
+
+struct Level {
+  vec4 scale;   // metres a texel, 1 / width, 1 / height of a page in texels
+  uvec4 first;  // of the level's tiles, of its outlines' corners
+};
+layout(std430, binding = CB_STORAGE_VIEWS) readonly restrict buffer Table {
+  vec4 centre;      // capture centre, model space, metres
+  ivec4 grid;       // as pick_view takes them
+  vec4 span;
+  uvec4 counts;     // views
+  Level levels[CB_FLAT_LEVELS];
+  uvec4 clips[CB_FLAT_CLIPS];  // first frame, frames
+  vec4 views[];     // right, up of every view
+} table;
+layout(std430, binding = CB_STORAGE_TILES) readonly restrict buffer Tiles { vec4 tiles[]; };
+layout(std430, binding = CB_STORAGE_OUTLINES) readonly restrict buffer Outlines { vec2 outlines[]; };
+layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
+
+layout(location = 0) out vec3 v_texel;              // page coordinates in [0, 1], layer
+layout(location = 1) flat out vec3 v_light;         // towards the light, in the tile's axes
+layout(location = 2) flat out uint v_outfit;
+#ifdef CB_IDS
+layout(location = 3) flat out uint v_id;
+#endif
+
+void main() {
+  uint slot = uint(gl_VertexID) / uint(CB_CORNERS);
+  uint corner = uint(gl_VertexID) % uint(CB_CORNERS);
+  AgentRecord agent = agents[list[slot]];
+  vec2 heading = agent.heading_blend.xy;
+  vec2 back = vec2(-heading.x, heading.y);
+  float scale = agent.position_scale.w;
+  vec3 centre = agent.position_scale.xyz + scale * turn(table.centre.xyz, heading);
+
+  int flipped;
+  uint view = uint(pick_view(turn(-centre, back), table.grid, table.span, flipped));
+  uvec4 clip = table.clips[agent.pose.z];
+  uint step = uint(floor(agent.heading_blend.w * float(clip.y) + 0.5)) + (flipped != 0 ? clip.y / 2u : 0u);
+  uint tile = (clip.x + step % clip.y) * table.counts.x + view;
+
+  vec3 right = table.views[2u * view].xyz;
+  vec3 up = table.views[2u * view + 1u].xyz;
+  float side = 1.0;
+  if (flipped != 0) {
+    right.z = -right.z;
+    up.x = -up.x;
+    side = -1.0;
+  }
+  Level l = table.levels[level];
+  vec2 p = outlines[l.first.y + tile * uint(CB_CORNERS) + corner];
+  vec4 place = tiles[l.first.x + tile];
+  vec2 metres = p * (l.scale.x * scale) * vec2(side, 1.0);
+  vec3 world = centre + turn(right, heading) * metres.x + turn(up, heading) * metres.y;
+  gl_Position = frame.clip_from_world * vec4(world, 1.0);
+
+  v_texel = vec3((p + place.xy) * l.scale.yz, place.z);
+  vec3 light = turn(frame.light_direction.xyz, back);
+  v_light = vec3(dot(light, right) * side, dot(light, up), dot(light, cross(right, up)));
+  v_outfit = agent.identity.x;
+#ifdef CB_IDS
+  v_id = agent.identity.y;
+#endif
+}

@@ -1,0 +1,328 @@
+// Based on: Tecchia and Chrysanthou 2000, "Real-time rendering of densely populated urban environments"; Tecchia,
+// Loscos and Chrysanthou 2002, "Image-based crowd rendering" (views by frames, tiles trimmed to what they cover, one
+// texel size); Dobbyn et al. 2005 (normal maps and material ids, lit at run time). Differs from the source: levels are
+// separate pages instead of one mip chain, so that tiles may lie one texel apart at every level; alpha keeps the
+// silhouette's area at every level; outlines are convex polygons instead of rectangles.
+#include "renderers/flat/flat_bake.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "renderers/bake_cache.h"
+#include "renderers/tiles/outline.h"
+#include "renderers/tiles/packing.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+constexpr uint32_t kBakeVersion = 1;  // raised whenever the same inputs give other bytes
+constexpr int kPage = 1024;           // texels a side
+constexpr int kFineLevels = 2;        // levels whose outlines have `corners` corners
+
+// The coarsest level still has four texels along the figure; smaller pictures of it are point-sampled from there.
+int level_count(int texels) {
+  int levels = 1;
+  while ((texels >> levels) >= 4) ++levels;
+  return levels;
+}
+
+struct Plan {
+  CaptureSphere sphere;
+  double texel = 0;
+  std::vector<FlatClip> clips;
+  std::shared_ptr<const scene::PoseBank> moving;  // evenly spaced frames of the clips that move
+  std::shared_ptr<const scene::PoseBank> still;   // the given bank
+  std::vector<CaptureTile> moving_tiles, still_tiles;
+  std::vector<size_t> moving_index, still_index;  // into frames x views
+  size_t frames = 0;
+};
+
+std::vector<ViewBasis> view_bases(const ViewGrid& grid) {
+  std::vector<ViewBasis> bases;
+  for (int v = 0; v < grid.size(); ++v) bases.push_back(grid.basis(v));
+  return bases;
+}
+
+Plan make_plan(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+               const FlatBakeOptions& options) {
+  Plan plan;
+  plan.still = bank;
+  std::vector<int> moving_clips;
+  for (const scene::BankClip& c : bank->clips())
+    if (c.samples > 1) moving_clips.push_back(c.clip);
+  if (!moving_clips.empty())
+    plan.moving =
+        std::make_shared<const scene::PoseBank>(scene::PoseBank::frames(character, moving_clips, options.frames));
+
+  struct Pose {
+    bool moving;
+    scene::PoseSample sample;
+  };
+  std::vector<Pose> poses;
+  std::vector<std::vector<glm::vec3>> positions;
+  int next_moving = 0;
+  for (size_t c = 0; c < bank->clips().size(); ++c) {
+    const bool moves = bank->clips()[c].samples > 1;
+    FlatClip clip{static_cast<uint32_t>(poses.size()), moves ? static_cast<uint32_t>(options.frames) : 1U};
+    for (uint32_t f = 0; f < clip.frames; ++f) {
+      const scene::PoseBank& from = moves ? *plan.moving : *bank;
+      const scene::PoseSample sample = moves ? from.sample(next_moving, static_cast<double>(f) / options.frames)
+                                             : from.sample(static_cast<int>(c), 0);
+      poses.push_back({moves, sample});
+      positions.push_back(posed_positions(character.mesh, from.palette(sample)));
+    }
+    if (moves) ++next_moving;
+    plan.clips.push_back(clip);
+  }
+  plan.frames = poses.size();
+  plan.sphere = enclosing_sphere(positions);
+  if (!(plan.sphere.radius > 0)) throw Error(character.name, "has no extent to take pictures of", "check the file");
+  plan.texel = 2 * plan.sphere.radius / options.texels;
+
+  const std::vector<ViewBasis> bases = view_bases(options.grid);
+  const int half = (options.texels + 1) / 2;
+  for (size_t f = 0; f < poses.size(); ++f)
+    for (size_t v = 0; v < bases.size(); ++v) {
+      if (!options.grid.reachable(static_cast<int>(v))) continue;
+      CaptureTile tile;
+      tile.pose = poses[f].sample;
+      tile.basis = bases[v];
+      tile.rect = options.trimmed ? tile_bounds(positions[f], plan.sphere.centre, bases[v], plan.texel)
+                                  : TileRect{-half, -half, 2 * half, 2 * half};
+      (poses[f].moving ? plan.moving_tiles : plan.still_tiles).push_back(tile);
+      (poses[f].moving ? plan.moving_index : plan.still_index).push_back(f * bases.size() + v);
+    }
+  return plan;
+}
+
+// Bytes of both maps of all levels, as packed from the tiles' bounds: at least what the bake will need.
+uint64_t predicted_bytes(const Plan& plan, int levels) {
+  uint64_t bytes = 0;
+  for (int level = 0; level < levels; ++level)
+    for (const auto* tiles : {&plan.moving_tiles, &plan.still_tiles})
+      for (const CaptureTile& t : *tiles) {
+        const auto side = [&](int texels) {
+          return static_cast<uint64_t>((texels + (1 << level) - 1) / (1 << level) + 2 * kTileGutter);
+        };
+        bytes += side(t.rect.width) * side(t.rect.height) * 8;
+      }
+  return bytes;
+}
+
+void copy_tile(const Tile& tile, const PackPlace& place, FlatLevel& level) {
+  const auto row_bytes = static_cast<size_t>(tile.stride()) * 4;
+  for (int row = 0; row < tile.rows(); ++row) {
+    const size_t from = static_cast<size_t>(row) * row_bytes;
+    const size_t to =
+        4 *
+        ((static_cast<size_t>(place.layer) * static_cast<size_t>(level.height) + static_cast<size_t>(place.y + row)) *
+             static_cast<size_t>(level.width) +
+         static_cast<size_t>(place.x));
+    std::copy_n(tile.albedo.begin() + static_cast<std::ptrdiff_t>(from), row_bytes,
+                level.albedo.begin() + static_cast<std::ptrdiff_t>(to));
+    std::copy_n(tile.surface.begin() + static_cast<std::ptrdiff_t>(from), row_bytes,
+                level.surface.begin() + static_cast<std::ptrdiff_t>(to));
+  }
+}
+
+// What one tile becomes at every level.
+struct Built {
+  std::vector<Tile> levels;
+  std::vector<std::vector<glm::vec2>> outlines;
+};
+
+int corners_of(const FlatBakeOptions& options, int level) {
+  return options.trimmed && level < kFineLevels ? options.corners : 4;
+}
+
+Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, const FlatBakeOptions& options,
+            int levels) {
+  Built built;
+  built.levels = build_tile_levels(rect, texels, levels, options.trimmed);
+  for (int level = 0; level < levels; ++level) {
+    const Tile& tile = built.levels[static_cast<size_t>(level)];
+    built.outlines.push_back(
+        options.trimmed ? tile_outline(tile, corners_of(options, level))
+                        : rectangle_strip(glm::vec2(tile.rect.x, tile.rect.y),
+                                          glm::vec2(tile.rect.x + tile.rect.width, tile.rect.y + tile.rect.height)));
+  }
+  return built;
+}
+
+FlatLevel pack_level(std::vector<Built>& built, size_t level) {
+  FlatLevel out;
+  std::vector<PackSize> sizes;
+  for (const Built& b : built) {
+    const bool nothing = b.levels.empty() || b.levels[level].rect.width == 0;
+    sizes.push_back(nothing ? PackSize{} : PackSize{b.levels[level].stride(), b.levels[level].rows()});
+  }
+  const Packing packing = pack_tiles(sizes, std::max(kPage >> level, 256));
+  out.width = packing.width;
+  out.height = packing.height;
+  out.layers = packing.layers;
+  const size_t bytes =
+      4 * static_cast<size_t>(out.width) * static_cast<size_t>(out.height) * static_cast<size_t>(out.layers);
+  out.albedo.assign(bytes, 0);
+  out.surface.assign(bytes, 0);
+  for (const Built& b : built)
+    if (!b.outlines.empty()) out.corners = static_cast<int>(b.outlines[level].size());
+  for (size_t i = 0; i < built.size(); ++i) {
+    if (packing.places[i].layer < 0) {
+      out.tiles.push_back({});
+      out.outlines.insert(out.outlines.end(), static_cast<size_t>(out.corners), {0.0F, 0.0F});
+      continue;
+    }
+    Tile& tile = built[i].levels[level];
+    copy_tile(tile, packing.places[i], out);
+    out.tiles.push_back({static_cast<float>(packing.places[i].x + kTileGutter - tile.rect.x),
+                         static_cast<float>(packing.places[i].y + kTileGutter - tile.rect.y),
+                         static_cast<float>(packing.places[i].layer), static_cast<float>(tile.coverage)});
+    const auto& outline = built[i].outlines[level];
+    for (const glm::vec2& p : outline) out.outlines.push_back({p.x, p.y});
+    tile = {};  // its texels live on the page now
+  }
+  return out;
+}
+
+}  // namespace
+
+uint64_t FlatBake::texture_bytes() const {
+  uint64_t bytes = 0;
+  for (const FlatLevel& l : levels) bytes += l.texture_bytes();
+  return bytes;
+}
+
+std::string flat_cache_key(const scene::Character& character, const scene::PoseBank& bank,
+                           const FlatBakeOptions& options, const std::string& gl_renderer,
+                           const std::string& gl_version) {
+  Sha256 hash;
+  hash.text("flat").value(kBakeVersion).text(character.content_hash).text(gl_renderer).text(gl_version);
+  hash.text(options.grid.text()).value(options.grid.el_min);
+  hash.value(options.frames).value(options.texels).value(options.trimmed).value(options.corners);
+  for (const scene::BankClip& c : bank.clips()) {
+    hash.value(c.clip).value(c.samples > 1);
+    if (c.samples > 1) continue;
+    // A still pose may be any moment of the clip; it is told apart by its matrices.
+    for (const scene::Mat3x4& m : bank.palette(bank.sample(static_cast<int>(&c - bank.clips().data()), 0)))
+      hash.bytes(&m, sizeof m);
+  }
+  return hash.hex();
+}
+
+FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
+                   const std::shared_ptr<const scene::PoseBank>& bank, const FlatBakeOptions& options, uint64_t budget,
+                   const std::function<void(size_t, size_t)>& progress) {
+  const Plan plan = make_plan(*character, bank, options);
+  const int levels = level_count(options.texels);
+  const uint64_t needed = predicted_bytes(plan, levels);
+  if (needed > budget) {
+    const auto mib = [](uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
+    throw Error(
+        fmt::format("flat bake of {}", character->name),
+        fmt::format("{} clip{}, {} frames, {} views and {} texels need at least {:.0f} MiB, the budget is {:.0f}",
+                    plan.clips.size(), plan.clips.size() == 1 ? "" : "s", plan.frames, options.grid.size(),
+                    options.texels, mib(needed), mib(budget)),
+        "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
+  }
+
+  FlatBake bake;
+  bake.centre = {static_cast<float>(plan.sphere.centre.x), static_cast<float>(plan.sphere.centre.y),
+                 static_cast<float>(plan.sphere.centre.z)};
+  bake.radius = static_cast<float>(plan.sphere.radius);
+  bake.texel = static_cast<float>(plan.texel);
+  bake.frames = static_cast<uint32_t>(plan.frames);
+  bake.views = static_cast<uint32_t>(options.grid.size());
+  bake.clips = plan.clips;
+
+  const size_t total = plan.moving_tiles.size() + plan.still_tiles.size();
+  std::vector<Built> built(plan.frames * bake.views);
+  size_t done = 0;
+  const auto run = [&](const std::shared_ptr<const scene::PoseBank>& poses, const std::vector<CaptureTile>& tiles,
+                       const std::vector<size_t>& index) {
+    if (tiles.empty()) return;
+    TileCapture capture(context, character, poses, glm::dvec3(bake.centre[0], bake.centre[1], bake.centre[2]),
+                        bake.texel, bake.radius);
+    capture.capture(tiles, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels) {
+      std::atomic<size_t> next = 0;
+      const auto work = [&] {
+        for (size_t i = next++; i < page.size(); i = next++)
+          built[index[page[i]]] = build(tiles[page[i]].rect, texels[i], options, levels);
+      };
+      // Tiles do not depend on each other, so the bytes do not depend on the number of threads.
+      std::vector<std::thread> threads;
+      for (unsigned t = 1; t < std::clamp(std::thread::hardware_concurrency(), 1U, 8U); ++t) threads.emplace_back(work);
+      work();
+      for (std::thread& t : threads) t.join();
+      done += page.size();
+      if (progress) progress(done, total);
+    });
+  };
+  run(plan.moving, plan.moving_tiles, plan.moving_index);
+  run(plan.still, plan.still_tiles, plan.still_index);
+  for (int level = 0; level < levels; ++level) bake.levels.push_back(pack_level(built, static_cast<size_t>(level)));
+  return bake;
+}
+
+std::vector<uint8_t> serialise(const FlatBake& bake) {
+  ByteWriter out;
+  out.reserve(bake.texture_bytes() + (size_t{1} << 20));
+  out.value(bake.centre);
+  out.value(bake.radius);
+  out.value(bake.texel);
+  out.value(bake.frames);
+  out.value(bake.views);
+  out.values(bake.clips);
+  out.value(static_cast<uint32_t>(bake.levels.size()));
+  for (const FlatLevel& l : bake.levels) {
+    out.value(l.width);
+    out.value(l.height);
+    out.value(l.layers);
+    out.value(l.corners);
+    out.values(l.tiles);
+    out.values(l.outlines);
+    out.values(l.albedo);
+    out.values(l.surface);
+  }
+  return out.bytes();
+}
+
+std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
+  ByteReader in(bytes);
+  FlatBake bake;
+  bake.centre = in.value<std::array<float, 3>>();
+  bake.radius = in.value<float>();
+  bake.texel = in.value<float>();
+  bake.frames = in.value<uint32_t>();
+  bake.views = in.value<uint32_t>();
+  bake.clips = in.values<FlatClip>();
+  const auto levels = in.value<uint32_t>();
+  const uint64_t tiles = uint64_t{bake.frames} * bake.views;
+  for (uint32_t i = 0; i < levels && in.ok(); ++i) {
+    FlatLevel l;
+    l.width = in.value<int>();
+    l.height = in.value<int>();
+    l.layers = in.value<int>();
+    l.corners = in.value<int>();
+    l.tiles = in.values<FlatTile>();
+    l.outlines = in.values<std::array<float, 2>>();
+    l.albedo = in.values<uint8_t>();
+    l.surface = in.values<uint8_t>();
+    const auto texels =
+        static_cast<uint64_t>(l.width) * static_cast<uint64_t>(l.height) * static_cast<uint64_t>(l.layers);
+    if (l.width < 0 || l.height < 0 || l.layers < 0 || l.corners < 4 || l.corners > 16 || l.tiles.size() != tiles ||
+        l.outlines.size() != tiles * static_cast<uint64_t>(l.corners) || l.albedo.size() != texels * 4 ||
+        l.surface.size() != texels * 4)
+      return std::nullopt;
+    bake.levels.push_back(std::move(l));
+  }
+  for (const FlatClip& c : bake.clips)
+    if (c.frames == 0 || uint64_t{c.first_frame} + c.frames > bake.frames) return std::nullopt;
+  if (!in.ok() || !in.at_end() || bake.levels.empty()) return std::nullopt;
+  return bake;
+}
+
+}  // namespace crowdbench::renderers

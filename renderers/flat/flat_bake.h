@@ -1,0 +1,76 @@
+// The bake of flat impostors: tiles of one character, by clip frame and view, at every level, packed into pages.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "renderers/tiles/tile.h"
+#include "renderers/tiles/tile_capture.h"
+#include "renderers/views/view_grid.h"
+
+namespace crowdbench::renderers {
+
+struct FlatBakeOptions {
+  ViewGrid grid;
+  int frames = 10;      // a clip
+  int texels = 128;     // across the enclosing sphere: the texel size is its diameter over this
+  bool trimmed = true;  // false: every tile is the whole square, as the source has it
+  int corners = 8;      // of the outlines of the finer levels, 4..8; coarser ones have four
+};
+
+// One clip of the character's bank.
+struct FlatClip {
+  uint32_t first_frame = 0;  // into the bake's frames
+  uint32_t frames = 1;       // at phases 0, 1 / frames, ...
+};
+
+// Where a tile lies in its level's pages.
+struct FlatTile {
+  float offset_x = 0;  // add to lattice coordinates of the level to get texels on the page
+  float offset_y = 0;
+  float layer = 0;
+  float covered = 0;  // area of the silhouette, texels of the level
+};
+
+// One level: an albedo and a surface map (renderers/tiles/tile.h), layers of width x height RGBA8 texels, row 0 lowest.
+struct FlatLevel {
+  int width = 0, height = 0, layers = 0;
+  int corners = 4;
+  std::vector<FlatTile> tiles;                 // frames x views, frame-major
+  std::vector<std::array<float, 2>> outlines;  // `corners` a tile, lattice coordinates, in strip order
+  std::vector<uint8_t> albedo, surface;
+  uint64_t texture_bytes() const { return albedo.size() + surface.size(); }
+};
+
+struct FlatBake {
+  std::array<float, 3> centre{};  // of the enclosing sphere, model space, metres: what the planes go through
+  float radius = 0;               // metres; also what the ends of the stored depth stand for
+  float texel = 0;                // metres, of level 0
+  uint32_t frames = 0;
+  uint32_t views = 0;
+  std::vector<FlatClip> clips;  // one a clip of the bank
+  std::vector<FlatLevel> levels;
+  uint64_t texture_bytes() const;
+};
+
+// Everything that a bake's bytes depend on.
+std::string flat_cache_key(const scene::Character& character, const scene::PoseBank& bank,
+                           const FlatBakeOptions& options, const std::string& gl_renderer,
+                           const std::string& gl_version);
+
+// Bakes every clip of the bank; clips of a single sample are baked as that one pose, exactly. Throws Error when the
+// textures would need more than `budget` bytes (before anything is drawn), naming what to lower.
+FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
+                   const std::shared_ptr<const scene::PoseBank>& bank, const FlatBakeOptions& options, uint64_t budget,
+                   const std::function<void(size_t tiles_done, size_t tiles)>& progress = {});
+
+std::vector<uint8_t> serialise(const FlatBake& bake);
+// std::nullopt when the bytes are not a bake (a stale format that a checksum cannot see).
+std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes);
+
+}  // namespace crowdbench::renderers
