@@ -8,44 +8,64 @@ layout(location = 1) out vec4 out_surface;
 
 const int kSide = CB_SAMPLES;
 
+vec4 surface_at(ivec2 corner, int i) { return texelFetch(surface_samples, corner + ivec2(i % kSide, i / kSide), 0); }
+int id_of(vec4 surface) { return int(surface.b * 255.0 + 0.5); }
+
 void main() {
   ivec2 corner = ivec2(gl_FragCoord.xy) * kSide;
   vec3 colour = vec3(0.0);
   int covered = 0;
-  int ids[kSide * kSide];
   for (int i = 0; i < kSide * kSide; ++i) {
     vec4 a = texelFetch(albedo_samples, corner + ivec2(i % kSide, i / kSide), 0);
-    ids[i] = -1;
-    if (a.a > 0.5) {
-      colour += a.rgb * a.rgb;
-      ++covered;
-      ids[i] = int(texelFetch(surface_samples, corner + ivec2(i % kSide, i / kSide), 0).b * 255.0 + 0.5);
-    }
+    colour += a.rgb * a.rgb;  // zero where nothing was drawn
+    covered += a.a > 0.5 ? 1 : 0;
   }
-  if (covered == 0) {
-    out_albedo = vec4(0.0);
-    out_surface = vec4(128.0 / 255.0, 128.0 / 255.0, 0.0, 128.0 / 255.0);
-    return;
-  }
-  int most = 0;
-  int id = 0;
-  for (int i = 0; i < kSide * kSide; ++i) {
-    if (ids[i] < 0 || ids[i] == id && most > 0) continue;
-    int same = 0;
-    for (int k = 0; k < kSide * kSide; ++k) same += ids[k] == ids[i] ? 1 : 0;
-    if (same > most) {
-      most = same;
-      id = ids[i];
-    }
-  }
+  out_albedo = vec4(0.0);
+  out_surface = vec4(128.0 / 255.0, 128.0 / 255.0, 0.0, 128.0 / 255.0);
+  if (covered == 0) return;
+
+  // Samples that are not covered were cleared to zero in every channel; a covered one's alpha code never is zero.
   vec3 normal = vec3(0.0);
   float depth = 0.0;
+  int low = 255;
+  int high = 0;
   for (int i = 0; i < kSide * kSide; ++i) {
-    if (ids[i] != id) continue;
-    vec4 s = texelFetch(surface_samples, corner + ivec2(i % kSide, i / kSide), 0);
+    vec4 s = surface_at(corner, i);
+    if (s.a == 0.0) continue;
     vec2 n = (s.rg * 255.0 - 128.0) / 127.0;
     normal += vec3(n, sqrt(max(0.0, 1.0 - dot(n, n))));
     depth += s.a;
+    low = min(low, id_of(s));
+    high = max(high, id_of(s));
+  }
+  int id = low;
+  int most = covered;
+  if (low != high) {
+    // Several materials: the one that most samples show, the lowest id of equals.
+    most = 0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      vec4 s = surface_at(corner, i);
+      if (s.a == 0.0) continue;
+      int mine = id_of(s);
+      int same = 0;
+      for (int k = 0; k < kSide * kSide; ++k) {
+        vec4 other = surface_at(corner, k);
+        same += other.a > 0.0 && id_of(other) == mine ? 1 : 0;
+      }
+      if (same > most || same == most && mine < id) {
+        most = same;
+        id = mine;
+      }
+    }
+    normal = vec3(0.0);
+    depth = 0.0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      vec4 s = surface_at(corner, i);
+      if (s.a == 0.0 || id_of(s) != id) continue;
+      vec2 n = (s.rg * 255.0 - 128.0) / 127.0;
+      normal += vec3(n, sqrt(max(0.0, 1.0 - dot(n, n))));
+      depth += s.a;
+    }
   }
   normal = normalize(normal + vec3(0.0, 0.0, 1e-6));
   out_albedo = vec4(sqrt(colour / float(covered)), float(covered) / float(kSide * kSide));

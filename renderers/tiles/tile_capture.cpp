@@ -17,8 +17,8 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr int kSamples = 4;  // a side of a texel
-constexpr int kPage = 768;   // texels a side, unless a tile is larger
+constexpr int kSamples = 3;  // a side of a texel
+constexpr int kPage = 1024;  // texels a side, unless a tile is larger
 
 // `CaptureView` of capture.glsl, std430.
 struct CaptureView {

@@ -49,7 +49,7 @@ class TileCapture {
   TileCapture(const TileCapture&) = delete;
   TileCapture& operator=(const TileCapture&) = delete;
 
-  // Draws every tile with 4 x 4 samples a texel, page by page. `done(page, texels)` is called from this thread for each
+  // Draws every tile with 3 x 3 samples a texel, page by page. `done(page, texels)` is called from this thread for each
   // page: indices into `tiles`, and the texels of each in the form that build_tile_levels takes. Tiles without a
   // rectangle are left out. Throws Error when a tile is larger than this driver's targets.
   using Done = std::function<void(std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels)>;
