@@ -8,6 +8,7 @@ void add_all_commands(CLI::App& app, Run& run) {
   const std::initializer_list<AddCommand> commands = {
       add_inspect,
       add_compare,
+      add_report,
       add_schema,
   };
   for (const AddCommand add : commands) add(app, run);

@@ -17,6 +17,7 @@ using AddCommand = void (*)(CLI::App& app, Run& run);
 
 void add_compare(CLI::App& app, Run& run);
 void add_inspect(CLI::App& app, Run& run);
+void add_report(CLI::App& app, Run& run);
 void add_schema(CLI::App& app, Run& run);
 
 void add_all_commands(CLI::App& app, Run& run);

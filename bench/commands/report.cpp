@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "bench/commands.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/store.h"
+#include "reports/exports.h"
+#include "reports/page.h"
+
+namespace crowdbench::bench {
+namespace {
+
+struct Options {
+  std::string file;
+  std::string out, markdown, csv, json, google_benchmark;
+};
+
+int run_report(const Options& options) {
+  if (options.out.empty() && options.markdown.empty() && options.csv.empty() && options.json.empty() &&
+      options.google_benchmark.empty())
+    throw Error("report", "nothing to write",
+                "name at least one of --out, --markdown, --csv, --json-out, --google-benchmark");
+  const bool samples = !options.json.empty() || !options.google_benchmark.empty();
+  const StoreContents contents = read_store(options.file, samples, !options.out.empty());
+  const std::string source = std::filesystem::path(options.file).filename().string();
+  const auto write = [](const std::string& path, const auto& make) {
+    if (path.empty()) return;
+    write_file(path, std::string_view(make()));
+    fmt::print("{}\n", path);
+  };
+  write(options.out, [&] { return reports::report_page(contents, {source}); });
+  write(options.markdown, [&] { return reports::report_markdown(contents, source); });
+  write(options.csv, [&] { return reports::results_csv(contents); });
+  write(options.json, [&] { return reports::results_json(contents); });
+  write(options.google_benchmark, [&] { return reports::google_benchmark_json(contents); });
+  return 0;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand(
+      "report", "Tell what a result file says: a page that opens offline, tables, other tools' forms");
+  command->footer(
+      "Examples:\n  crowdbench report results.sqlite --out report.html\n  crowdbench report results.sqlite "
+      "--google-benchmark "
+      "baseline.json --csv results.csv");
+  auto options = std::make_shared<Options>();
+  command->add_option("FILE", options->file, "result file that `bench` or `demo` made")
+      ->required()
+      ->type_name("FILE.sqlite");
+  command->add_option("--out", options->out, "one self-contained HTML page")->type_name("FILE.html");
+  command->add_option("--markdown", options->markdown, "the same tables in Markdown")->type_name("FILE.md");
+  command->add_option("--csv", options->csv, "one row a measurement, units in the column names")->type_name("FILE.csv");
+  command->add_option("--json-out", options->json, "every row as JSON, samples included")->type_name("FILE.json");
+  command
+      ->add_option("--google-benchmark", options->google_benchmark,
+                   "Google Benchmark's JSON, for compare.py and trackers")
+      ->type_name("FILE.json");
+  command->callback([options, &run] { run = [options] { return run_report(*options); }; });
+}
+
+}  // namespace crowdbench::bench

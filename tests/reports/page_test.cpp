@@ -1,0 +1,160 @@
+#include "reports/page.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "core/error.h"
+#include "reports/charts.h"
+#include "reports/libraries.h"
+#include "tests/reports/rows.h"
+
+namespace crowdbench::reports {
+namespace {
+
+bool has_libraries() {
+  try {
+    return !chart_libraries().empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+class ReportPage : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!has_libraries()) GTEST_SKIP() << "npm packages of the chart library absent at configure time";
+    page_ = report_page(made_up_contents(), {"made-up.sqlite"});
+    if (const char* path = std::getenv("CROWDBENCH_KEEP_PAGE")) std::ofstream(path) << page_;
+  }
+  // The page without the contents of its scripts and styles.
+  std::string markup() const {
+    std::string text;
+    size_t at = 0;
+    for (size_t open = page_.find("<script"); open != std::string::npos; open = page_.find("<script", at)) {
+      const size_t end = page_.find('>', open);
+      text += page_.substr(at, end + 1 - at);
+      at = page_.find("</script>", end);
+    }
+    return text + page_.substr(at);
+  }
+  std::string page_;
+};
+
+TEST_F(ReportPage, LoadsNothingFromOutside) {
+  const std::string text = markup();
+  const std::regex attribute(R"rx((src|href|srcset|poster|data|action|content)\s*=\s*"([^"]*)")rx");
+  size_t pictures = 0;
+  for (auto match = std::sregex_iterator(text.begin(), text.end(), attribute); match != std::sregex_iterator();
+       ++match) {
+    const std::string value = (*match)[2];
+    EXPECT_EQ(value.find("http"), std::string::npos) << value;
+    EXPECT_EQ(value.find("//"), std::string::npos) << value.substr(0, 80);
+    if ((*match)[1] == "src") {
+      EXPECT_TRUE(value.starts_with("data:image/png;base64,")) << value.substr(0, 80);
+      ++pictures;
+    }
+  }
+  EXPECT_EQ(pictures, 3U);
+  EXPECT_EQ(text.find("<link"), std::string::npos);
+  EXPECT_EQ(text.find("@import"), std::string::npos);
+  EXPECT_EQ(text.find("url("), std::string::npos);
+  EXPECT_NE(text.find("default-src 'none'"), std::string::npos);
+  EXPECT_EQ(page_.find("sourceMappingURL"), std::string::npos);
+}
+
+TEST_F(ReportPage, ScriptTagsAreBalancedWhateverTheDataSay) {
+  // Every "<script" opens one that "</script>" closes, and the scenario's hostile name opened none.
+  size_t opened = 0;
+  size_t closed = 0;
+  for (size_t at = page_.find("<script"); at != std::string::npos; at = page_.find("<script", at + 1)) ++opened;
+  for (size_t at = page_.find("</script"); at != std::string::npos; at = page_.find("</script", at + 1)) ++closed;
+  EXPECT_EQ(opened, closed);
+  const size_t charts = 2 + 1 + 2;    // time at two occupancies, speed, two scores
+  EXPECT_EQ(opened, charts + 3 + 1);  // three libraries and the page's own
+  EXPECT_EQ(page_.find("<script>alert"), std::string::npos);
+  EXPECT_NE(page_.find("plaza &lt;/script&gt;&lt;script&gt;alert(1)"), std::string::npos);
+  EXPECT_NE(page_.find("# made up &amp; &lt;b&gt;bold&lt;/b&gt;"), std::string::npos);
+  EXPECT_NE(page_.find("A CPU @ &quot;3&quot; GHz"), std::string::npos);
+}
+
+TEST_F(ReportPage, EveryChartIsJsonWithItsDataInside) {
+  const std::string open = "<script type=\"application/json\"";
+  size_t charts = 0;
+  for (size_t at = page_.find(open); at != std::string::npos; at = page_.find(open, at + 1), ++charts) {
+    const size_t begin = page_.find('>', at) + 1;
+    const std::string text = page_.substr(begin, page_.find("</script>", begin) - begin);
+    EXPECT_EQ(text.find('<'), std::string::npos);
+    const nlohmann::json spec = nlohmann::json::parse(text);
+    EXPECT_EQ(spec.at("$schema"), "https://vega.github.io/schema/vega-lite/v6.json");
+    EXPECT_FALSE(spec.at("data").at("values").empty());
+    EXPECT_EQ(text.find("\"url\""), std::string::npos);
+  }
+  EXPECT_EQ(charts, 5U);
+}
+
+TEST_F(ReportPage, SaysWhatAStrangerMustKnow) {
+  EXPECT_NE(page_.find("Drawn by a software rasteriser"), std::string::npos);
+  EXPECT_NE(page_.find("flat is 50.0 times as fast as mesh"), std::string::npos);
+  EXPECT_NE(page_.find("at 250 agents a frame took 1.2 s, over the budget of 1 s"), std::string::npos);
+  EXPECT_NE(page_.find("covers 62.0 %, 90.0 % were asked for"), std::string::npos);
+  EXPECT_NE(page_.find("170.7 MiB"), std::string::npos);  // 178956970 bytes of textures
+  EXPECT_NE(page_.find("∞"), std::string::npos);          // the PSNR of equal pictures
+  EXPECT_EQ(page_.find("fps</th>"), std::string::npos);   // no frame rate from a software rasteriser
+}
+
+TEST_F(ReportPage, AGpuRunHasNoBannerAndHasFrameRates) {
+  StoreContents contents = made_up_contents();
+  contents.runs[0].software = false;
+  const std::string page = report_page(contents, {"made-up.sqlite"});
+  EXPECT_EQ(page.find("Drawn by a software rasteriser"), std::string::npos);
+  EXPECT_NE(page.find("1 % low, fps"), std::string::npos);
+}
+
+TEST_F(ReportPage, TheSameRowsGiveTheSameBytes) {
+  EXPECT_EQ(page_, report_page(made_up_contents(), {"made-up.sqlite"}));
+}
+
+TEST_F(ReportPage, AnEmptyFileIsRefused) { EXPECT_THROW(report_page({}, {"empty.sqlite"}), Error); }
+
+TEST(ReportCharts, TheCurvesHoldTheMediansInMilliseconds) {
+  const StoreContents contents = made_up_contents();
+  const auto scenes = scenes_of(contents);
+  const auto spec = nlohmann::json::parse(time_chart(scenes[0], 0.15));
+  const auto& values = spec.at("data").at("values");
+  ASSERT_EQ(values.size(), 10U);
+  EXPECT_EQ(values[4].at("representation"), "mesh");
+  EXPECT_EQ(values[4].at("agents"), 1000);
+  EXPECT_DOUBLE_EQ(values[4].at("ms").get<double>(), 100.0);
+  EXPECT_DOUBLE_EQ(values[4].at("low").get<double>(), 95.0);
+  // At 90 % the mesh's last point was never timed.
+  EXPECT_EQ(nlohmann::json::parse(time_chart(scenes[0], 0.9)).at("data").at("values").size(), 9U);
+  EXPECT_TRUE(time_chart(scenes[0], 0.5).empty());
+  EXPECT_TRUE(score_chart(scenes[0], "psnr", "PSNR").empty());
+}
+
+TEST(ReportCharts, ColoursDiffer) {
+  const auto colours = representation_colours(8);
+  for (size_t i = 0; i < colours.size(); ++i)
+    for (size_t j = 0; j < i; ++j) EXPECT_NE(colours[i], colours[j]);
+  EXPECT_EQ(representation_colours(20).size(), 20U);
+}
+
+TEST(ReportEscapes, ByHand) {
+  EXPECT_EQ(html_escape("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+  EXPECT_EQ(script_json(R"({"a":"</script><!--"})"), R"({"a":"\u003c/script>\u003c!--"})");
+  EXPECT_EQ(inline_script("a=\"</script>\";b=\"<!--\"\n//# sourceMappingURL=x.map\n"),
+            "a=\"<\\/script>\";b=\"<\\!--\"\n");
+  EXPECT_EQ(inline_script("f()\n//# sourceMappingURL=x.map"), "f()");
+  EXPECT_EQ(base64({}), "");
+  EXPECT_EQ(base64({'f'}), "Zg==");
+  EXPECT_EQ(base64({'f', 'o'}), "Zm8=");
+  EXPECT_EQ(base64({'f', 'o', 'o', 'b', 'a', 'r'}), "Zm9vYmFy");
+  EXPECT_EQ(base64({0xfb, 0xff, 0xfe}), "+//+");
+}
+
+}  // namespace
+}  // namespace crowdbench::reports

@@ -1,0 +1,135 @@
+#include "reports/summary.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/reports/rows.h"
+
+namespace crowdbench::reports {
+namespace {
+
+TEST(Summary, OneSceneInOrderTheReferenceFirst) {
+  StoreContents contents = made_up_contents();
+  std::swap(contents.measurements[0], contents.measurements[1]);  // flat first
+  const auto scenes = scenes_of(contents);
+  ASSERT_EQ(scenes.size(), 1U);
+  EXPECT_EQ(scenes[0].representations, (std::vector<std::string>{"mesh", "flat"}));
+  EXPECT_EQ(scenes[0].agents, (std::vector<uint32_t>{1, 10, 100, 250, 1000}));
+  EXPECT_EQ(scenes[0].occupancies, (std::vector<double>{0.15, 0.9}));
+  EXPECT_EQ(scenes[0].agent_comparisons.size(), 9U);
+  EXPECT_EQ(scenes[0].crowd_comparisons.size(), 1U);
+  EXPECT_EQ(scenes[0].pictures.size(), 3U);
+}
+
+TEST(Summary, ARowMeasuredAgainReplacesTheOlder) {
+  StoreContents contents = made_up_contents();
+  MeasurementRow again = contents.measurements[0];
+  again.id = 999;
+  again.cpu_ns->median = 42;
+  const size_t before = scenes_of(contents)[0].rows.size();
+  contents.measurements.push_back(again);
+  const auto scenes = scenes_of(contents);
+  EXPECT_EQ(scenes[0].rows.size(), before);
+  EXPECT_EQ(scenes[0].find("mesh", 1, 0.15)->cpu_ns->median, 42);
+}
+
+TEST(Summary, AnotherMachineOrCharacterIsAnotherScene) {
+  StoreContents contents = made_up_contents();
+  RunRow run = contents.runs[0];
+  run.id = 2;
+  run.gl_renderer = "a GPU";
+  contents.runs.push_back(run);
+  MeasurementRow row = contents.measurements[0];
+  row.run = 2;
+  contents.measurements.push_back(row);
+  row.run = 1;
+  row.key.character = "robot";
+  contents.measurements.push_back(row);
+  EXPECT_EQ(scenes_of(contents).size(), 3U);
+}
+
+// mesh: 0.1 ms an agent; flat: exactly 1 ms whatever the crowd. The two straight lines in log-log cross where 0.1 n
+// = 1.
+TEST(Summary, CrossoverByHand) {
+  StoreContents contents = made_up_contents();
+  for (MeasurementRow& row : contents.measurements)
+    if (row.key.representation == "flat" && row.cpu_ns) row.cpu_ns = spread(1e6);
+  contents.measurements.erase(std::remove_if(contents.measurements.begin(), contents.measurements.end(),
+                                             [](const MeasurementRow& row) {
+                                               return row.key.agents == 10 || row.key.requested_occupancy > 0.5;
+                                             }),
+                              contents.measurements.end());
+  const auto scenes = scenes_of(contents);
+  const auto lines = crossovers_of(scenes[0], "cpu");
+  ASSERT_EQ(lines.size(), 1U);
+  ASSERT_TRUE(lines[0].agents.has_value());
+  EXPECT_NEAR(*lines[0].agents, 10.0, 1e-9);
+  EXPECT_NEAR(lines[0].time_ns, 1e6, 1e-3);
+  EXPECT_EQ(lines[0].cheaper_below, "mesh");
+  EXPECT_EQ(lines[0].cheaper_beyond, "flat");
+}
+
+TEST(Summary, NoCrossingSaysWhoWinsAndOverWhichRange) {
+  StoreContents contents = made_up_contents();
+  for (MeasurementRow& row : contents.measurements)
+    if (row.key.representation == "flat" && row.cpu_ns) row.cpu_ns = spread(10);
+  const auto scenes = scenes_of(contents);
+  const auto lines = crossovers_of(scenes[0], "cpu");
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_FALSE(lines[0].agents.has_value());
+  EXPECT_EQ(lines[0].cheaper_beyond, "flat");
+  EXPECT_EQ(lines[0].from, 1U);
+  EXPECT_EQ(lines[0].to, 1000U);
+  EXPECT_EQ(lines[1].to, 250U);  // at 90 % the mesh stopped there
+}
+
+TEST(Summary, ScoresByHeightByHand) {
+  const StoreContents contents = made_up_contents();
+  const auto scenes = scenes_of(contents);
+  const auto scores = scores_by_height(scenes[0], "silhouette_iou");
+  ASSERT_EQ(scores.size(), 3U);
+  EXPECT_EQ(scores[1].height_px, 64.0);
+  EXPECT_EQ(scores[1].views, 3U);
+  EXPECT_NEAR(scores[1].mean, 0.99 - 0.06 - 0.045, 1e-12);
+  EXPECT_NEAR(scores[1].least, 0.93 - 0.09, 1e-12);
+  EXPECT_NEAR(scores[1].greatest, 0.93, 1e-12);
+  EXPECT_TRUE(scores_by_height(scenes[0], "psnr").empty());  // absent everywhere: no figure is made up
+}
+
+TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
+  const StoreContents contents = made_up_contents();
+  const auto scenes = scenes_of(contents);
+  const auto sentences = answer(scenes[0]);
+  ASSERT_EQ(sentences.size(), 1U);
+  const std::string& text = sentences[0];
+  EXPECT_NE(text.find("With 1,000 agents covering 15 % of a 640 × 480 picture, flat is 50.0 times as fast as mesh "
+                      "(95 % interval 48.5 to 52.0, 24 interleaved pairs)."),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("With 250 agents covering 90 %"), std::string::npos) << text;
+  EXPECT_NE(text.find("flat becomes the cheaper one at about 10 agents."), std::string::npos) << text;
+  EXPECT_NE(text.find("Seen 64 pixels tall, its silhouette overlaps that of mesh by 88.5 %"), std::string::npos)
+      << text;
+}
+
+TEST(Summary, NumbersForPeople) {
+  EXPECT_EQ(count_text(0), "0");
+  EXPECT_EQ(count_text(999), "999");
+  EXPECT_EQ(count_text(1000), "1,000");
+  EXPECT_EQ(count_text(1234567), "1,234,567");
+  EXPECT_EQ(time_text(1234), "1.2 µs");
+  EXPECT_EQ(time_text(1.234e6), "1.23 ms");
+  EXPECT_EQ(time_text(12.34e6), "12.3 ms");
+  EXPECT_EQ(time_text(1234e6), "1234 ms");
+  EXPECT_EQ(time_text(12340e6), "12.3 s");
+  EXPECT_EQ(bytes_text(1023), "1023 B");
+  EXPECT_EQ(bytes_text(1536), "1.5 KiB");
+  EXPECT_EQ(bytes_text(uint64_t{3} << 30), "3.00 GiB");
+  EXPECT_EQ(percent_text(0.15), "15 %");
+  EXPECT_EQ(percent_text(0.123), "12.3 %");
+  EXPECT_EQ(factor_text(1.234), "1.23");
+  EXPECT_EQ(factor_text(12.34), "12.3");
+  EXPECT_EQ(factor_text(123.4), "123");
+}
+
+}  // namespace
+}  // namespace crowdbench::reports
