@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/portable_math.h"
 #include "core/random.h"
+#include "scene/crowd_stage.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -34,13 +36,16 @@ enum Purpose : uint64_t {
   kLaneOffset = 14,
   kStratumX = 15,
   kStratumZ = 16,
+  kCellX = 17,
+  kCellZ = 18,
   kPaletteChoice = 32,  // + part
   kPaletteShade = 64    // + part
 };
 
-constexpr double kJitter = 0.15;        // spacings, either way: neighbours stay 0.7 spacings apart
-constexpr double kDiskDistance = 0.75;  // spacings; 81 % of the density at which dart throwing jams
-constexpr double kBody = 1.0;           // metres around a pivot that a body may reach: lanes wrap so far out of view
+constexpr double kLaneJitter = 0.15;     // spacings, either way: neighbours in lanes stay 0.7 spacings apart
+constexpr double kPersonalSpace = 0.49;  // metres between the pivots of jittered neighbours, a person's breadth
+constexpr double kDiskDistance = 0.75;   // spacings; 81 % of the density at which dart throwing jams
+constexpr double kBody = 1.0;            // metres around a pivot that a body may reach: lanes wrap so far out of view
 
 // A measured length enters the crowd rounded, so that the last bits of the machine's sine do not.
 double rounded(double value) { return static_cast<double>(static_cast<int64_t>(value * 65536.0 + 0.5)) / 65536.0; }
@@ -58,22 +63,13 @@ double wrap(double x, double period) {
   return wrapped;
 }
 
-// Of half the vertical field of view.
-double half_tangent(const Camera& camera) {
-  const SinCos half = sincos_turns(camera.fov_y / 2 / 6.283185307179586);
-  return half.sin / half.cos;
-}
-
 uint64_t ceil_sqrt(uint64_t n) {
   auto root = static_cast<uint64_t>(std::sqrt(static_cast<double>(n)));
   while (root * root < n) ++root;
   return root;
 }
 
-struct Place {
-  double x;
-  double z;
-};
+using Place = GroundPoint;
 
 // The k-th cell of a square spiral around (0, 0): every prefix is as square as it can be.
 Place spiral_cell(uint64_t k) {
@@ -96,9 +92,17 @@ double signed_unit(uint64_t seed, uint64_t index, uint64_t purpose) {
   return 2.0 * random_unit(seed, index, purpose) - 1.0;
 }
 
+// How far, in spacings, a jittered agent may leave its cell's middle either way: a person's breadth stays between two
+// neighbours, and rows do not show where there is more room than that.
+double jitter_of(const CrowdSettings& crowd) {
+  if (crowd.placement != PlacementKind::jittered || crowd.agents < 2) return 0.0;
+  return std::clamp((1.0 - kPersonalSpace / crowd.spacing) / 2, 0.0, 0.35);
+}
+
 // Positions relative to the stage's middle.
-std::vector<Place> place_cells(const Scenario& scenario, double jitter) {
+std::vector<Place> place_cells(const Scenario& scenario) {
   const double spacing = scenario.crowd.spacing;
+  const double jitter = jitter_of(scenario.crowd);
   const uint32_t n = scenario.crowd.agents;
   // An even square of cells has its middle half a cell beside the first.
   const double shift = ceil_sqrt(n) % 2 == 0 ? 0.5 : 0.0;
@@ -111,23 +115,34 @@ std::vector<Place> place_cells(const Scenario& scenario, double jitter) {
   return places;
 }
 
-// Throws darts into a square of `side` until `n` stuck; false when they jam first.
-bool throw_darts(const Scenario& scenario, double side, std::vector<Place>& places) {
+struct Box {
+  Place low;
+  double width = 0;
+  double depth = 0;
+};
+
+// Throws darts into a box, where `inside` allows, until as many as there are agents stuck; false when they jam first.
+template <typename Inside>
+bool throw_darts(const Scenario& scenario, const Box& box, const Inside& inside, std::vector<Place>& places) {
   const uint32_t n = scenario.crowd.agents;
   const double distance = kDiskDistance * scenario.crowd.spacing;
   const double cell = distance / 1.4142135623730951;  // at most one point a cell
-  const auto cells = static_cast<int64_t>(side / cell) + 1;
-  std::vector<uint32_t> grid(static_cast<size_t>(cells * cells), 0);  // index + 1
+  const auto columns = static_cast<int64_t>(box.width / cell) + 1;
+  const auto rows = static_cast<int64_t>(box.depth / cell) + 1;
+  std::vector<uint32_t> grid(static_cast<size_t>(columns * rows), 0);  // index + 1
   places.clear();
   const uint64_t darts = uint64_t{400} * n + 1000;
   for (uint64_t dart = 0; dart < darts && places.size() < n; ++dart) {
-    const Place at{random_unit(scenario.seed, dart, kDartX) * side, random_unit(scenario.seed, dart, kDartZ) * side};
-    const auto cx = static_cast<int64_t>(at.x / cell);
-    const auto cz = static_cast<int64_t>(at.z / cell);
+    const double x = random_unit(scenario.seed, dart, kDartX) * box.width;
+    const double z = random_unit(scenario.seed, dart, kDartZ) * box.depth;
+    const Place at{box.low.x + x, box.low.z + z};
+    if (!inside(at)) continue;
+    const auto column = static_cast<int64_t>(x / cell);
+    const auto row = static_cast<int64_t>(z / cell);
     bool free = true;
-    for (int64_t gz = std::max<int64_t>(0, cz - 2); free && gz <= std::min(cells - 1, cz + 2); ++gz)
-      for (int64_t gx = std::max<int64_t>(0, cx - 2); free && gx <= std::min(cells - 1, cx + 2); ++gx) {
-        const uint32_t other = grid[static_cast<size_t>(gz * cells + gx)];
+    for (int64_t r = std::max<int64_t>(0, row - 2); free && r <= std::min(rows - 1, row + 2); ++r)
+      for (int64_t c = std::max<int64_t>(0, column - 2); free && c <= std::min(columns - 1, column + 2); ++c) {
+        const uint32_t other = grid[static_cast<size_t>(r * columns + c)];
         if (other == 0) continue;
         const double dx = places[other - 1].x - at.x;
         const double dz = places[other - 1].z - at.z;
@@ -135,11 +150,7 @@ bool throw_darts(const Scenario& scenario, double side, std::vector<Place>& plac
       }
     if (!free) continue;
     places.push_back(at);
-    grid[static_cast<size_t>(cz * cells + cx)] = static_cast<uint32_t>(places.size());
-  }
-  for (Place& place : places) {
-    place.x -= side / 2;
-    place.z -= side / 2;
+    grid[static_cast<size_t>(row * columns + column)] = static_cast<uint32_t>(places.size());
   }
   return places.size() == n;
 }
@@ -147,64 +158,101 @@ bool throw_darts(const Scenario& scenario, double side, std::vector<Place>& plac
 std::vector<Place> place_poisson(const Scenario& scenario) {
   std::vector<Place> places;
   double side = std::sqrt(static_cast<double>(scenario.crowd.agents)) * scenario.crowd.spacing;
-  while (!throw_darts(scenario, side, places)) side *= 1.05;
+  const auto everywhere = [](const Place&) { return true; };
+  while (!throw_darts(scenario, {{-side / 2, -side / 2}, side, side}, everywhere, places)) side *= 1.05;
   return places;
 }
 
-double stage_height(const Cast& cast) {
-  double height = 0;
-  for (size_t c = 0; c < cast.characters.size(); ++c) height += cast.shares[c] * cast.characters[c]->placement.height;
-  return rounded(height);
+// The box around the part of the ground up to this norm, turned by (sine, cosine) about the ground's middle.
+Box box_around(const ViewGround& ground, double norm, const SinCos& turn) {
+  const Place middle = ground.at(0, 0);
+  Place low{1e300, 1e300};
+  Place high{-1e300, -1e300};
+  for (const double across : {-norm, norm})
+    for (const double along : {-norm, norm}) {
+      const Place at = ground.at(across, along);
+      const double dx = at.x - middle.x;
+      const double dz = at.z - middle.z;
+      const Place turned{dx * turn.cos - dz * turn.sin, dx * turn.sin + dz * turn.cos};
+      low = {std::min(low.x, turned.x), std::min(low.z, turned.z)};
+      high = {std::max(high.x, turned.x), std::max(high.z, turned.z)};
+    }
+  return {low, high.x - low.x, high.z - low.z};
 }
 
-// World positions over what the view sees between the two depths. Uniform in depth and across the view: the ground
-// thins out as 1 / depth, which covers near and far parts of the picture alike.
-std::vector<Place> place_frustum(const Scenario& scenario, const Cast& cast, const StageView& view) {
-  const uint32_t n = scenario.crowd.agents;
-  const Camera& camera = view.camera;
-  const glm::dmat3 rotation = view_rotation(camera);
-  const glm::dmat3 axes = glm::transpose(rotation);  // columns: right, up, backward
-  const double tall = half_tangent(camera);
-  const double wide = tall * view.aspect;
-  const double middle = scenario.crowd.centre.y + stage_height(cast) / 2;  // the point of a body that is kept in view
-  // In the middle column a body's middle lies at y = rise + slope * depth in eye space; keep the depths where that is
-  // within the picture.
-  double nearest = view.near_depth;
-  double farthest = view.far_depth;
-  if (axes[1].y > 0.2) {
-    const double rise = (middle - camera.eye.y) / axes[1].y;
-    const double slope = axes[2].y / axes[1].y;
-    for (const double side : {1.0, -1.0}) {  // side * (rise + slope * depth) + tall * depth >= 0
-      const double gain = side * slope + tall;
-      if (gain > 0) nearest = std::max(nearest, -side * rise / gain);
-      if (gain < 0) farthest = std::min(farthest, -side * rise / gain);
-    }
-    if (!(nearest <= farthest)) {  // the view misses the stage: place it as it was asked for
-      nearest = view.near_depth;
-      farthest = view.far_depth;
-    }
+// World positions: the cells nearest to the middle of the ground in view, as its own shape measures nearness, so that
+// they fill that shape.
+std::vector<Place> place_view(const Scenario& scenario, const ViewGround& ground) {
+  const CrowdSettings& crowd = scenario.crowd;
+  const uint32_t n = crowd.agents;
+  const Place middle = ground.at(0, 0);
+  // Jittered rows stand askew to the view, so that no aisle points at the eye.
+  const SinCos turn = sincos_turns(crowd.placement == PlacementKind::jittered ? 0.0738 : 0.0);
+  const double jitter = jitter_of(crowd);
+  struct Cell {
+    double norm;
+    int32_t column;
+    int32_t row;
+  };
+  std::vector<Cell> cells;
+  const auto place = [&](double column, double row) {
+    const double x = column * crowd.spacing;
+    const double z = row * crowd.spacing;
+    return Place{middle.x + x * turn.cos + z * turn.sin, middle.z - x * turn.sin + z * turn.cos};
+  };
+  for (double reach = 1.25; cells.size() < n; reach *= 1.25) {
+    cells.clear();
+    const Box box = box_around(ground, reach, turn);
+    const auto index = [&](double metres) { return static_cast<int32_t>(floor_exact(metres / crowd.spacing)); };
+    for (int32_t row = index(box.low.z); row <= index(box.low.z + box.depth) + 1; ++row)
+      for (int32_t column = index(box.low.x); column <= index(box.low.x + box.width) + 1; ++column)
+        if (const double norm = ground.norm(place(column, row)); norm <= reach) cells.push_back({norm, column, row});
   }
-  const uint64_t start_x = random_bits(scenario.seed, 0, kStratumX);
-  const uint64_t start_z = random_bits(scenario.seed, 0, kStratumZ);
+  const auto nearer = [](const Cell& a, const Cell& b) {
+    return std::tie(a.norm, a.row, a.column) < std::tie(b.norm, b.row, b.column);
+  };
+  std::nth_element(cells.begin(), cells.begin() + n - 1, cells.end(), nearer);
+  cells.resize(n);
+  std::sort(cells.begin(), cells.end(), nearer);
   std::vector<Place> places(n);
-  for (uint32_t i = 0; i < n; ++i) {
-    const double a = static_cast<double>((start_x + i * 0xc13fa9a902a6328fULL) >> 11) * 0x1.0p-53;
-    const double b = static_cast<double>((start_z + i * 0x91e10da5c79e7b1dULL) >> 11) * 0x1.0p-53;
-    glm::dvec3 eye_space;
-    const double across = 2.0 * a - 1.0;
-    if (axes[1].y > 0.2) {
-      const double depth = nearest + b * (farthest - nearest);
-      const double x = across * wide * depth;
-      const double y = (middle - camera.eye.y - axes[0].y * x + axes[2].y * depth) / axes[1].y;
-      eye_space = {x, y, -depth};
-    } else {  // almost straight down or up: the ground has hardly any depth, so spread over the picture instead
-      const glm::dvec3 ray = axes * glm::dvec3{across * wide, (2.0 * b - 1.0) * tall, -1.0};
-      const double depth = ray.y != 0 ? (middle - camera.eye.y) / ray.y : view.near_depth;
-      eye_space = glm::dvec3{across * wide, (2.0 * b - 1.0) * tall, -1.0} * std::max(depth, view.near_depth);
+  if (crowd.placement == PlacementKind::poisson) {
+    double reach = cells.back().norm;
+    for (;; reach *= 1.05) {
+      Box box = box_around(ground, reach, {0.0, 1.0});
+      box.low = {box.low.x + middle.x, box.low.z + middle.z};
+      if (throw_darts(
+              scenario, box, [&](const Place& at) { return ground.norm(at) <= reach; }, places))
+        return places;
     }
-    const glm::dvec3 at = camera.eye + axes * eye_space;
-    places[i] = {at.x, at.z};
   }
+  for (uint32_t i = 0; i < n; ++i) {
+    const Cell& cell = cells[i];
+    const uint64_t key =
+        static_cast<uint64_t>(static_cast<uint32_t>(cell.column)) << 32 | static_cast<uint32_t>(cell.row);
+    const double x = jitter * signed_unit(scenario.seed, key, kCellX);
+    const double z = jitter * signed_unit(scenario.seed, key, kCellZ);
+    places[i] = place(cell.column + x, cell.row + z);
+    if (ground.norm(places[i]) > 1) places[i] = place(cell.column + 0.5 * x, cell.row + 0.5 * z);
+    if (ground.norm(places[i]) > 1) places[i] = place(cell.column, cell.row);  // stays in view
+  }
+  return places;
+}
+
+// World positions, uniform in depth and across the view: the ground thins out as 1 / depth, which covers near and far
+// parts of the picture alike.
+std::vector<Place> place_frustum(const Scenario& scenario, const ViewGround& ground) {
+  const uint32_t n = scenario.crowd.agents;
+  // Around the sequence's own places, so that even a few agents are spread over the picture, with a little of the seed.
+  const double jitter = n < 4 ? 0.0 : 0.3 / std::sqrt(static_cast<double>(n));
+  const auto unit = [&](uint64_t fixed, uint32_t agent, uint64_t purpose) {
+    const double at = static_cast<double>((fixed * agent + (uint64_t{1} << 63)) >> 11) * 0x1.0p-53 +
+                      jitter * signed_unit(scenario.seed, agent, purpose);
+    return at - floor_exact(at);
+  };
+  std::vector<Place> places(n);
+  for (uint32_t i = 0; i < n; ++i)
+    places[i] = ground.at(2.0 * unit(0xc13fa9a902a6328fULL, i, kStratumX) - 1.0,
+                          2.0 * unit(0x91e10da5c79e7b1dULL, i, kStratumZ) - 1.0);
   return places;
 }
 
@@ -290,10 +338,10 @@ void fill_lanes(const Scenario& scenario, const Cast& cast, const Lanes& lanes, 
     const double pitch = lanes.period / static_cast<double>(capacity);
     const double lane_start = random_unit(scenario.seed, lane, kLaneOffset) * pitch;
     const double along = wrap(static_cast<double>(slot) * pitch + lane_start +
-                                  kJitter * settings.spacing * signed_unit(scenario.seed, i, kOffsetX),
+                                  kLaneJitter * settings.spacing * signed_unit(scenario.seed, i, kOffsetX),
                               lanes.period);
     const double side = (static_cast<double>(lane) - static_cast<double>(lanes.count - 1) / 2 +
-                         kJitter * signed_unit(scenario.seed, i, kOffsetZ)) *
+                         kLaneJitter * signed_unit(scenario.seed, i, kOffsetZ)) *
                         settings.spacing;
     crowd.x[i] = settings.centre.x + along * lanes.axis.sin + side * lanes.axis.cos;
     crowd.z[i] = settings.centre.z + along * lanes.axis.cos - side * lanes.axis.sin;
@@ -358,29 +406,31 @@ Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& vi
 
   crowd.wrap_x = settings.centre.x;
   crowd.wrap_z = settings.centre.z;
-  const bool frustum = settings.stage == Stage::frustum && settings.motion != MotionKind::lanes;
-  if (!frustum && (settings.motion == MotionKind::lanes || settings.placement == PlacementKind::lanes)) {
+  const bool lanes_moving = settings.motion == MotionKind::lanes;
+  if (lanes_moving || (settings.placement == PlacementKind::lanes && settings.stage != Stage::frustum)) {
     const Lanes lanes = plan_lanes(scenario, view);
     crowd.period = lanes.period;
     fill_lanes(scenario, cast, lanes, crowd);
     return crowd;
   }
+  if (n == 0) return crowd;
+  const bool plaza = settings.stage == Stage::plaza;
   std::vector<Place> places;
-  if (frustum)
-    places = place_frustum(scenario, cast, view);
-  else if (settings.placement == PlacementKind::poisson)
-    places = place_poisson(scenario);
-  else
-    places = place_cells(scenario, settings.placement == PlacementKind::jittered ? kJitter : 0.0);
+  if (plaza) {
+    places = settings.placement == PlacementKind::poisson ? place_poisson(scenario) : place_cells(scenario);
+  } else {
+    const ViewGround ground(view, settings.centre.y + kKeptInView * stage_height(cast));
+    places = settings.stage == Stage::view ? place_view(scenario, ground) : place_frustum(scenario, ground);
+  }
   Place low{1e300, 1e300};
   Place high{-1e300, -1e300};
   for (uint32_t i = 0; i < n; ++i) {
-    crowd.x[i] = places[i].x + (frustum ? 0.0 : settings.centre.x);
-    crowd.z[i] = places[i].z + (frustum ? 0.0 : settings.centre.z);
+    crowd.x[i] = places[i].x + (plaza ? settings.centre.x : 0.0);
+    crowd.z[i] = places[i].z + (plaza ? settings.centre.z : 0.0);
     low = {std::min(low.x, crowd.x[i]), std::min(low.z, crowd.z[i])};
     high = {std::max(high.x, crowd.x[i]), std::max(high.z, crowd.z[i])};
   }
-  if (settings.motion == MotionKind::free && n > 0) {
+  if (settings.motion == MotionKind::free) {
     crowd.wrap_x = (low.x + high.x) / 2;
     crowd.wrap_z = (low.z + high.z) / 2;
     crowd.period = std::max({high.x - low.x, high.z - low.z, 1.0}) + settings.spacing;

@@ -25,9 +25,9 @@ Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder = {
 // it stands does, except on a grid and with jitter, whose cells are counted outwards from the middle. In lanes, an
 // agent's clip, speed and heading are those that its lane's ground speed and direction ask for.
 //
-// How near two agents' pivots come at tick 0, and with motion `treadmill` or `lanes` at any tick, in spacings: grid 1,
-// jittered and lanes 0.7, poisson 0.75; so at the smallest spacing of 0.7 m never nearer than 0.49 m, a person's
-// breadth. Stage `frustum` and motion `free` promise nothing.
+// How near two agents' pivots come at tick 0, and with motion `treadmill` or `lanes` at any tick: on a grid one
+// spacing, jittered 0.49 m (a person's breadth), in lanes 0.7 and as Poisson disks 0.75 spacings; so never nearer than
+// 0.49 m. Stage `frustum` and motion `free` promise nothing.
 struct Crowd {
   uint64_t seed = 0;
   std::vector<double> x, z;  // metres, world, at tick 0
@@ -45,7 +45,7 @@ struct Crowd {
   size_t size() const { return x.size(); }
 };
 
-// The view for which `stage = frustum` places agents, and beyond which lanes wrap.
+// The view whose ground the stages `view` and `frustum` fill, and beyond which lanes wrap.
 struct StageView {
   Camera camera;
   double aspect = 4.0 / 3.0;

@@ -31,9 +31,19 @@ struct Solved {
   int measurements = 0;
 };
 
-// Solves for scenario.occupancy at tick 0. At least 95 % of the agents end at least partly on screen. Density rises up
-// to a spacing of 0.7 m first; beyond that, stratified placement over the view's footprint and depth (stage = frustum;
-// agents may interpenetrate). Returns the nearest it reached when the target is out of reach, marked so. Deterministic.
+// How many agents are seen whole, in part or not at all, by the projected boxes of their banks' bounds.
+struct OnScreen {
+  uint32_t wholly = 0;
+  uint32_t partly = 0;
+  uint32_t off = 0;
+};
+OnScreen count_on_screen(const Scenario& scenario, const Cast& cast, const Crowd& crowd, const Camera& camera,
+                         uint64_t tick);
+
+// Solves for scenario.occupancy (which must be set, with at least one agent) at tick 0. At least 95 % of the agents end
+// at least partly on screen. Density rises up to a spacing of 0.7 m first; beyond that, stratified placement over the
+// view's footprint and depth (stage = frustum; agents may interpenetrate). Returns the nearest it reached when the
+// target is out of reach, marked so. Deterministic.
 Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure);
 
 }  // namespace crowdbench::scene

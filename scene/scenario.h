@@ -13,10 +13,9 @@ namespace crowdbench::scene {
 
 enum class PlacementKind : uint8_t { grid, jittered, poisson, lanes };
 enum class MotionKind : uint8_t { treadmill, lanes, free };
-enum class Stage : uint8_t {
-  plaza,
-  frustum
-};  // plaza: a square around the origin; frustum: over the view's footprint and depth
+// plaza: a square around the centre. view: the ground that the view sees between the stage's depths, at the spacing.
+// frustum: the same ground, evenly over depth and width, whatever the spacing; agents may interpenetrate.
+enum class Stage : uint8_t { plaza, view, frustum };
 
 struct CharacterEntry {
   std::string source = "mannequin";     // as open_character takes it; relative to the scenario's folder
@@ -39,7 +38,7 @@ struct CrowdSettings {
   double speed_variation = 0.1;       // playback speed 1 +- this, 0..0.5
   uint32_t outfits = 8;               // number of outfits, 1..4096; 1 = all alike (white)
   glm::dvec3 centre{0.0};             // metres: where the stage lies in the world; y is the ground's height
-  double stage_near = 4;              // metres: `stage = frustum` places agents between these eye-space depths
+  double stage_near = 4;              // metres: `view` and `frustum` place agents between these eye-space depths
   double stage_far = 60;
   bool operator==(const CrowdSettings&) const = default;
 };

@@ -220,13 +220,13 @@ std::vector<Key> make_keys() {
   keys.push_back(key<uint32_t>(
       "crowd", "agents", KeyType::integer, "", {0, 1'000'000}, "number of agents",
       [](Scenario & s, size_t) -> auto& { return s.crowd.agents; }));
-  keys.push_back(
-      with_words(key<PlacementKind>(
-                     "crowd", "placement", KeyType::choice, "", {},
-                     "where agents stand: on a grid; on a grid with random offsets, at least 0.7 spacings apart; as "
-                     "a Poisson disk sample, at least 0.75 spacings apart; in street lanes",
-                     [](Scenario & s, size_t) -> auto& { return s.crowd.placement; }),
-                 {"grid", "jittered", "poisson", "lanes"}));
+  keys.push_back(with_words(
+      key<PlacementKind>(
+          "crowd", "placement", KeyType::choice, "", {},
+          "where agents stand: on a grid; on a grid with random offsets, at least 0.49 m apart; as a Poisson disk "
+          "sample, at least 0.75 spacings apart; in street lanes",
+          [](Scenario & s, size_t) -> auto& { return s.crowd.placement; }),
+      {"grid", "jittered", "poisson", "lanes"}));
   keys.push_back(
       with_words(key<MotionKind>(
                      "crowd", "motion", KeyType::choice, "", {},
@@ -234,13 +234,14 @@ std::vector<Key> make_keys() {
                      "(implies `placement = \"lanes\"`); each its own way, which may overlap",
                      [](Scenario & s, size_t) -> auto& { return s.crowd.motion; }),
                  {"treadmill", "lanes", "free"}));
-  keys.push_back(
-      with_words(key<Stage>(
-                     "crowd", "stage", KeyType::choice, "", {},
-                     "a square around `centre`; or the ground that the first view sees between `stage_near` and "
-                     "`stage_far`, where agents may interpenetrate",
-                     [](Scenario & s, size_t) -> auto& { return s.crowd.stage; }),
-                 {"plaza", "frustum"}));
+  keys.push_back(with_words(
+      key<Stage>(
+          "crowd", "stage", KeyType::choice, "", {},
+          "a square around `centre`; the ground that the first view sees between `stage_near` and `stage_far`, filled "
+          "from its middle at `spacing`; or all of that ground, evenly over depth and width, where agents may "
+          "interpenetrate",
+          [](Scenario & s, size_t) -> auto& { return s.crowd.stage; }),
+      {"plaza", "view", "frustum"}));
   keys.push_back(key<double>(
       "crowd", "spacing", KeyType::number, "m", {0.7, 100}, "between neighbours; one agent a square of this side",
       [](Scenario & s, size_t) -> auto& { return s.crowd.spacing; }));
@@ -265,11 +266,12 @@ std::vector<Key> make_keys() {
       "middle of the stage; its second number is the ground's height",
       [](Scenario & s, size_t) -> auto& { return s.crowd.centre; }));
   keys.push_back(key<double>(
-      "crowd", "stage_near", KeyType::number, "m", {0.01, 1e6}, "`stage = \"frustum\"`: depth of the nearest agents",
+      "crowd", "stage_near", KeyType::number, "m", {0.01, 1e6},
+      "stages `view` and `frustum`: depth of the nearest agents",
       [](Scenario & s, size_t) -> auto& { return s.crowd.stage_near; }));
   keys.push_back(key<double>(
       "crowd", "stage_far", KeyType::number, "m", {0.01, 1e6},
-      "`stage = \"frustum\"`: depth of the farthest agents, at least `stage_near`",
+      "stages `view` and `frustum`: depth of the farthest agents, at least `stage_near`",
       [](Scenario & s, size_t) -> auto& { return s.crowd.stage_far; }));
   // --- camera
   add_camera_keys(keys, "camera");

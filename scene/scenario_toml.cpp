@@ -388,7 +388,7 @@ class Parser {
     const CrowdSettings& crowd = scenario_.crowd;
     if (crowd.stage_far < crowd.stage_near)
       throw Error(place("crowd"), "`crowd.stage_far` is before `crowd.stage_near`", "exchange them");
-    if (crowd.motion == MotionKind::lanes && crowd.stage == Stage::frustum)
+    if (crowd.motion == MotionKind::lanes && crowd.stage != Stage::plaza)
       throw Error(place("crowd"), "`motion = \"lanes\"` needs `stage = \"plaza\"`", "choose another motion or stage");
   }
 
