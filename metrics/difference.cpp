@@ -133,16 +133,16 @@ Image8 absolute_difference(const Image16& a, const Image16& b) { return absolute
 
 LinearDifference linear_difference(const ImageF& a, const ImageF& b) {
   require_same_size(a, b);
-  const int colours = a.channels >= 3 || b.channels >= 3 ? 3 : 1;
-  const int a1 = a.channels >= 3 ? 1 : 0;
-  const int b1 = b.channels >= 3 ? 1 : 0;
+  const size_t colours = a.channels >= 3 || b.channels >= 3 ? 3 : 1;
+  const size_t a1 = a.channels >= 3 ? 1 : 0;
+  const size_t b1 = b.channels >= 3 ? 1 : 0;
   double sum = 0;
   double squares = 0;
   for (int y = 0; y < a.height; ++y) {
     const float* p = a.at(0, y);
     const float* q = b.at(0, y);
     for (int x = 0; x < a.width; ++x, p += a.channels, q += b.channels) {
-      for (int c = 0; c < colours; ++c) {
+      for (size_t c = 0; c < colours; ++c) {
         const double u = p[c * a1];
         const double v = q[c * b1];
         const double d = u == v ? 0 : std::abs(u - v);
@@ -151,7 +151,7 @@ LinearDifference linear_difference(const ImageF& a, const ImageF& b) {
       }
     }
   }
-  const double samples = static_cast<double>(a.pixels()) * colours;
+  const double samples = static_cast<double>(a.pixels() * colours);
   return {sum / samples, std::sqrt(squares / samples)};
 }
 

@@ -19,7 +19,7 @@ Plane halved_with_zeros(const Plane& in) {
     const double* upper = in.at(0, 2 * y);
     const double* lower = 2 * y + 1 < in.height ? in.at(0, 2 * y + 1) : zeros.data();
     double* o = out.at(0, y);
-    for (int x = 0; x < in.width / 2; ++x)
+    for (size_t x = 0; x < static_cast<size_t>(in.width / 2); ++x)
       o[x] = 0.25 * (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
     if (in.width % 2 == 1) o[out.width - 1] = 0.25 * (upper[in.width - 1] + lower[in.width - 1]);
   }

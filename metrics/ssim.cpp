@@ -72,7 +72,7 @@ Plane halved(const Plane& in) {
     const double* upper = in.at(0, 2 * y);
     const double* lower = in.at(0, std::min(2 * y + 1, in.height - 1));
     double* o = out.at(0, y);
-    for (int x = 0; x < in.width / 2; ++x)
+    for (size_t x = 0; x < static_cast<size_t>(in.width / 2); ++x)
       o[x] = 0.25 * (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
     if (in.width % 2 == 1) o[out.width - 1] = 0.5 * (upper[in.width - 1] + lower[in.width - 1]);
   }
@@ -86,7 +86,7 @@ std::optional<Ssim> ssim(const Plane& a, const Plane& b) {
   if (a.width < kSsimWindow || a.height < kSsimWindow) return std::nullopt;
   static const Kernel kernel = gaussian();
   const auto width = static_cast<size_t>(a.width);
-  const size_t count = width - 2 * kSsimRadius;
+  const size_t count = width - (kSsimWindow - 1);
   // Eleven horizontally filtered rows of each of the four planes, reused in turn.
   constexpr size_t kPlanes = 4;
   std::vector<double> ring(kPlanes * kSsimWindow * count);
