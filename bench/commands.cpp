@@ -6,7 +6,9 @@ namespace crowdbench::bench {
 
 void add_all_commands(CLI::App& app, Run& run) {
   const std::initializer_list<AddCommand> commands = {
+      add_info,
       add_inspect,
+      add_render,
       add_compare,
       add_report,
       add_schema,

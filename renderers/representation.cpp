@@ -188,6 +188,12 @@ const RepresentationType& representation_type(const std::string& name) {
   return require_type(name, representation_types());
 }
 
+std::vector<OptionDoc> option_docs(const RepresentationType& type) {
+  std::vector<OptionDoc> docs;
+  for (const std::string& key : option_keys(type)) docs.push_back(*find_option(type, key));
+  return docs;
+}
+
 std::unique_ptr<Representation> make_representation(const MakeContext& context, const Spec& spec) {
   return representation_type(spec.name).make(context, spec);
 }

@@ -113,6 +113,8 @@ struct RepresentationType {
 
 const std::vector<RepresentationType>& representation_types();           // registry.cpp
 const RepresentationType& representation_type(const std::string& name);  // throws Error naming the nearest
+// The type's options with "floor", which all have, at the end.
+std::vector<OptionDoc> option_docs(const RepresentationType& type);
 std::unique_ptr<Representation> make_representation(const MakeContext& context, const Spec& spec);
 
 // Reads options for a type's make(): defaults from its table, every fault an Error naming the representation and the

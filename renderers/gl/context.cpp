@@ -281,27 +281,14 @@ Context::Context(const ContextOptions& options) {
   read_capabilities(options.debug);
 }
 
-Context::Context(Adopt adopt) {
-  platform_ = std::move(adopt.platform);
-  state_->make_current = std::move(adopt.make_current);
-  state_->alive = true;
-  current_state = state_.get();
-  read_capabilities(adopt.debug);
-}
-
-void Context::retire() {
-  state_->alive = false;
-  if (current_state == state_.get()) current_state = nullptr;
-}
-
 Context::~Context() {
-  const bool was_current = current_state == state_.get();
-  retire();
-  if (egl_) {
-    if (was_current) eglMakeCurrent(egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglDestroyContext(egl_->display, egl_->context);
-    // The display stays initialised: EGL counts no references, and another context may share it.
+  state_->alive = false;
+  if (current_state == state_.get()) {
+    current_state = nullptr;
+    eglMakeCurrent(egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
+  // The display stays initialised: EGL counts no references, and another context may share it.
+  eglDestroyContext(egl_->display, egl_->context);
 }
 
 void Context::make_current() const {

@@ -1,4 +1,4 @@
-// Context: one OpenGL 4.5 core context, headless through EGL or and what it can do.
+// Context: one headless OpenGL 4.5 core context through EGL, and what it can do.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -66,7 +66,7 @@ class Context {
  public:
   // Headless. Throws Error that names the step that failed, the EGL error and the number of devices.
   explicit Context(const ContextOptions& options = {});
-  virtual ~Context();
+  ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
@@ -75,7 +75,7 @@ class Context {
   const std::string& vendor() const { return vendor_; }
   const std::string& renderer() const { return renderer_; }
   const std::string& version() const { return version_; }
-  // "EGL device 0 (software)", "EGL surfaceless", "GLFW window": how the context was made.
+  // "EGL device 0 (software)", "EGL surfaceless": how the context was made.
   const std::string& platform() const { return platform_; }
   // True for a software rasteriser: its frame times say nothing of a GPU.
   bool is_software() const { return software_; }
@@ -92,17 +92,6 @@ class Context {
   void finish() const;
 
   const std::shared_ptr<ContextState>& state() const { return state_; }
-
- protected:
-  // For a context that somebody else made and that is current now; `make_current` makes it so again.
-  struct Adopt {
-    std::string platform;
-    std::function<void()> make_current;
-    bool debug = false;
-  };
-  explicit Context(Adopt adopt);
-  // To be called by a derived class before its context goes away.
-  void retire();
 
  private:
   void read_capabilities(bool debug);

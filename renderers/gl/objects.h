@@ -18,7 +18,7 @@ namespace crowdbench::gl {
 
 // May be copied to the GPU byte by byte (GLM's vectors are not trivially copyable in every version, yet plain).
 template <typename T>
-inline constexpr bool kPlain = std::is_standard_layout_v<T> && std::is_trivially_destructible_v<T>;
+inline constexpr bool kPlain = std::is_standard_layout_v<T>&& std::is_trivially_destructible_v<T>;
 
 // What the object types have in common: a name on a context.
 class Object {

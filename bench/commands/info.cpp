@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/commands.h"
+#include "bench/scene_options.h"
+#include "core/version.h"
+#include "renderers/gl/counters.h"
+#include "renderers/representation.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json representations_json() {
+  Json out = Json::array();
+  for (const renderers::RepresentationType& type : renderers::representation_types()) {
+    Json options = Json::array();
+    for (const renderers::OptionDoc& o : renderers::option_docs(type))
+      options.push_back({{"key", o.key}, {"values", o.values}, {"default", o.default_value}, {"meaning", o.meaning}});
+    out.push_back({{"name", type.name}, {"summary", type.summary}, {"parts", type.parts}, {"options", options}});
+  }
+  return out;
+}
+
+void print_representations() {
+  for (const renderers::RepresentationType& type : renderers::representation_types()) {
+    fmt::print("{}: {}\n", type.name, type.summary);
+    for (const renderers::OptionDoc& o : renderers::option_docs(type))
+      fmt::print("  {:<12} {:<24} default {:<10} {}\n", o.key, o.values, o.default_value, o.meaning);
+  }
+}
+
+Json device_json(const std::string& device) {
+  Json devices = Json::array();
+  for (const gl::Device& d : gl::list_devices())
+    devices.push_back({{"index", d.index}, {"name", d.name}, {"software", d.software}});
+  gl::ContextOptions options;
+  options.device = device;
+  gl::Context context(options);
+  const gl::TimerTrust timer = gl::test_gpu_timer(context);
+  const gl::Limits& l = context.limits();
+  return {
+      {"version", version()},
+      {"revision", git_revision()},
+      {"devices", devices},
+      {"platform", context.platform()},
+      {"vendor", context.vendor()},
+      {"renderer", context.renderer()},
+      {"gl_version", context.version()},
+      {"software", context.is_software()},
+      {"warnings", context.warnings()},
+      {"limits",
+       {{"texture_size", l.texture_size},
+        {"array_layers", l.array_layers},
+        {"viewport_size", l.viewport_size},
+        {"storage_block_bytes", l.storage_block},
+        {"uniform_block_bytes", l.uniform_block}}},
+      {"pipeline_statistics", context.has_extension("GL_ARB_pipeline_statistics_query")},
+      {"gpu_timer",
+       {{"trusted", timer.trusted}, {"gpu_ns", timer.gpu_ns}, {"wall_ns", timer.wall_ns}, {"reason", timer.reason}}}};
+}
+
+void print_device(const Json& j) {
+  fmt::print("crowdbench {} ({})\n", j["version"].get<std::string>(), j["revision"].get<std::string>());
+  fmt::print("EGL devices:\n");
+  for (const Json& d : j["devices"])
+    fmt::print("  {}  {}{}\n", d["index"].get<int>(), d["name"].get<std::string>(),
+               d["software"].get<bool>() ? " (software)" : "");
+  if (j["devices"].empty()) fmt::print("  none\n");
+  for (const Json& w : j["warnings"]) fmt::print("warning: {}\n", w.get<std::string>());
+  fmt::print("drawing on {} by {}\n", j["renderer"].get<std::string>(), j["vendor"].get<std::string>());
+  fmt::print("  {}, through {}\n", j["gl_version"].get<std::string>(), j["platform"].get<std::string>());
+  if (j["software"].get<bool>())
+    fmt::print("  a software rasteriser: times on it say nothing of a GPU; ratios of CPU time are the headline\n");
+  const Json& l = j["limits"];
+  fmt::print("limits: textures {} px a side, {} layers; pictures {} px a side; storage block {} bytes\n",
+             l["texture_size"].get<int>(), l["array_layers"].get<int>(), l["viewport_size"].get<int>(),
+             l["storage_block_bytes"].get<int64_t>());
+  fmt::print("pipeline statistics: {}\n", j["pipeline_statistics"].get<bool>() ? "yes" : "no");
+  fmt::print("GPU timer: {}: {}\n", j["gpu_timer"]["trusted"].get<bool>() ? "trusted" : "not trusted",
+             j["gpu_timer"]["reason"].get<std::string>());
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("info", "Say which device draws and what it can do, or list representations");
+  command->footer(
+      "Examples:\n  crowdbench info\n  crowdbench info --device software --json\n"
+      "  crowdbench info --representations");
+  struct Options {
+    bool json = false;
+    bool representations = false;
+    std::string device;
+  };
+  auto options = std::make_shared<Options>();
+  command->add_flag("--json", options->json, "print JSON");
+  command->add_flag("--representations", options->representations,
+                    "list the representations with their options (asks no device)");
+  add_device_option(*command, options->device);
+  command->callback([options, &run] {
+    run = [options] {
+      if (options->representations) {
+        if (options->json)
+          fmt::print("{}\n", representations_json().dump(2));
+        else
+          print_representations();
+        return 0;
+      }
+      const Json facts = device_json(options->device);
+      if (options->json)
+        fmt::print("{}\n", facts.dump(2));
+      else
+        print_device(facts);
+      return 0;
+    };
+  });
+}
+
+}  // namespace crowdbench::bench
