@@ -1,12 +1,12 @@
 #include "bench/scene_options.h"
 
-<<<<<<< HEAD
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
 #include <vector>
 
 #include "core/error.h"
-#include "renderers/capture.h"
+#include "core/version.h"
 #include "renderers/gl/context.h"
 
 namespace crowdbench::bench {
@@ -20,7 +20,14 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--size", options.size, "size of the picture in pixels")->type_name("WxH");
   command.add_option("--character", options.character, "mannequin[:triangles=N,joints=N] or a glTF file")
       ->type_name("C");
-  command.add_option("--device", options.device, "EGL device: its index, software, or surfaceless")->type_name("D");
+  add_device_option(command, options.device);
+}
+
+void add_device_option(CLI::App& command, std::string& device) {
+  command
+      .add_option("--device", device,
+                  "EGL device: its index, software, or surfaceless (default: $CROWDBENCH_DEVICE, else the first GPU)")
+      ->type_name("D");
 }
 
 PictureSize parse_size(const std::string& text, const std::string& option) {
@@ -72,124 +79,17 @@ ChosenScenario read_scenario(const SceneOptions& options) {
   return chosen;
 }
 
-Staged stage_scenario(const scene::Scenario& scenario, const scene::Cast& cast, gl::Context& context) {
-  if (!scenario.occupancy) {
-    return {scenario, scene::make_crowd(scenario, cast, scene::stage_view(scenario)), std::nullopt};
-  }
-  renderers::Renderer renderer(context, cast);
-  const auto mesh = renderers::make_representation({context, cast}, renderers::parse_spec("mesh"));
-  const auto measure = [&](const scene::Frame& frame) {
-    const renderers::Capture capture = renderer.capture(frame, *mesh);
-    scene::Coverage coverage;
-    std::vector<bool> seen(scenario.crowd.agents + 1, false);
-    for (const uint32_t id : capture.ids.data) {
-      if (id == 0) continue;
-      ++coverage.covered_px;
-      if (id < seen.size() && !seen[id]) {
-        seen[id] = true;
-        ++coverage.agents_visible;
-      }
-    }
-    coverage.occupancy = static_cast<double>(coverage.covered_px) / static_cast<double>(capture.ids.pixels());
-    return coverage;
-  };
-  scene::Solved solved = scene::solve_occupancy(scenario, cast, measure);
-  return {solved.scenario, solved.crowd, std::move(solved)};
-=======
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-#include <charconv>
-#include <cmath>
-
-#include "core/error.h"
-#include "core/version.h"
-
-namespace crowdbench::bench {
-namespace {
-
-constexpr int kMaxSide = 16384;
-constexpr uint32_t kMaxAgents = 1'000'000;
-
-template <typename T>
-bool parse_number(std::string_view text, T& value) {
-  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return fault == std::errc{} && end == text.data() + text.size();
-}
-
-}  // namespace
-
-void add_device_option(CLI::App& command, std::string& device) {
-  command.add_option("--device", device,
-                     "EGL device: an index, software or surfaceless (default: $CROWDBENCH_DEVICE, else the first GPU)");
-}
-
-void SceneOptions::add_to(CLI::App& command, bool with_representation, bool with_tick) {
-  command.add_option("scenario", scenario_file, "scenario file (TOML; see crowdbench schema); default: built in");
-  if (with_representation)
-    command.add_option("--representation,-r", representation,
-                       "how agents are drawn (crowdbench info --representations)");
-  command.add_option("--character", characters, "FILE.glb, FILE.gltf or mannequin[:triangles=N,joints=N]; repeatable")
-      ->delimiter('\0');
-  command.add_option("--clip", clips, "clip in use, by name or index; repeatable");
-  command.add_option("--agents", agents, "number of agents, 0..1000000");
-  command.add_option("--seed", seed, "seed of everything random");
-  command.add_option("--size", size, "WIDTHxHEIGHT in pixels");
-  if (with_tick) command.add_option("--tick", tick, "which tick of the scenario (30 a second by default)");
-  add_device_option(command, device);
-}
-
-scene::Scenario SceneOptions::scenario() const {
-  scene::Scenario out = scenario_file.empty() ? scene::Scenario{} : scene::load_scenario(scenario_file);
-  if (!representation.empty()) out.representation = representation;
-  if (!characters.empty()) {
-    out.characters.clear();
-    for (const std::string& source : characters) {
-      scene::CharacterEntry entry;
-      entry.source = source;
-      out.characters.push_back(std::move(entry));
-    }
-  }
-  if (!clips.empty())
-    for (scene::CharacterEntry& entry : out.characters) entry.clips = clips;
-  if (agents) {
-    if (*agents > kMaxAgents)
-      throw Error("--agents", fmt::format("{} is more than {}", *agents, kMaxAgents), "give a smaller number");
-    out.crowd.agents = *agents;
-  }
-  if (seed) out.seed = *seed;
-  if (!size.empty()) std::tie(out.width, out.height) = parse_size(size);
-  return out;
-}
-
-std::filesystem::path SceneOptions::folder() const {
-  if (scenario_file.empty() || !characters.empty()) return {};
-  return std::filesystem::path(scenario_file).parent_path();
-}
-
-std::pair<int, int> parse_size(const std::string& text, const std::string& option) {
-  const size_t x = text.find('x');
-  int width = 0;
-  int height = 0;
-  const bool fine = x != std::string::npos && parse_number(std::string_view(text).substr(0, x), width) &&
-                    parse_number(std::string_view(text).substr(x + 1), height);
-  if (!fine || width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
-    throw Error(option, fmt::format("'{}' is no size", printable(text)),
-                fmt::format("write WIDTHxHEIGHT, 1 to {} pixels each: 640x480", kMaxSide));
-  return {width, height};
-}
-
 glm::dvec3 parse_vector(const std::string& text, const std::string& option) {
   glm::dvec3 out(0.0);
-  std::string_view rest(text);
-  for (int i = 0; i < 3; ++i) {
-    const size_t comma = rest.find(',');
-    const bool last = i == 2;
-    if ((comma == std::string_view::npos) != last || !parse_number(rest.substr(0, comma), out[i]) ||
-        !std::isfinite(out[i]))
-      throw Error(option, fmt::format("'{}' is no point", printable(text)), "write x,y,z: 0,1.5,4");
-    if (!last) rest.remove_prefix(comma + 1);
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  bool fine = true;
+  for (int i = 0; fine && i < 3; ++i) {
+    const auto [next, fault] = std::from_chars(at, end, out[i]);
+    fine = fault == std::errc{} && std::isfinite(out[i]) && (i == 2 ? next == end : next < end && *next == ',');
+    at = fine && i < 2 ? next + 1 : next;
   }
+  if (!fine) throw Error(option, fmt::format("'{}' is no point", printable(text)), "write x,y,z: 0,1.5,4");
   return out;
 }
 
@@ -197,20 +97,18 @@ glm::u8vec3 parse_colour(const std::string& text, const std::string& option) {
   glm::u8vec3 out(0);
   bool fine = text.size() == 7 && text[0] == '#';
   for (int i = 0; fine && i < 3; ++i) {
-    unsigned value = 0;
-    const char* at = text.data() + 1 + 2 * static_cast<ptrdiff_t>(i);
+    const char* at = text.data() + 1 + static_cast<std::ptrdiff_t>(2) * i;
+    uint8_t value = 0;
     const auto [end, fault] = std::from_chars(at, at + 2, value, 16);
     fine = fault == std::errc{} && end == at + 2;
-    out[i] = static_cast<uint8_t>(value);
+    out[i] = value;
   }
   if (!fine) throw Error(option, fmt::format("'{}' is no colour", printable(text)), "write '#rrggbb' in hexadecimal");
   return out;
 }
 
 std::unique_ptr<gl::Context> open_context(const std::string& device) {
-  gl::ContextOptions options;
-  options.device = device;
-  auto context = std::make_unique<gl::Context>(options);
+  auto context = std::make_unique<gl::Context>(gl::ContextOptions{.device = device});
   for (const std::string& warning : context->warnings()) fmt::print(stderr, "crowdbench: warning: {}\n", warning);
   fmt::print(stderr, "crowdbench: drawing on {} ({}, {})\n", context->renderer(), context->version(),
              context->platform());
@@ -222,7 +120,6 @@ ImageMetadata picture_metadata(const scene::Scenario& scenario, const std::strin
           {"seed", std::to_string(scenario.seed)},
           {"backend", representation},
           {"version", std::string(version())}};
->>>>>>> 8a4e842 (info and render commands, GPU counters and the timer's self-test)
 }
 
 }  // namespace crowdbench::bench

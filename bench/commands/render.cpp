@@ -14,6 +14,7 @@
 #include "core/portable_math.h"
 #include "core/version.h"
 #include "renderers/capture.h"
+#include "renderers/gl/context.h"
 #include "scene/crowd.h"
 #include "scene/pose.h"
 
@@ -22,6 +23,9 @@ namespace {
 
 struct RenderOptions {
   SceneOptions scene;
+  std::string representation;
+  std::vector<std::string> clips;
+  uint64_t tick = 0;
   std::string out, mask, ids, depth;
   int supersample = 1;
   // --single
@@ -54,28 +58,30 @@ void write_pictures(const RenderOptions& options, const renderers::Capture& capt
 }
 
 int render_crowd(const RenderOptions& options) {
-  const scene::Scenario scenario = options.scene.scenario();
-  const renderers::Spec spec = renderers::parse_spec(scenario.representation);
-  const scene::Cast cast = scene::load_cast(scenario, options.scene.folder());
-  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
-  const double seconds = static_cast<double>(options.scene.tick) / scenario.tick_rate;
-  const scene::Frame frame = scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), options.scene.tick);
+  ChosenScenario chosen = read_scenario(options.scene);
+  if (!options.representation.empty()) chosen.scenario.representation = options.representation;
+  if (!options.clips.empty())
+    for (scene::CharacterEntry& entry : chosen.scenario.characters) entry.clips = options.clips;
+  const renderers::Spec spec = renderers::parse_spec(chosen.scenario.representation);
+  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
   const auto context = open_context(options.scene.device);
+  const scene::Scenario& scenario = chosen.scenario;
+  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
+  const double seconds = static_cast<double>(options.tick) / scenario.tick_rate;
+  const scene::Frame frame = scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), options.tick);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
   renderers::Renderer renderer(*context, cast);
   const renderers::Capture capture = renderer.capture(frame, *representation, {.supersample = options.supersample});
   ImageMetadata metadata = picture_metadata(scenario, spec.text());
-  metadata["tick"] = std::to_string(options.scene.tick);
+  metadata["tick"] = std::to_string(options.tick);
   write_pictures(options, capture, metadata);
   return 0;
 }
 
 int render_single(const RenderOptions& options) {
-  if (!options.scene.scenario_file.empty())
+  if (!options.scene.file.empty())
     throw Error("render --single", "a scenario file makes no sense for one agent", "leave it out");
-  if (options.scene.characters.size() > 1)
-    throw Error("--character", "one agent has one character", "give --character once");
-  if (options.scene.clips.size() > 1) throw Error("--clip", "one agent shows one clip", "give --clip once");
+  if (options.clips.size() > 1) throw Error("--clip", "one agent shows one clip", "give --clip once");
   if (!std::isfinite(options.time)) throw Error("--time", "it is not a finite number", "give seconds");
 
   scene::LoadOptions load;
@@ -89,13 +95,13 @@ int render_single(const RenderOptions& options) {
                   "give metres above 0, or as_is for the file's own units");
     load.normalise.height = height;
   }
-  const std::string source = options.scene.characters.empty() ? "mannequin" : options.scene.characters.front();
+  const std::string source = options.scene.character.empty() ? "mannequin" : options.scene.character;
   auto character = std::make_shared<const scene::Character>(scene::open_character(source, load));
   int clip = character->placement.default_clip;
-  if (!options.scene.clips.empty())
-    clip = options.scene.clips.front() == "none" && !scene::find_clip(*character, "none")
+  if (!options.clips.empty())
+    clip = options.clips.front() == "none" && !scene::find_clip(*character, "none")
                ? -1
-               : scene::require_clip(*character, options.scene.clips.front());
+               : scene::require_clip(*character, options.clips.front());
 
   scene::Cast cast;
   cast.banks.push_back(
@@ -106,7 +112,11 @@ int render_single(const RenderOptions& options) {
   const double scale = character->placement.scale;
 
   scene::Frame frame;
-  if (!options.scene.size.empty()) std::tie(frame.width, frame.height) = parse_size(options.scene.size);
+  if (!options.scene.size.empty()) {
+    const PictureSize size = parse_size(options.scene.size);
+    frame.width = size.width;
+    frame.height = size.height;
+  }
   if (!(options.fov_y_deg > 0 && options.fov_y_deg < 180))
     throw Error("--fov-y-deg", fmt::format("{} is no field of view", options.fov_y_deg), "give degrees in (0, 180)");
   if (!(options.near > 0) || !std::isfinite(options.near))
@@ -137,8 +147,8 @@ int render_single(const RenderOptions& options) {
   agent.heading = {static_cast<float>(heading.sin), static_cast<float>(heading.cos)};
   frame.agents.push_back({agent});
 
-  const std::string representation_text = options.scene.representation.empty() ? "mesh" : options.scene.representation;
-  const renderers::Spec spec = renderers::parse_spec(representation_text);
+  const std::string spec_text = options.representation.empty() ? "mesh" : options.representation;
+  const renderers::Spec spec = renderers::parse_spec(spec_text);
   const auto context = open_context(options.scene.device);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
   renderers::Renderer renderer(*context, cast);
@@ -166,7 +176,11 @@ void add_render(CLI::App& app, Run& run) {
       "  crowdbench render --single --character knight.glb --clip Walk --time 0.25 --height as_is \\\n"
       "      --eye 0,1,5 --target 0,1,0 --fov-y-deg 40 --size 512x512 --out x.png --mask m.png");
   auto options = std::make_shared<RenderOptions>();
-  options->scene.add_to(*command);
+  add_scene_options(*command, options->scene);
+  command->add_option("--representation,-r", options->representation,
+                      "how agents are drawn (crowdbench info --representations)");
+  command->add_option("--clip", options->clips, "clip in use, by name or index; repeatable (--single: one, or none)");
+  command->add_option("--tick", options->tick, "which tick of the scenario (30 a second by default)");
   command->add_option("--out", options->out, "colour, PNG");
   command->add_option("--mask", options->mask,
                       "silhouettes, PNG: 255 where an agent covers the pixel's centre, else 0");
