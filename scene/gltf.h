@@ -22,10 +22,11 @@ struct GltfLimits {
   size_t triangles = 4'000'000;  // likewise
   size_t keys = 10'000'000;      // scalars over all animation channels
   size_t clips = 4096;
-  size_t clip_nodes = 4'000'000;  // clips times nodes: what posing every clip costs
+  size_t clip_nodes = 1'000'000;  // clips times nodes: what posing every clip costs
   double clip_seconds = 3600;
   int influence_sets = 4;  // JOINTS_0..JOINTS_3: 16 joints a vertex
   double magnitude = 1e9;  // of any coordinate, translation or scale
+  double reach = 1e15;     // of any node in any pose, scales and translations of its parents applied
   int image_side = 8192;
   size_t jpeg_pixels = 8192 * 4096;        // decoding a progressive JPEG needs 17 bytes a pixel
   size_t image_bytes = size_t{256} << 20;  // decoded (4 bytes a pixel), all images

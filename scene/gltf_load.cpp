@@ -66,7 +66,7 @@ class Loader {
   double finite(const AccessorView& view, size_t i, int c) const {
     const double v = view.at(i, c);
     if (!std::isfinite(v) || std::abs(v) > limits_.magnitude)
-      fail(view.path, fmt::format("element {} holds {}, beyond the limit of {}", i, v, limits_.magnitude));
+      fail(view.path, fmt::format("element {} holds {:.6g}, beyond the limit of {}", i, v, limits_.magnitude));
     return v;
   }
 
@@ -731,13 +731,58 @@ class Loader {
     warn(where + "; it is taken apart");
   }
 
+  // A bound of the spectral norm that is exact for rotations: the root of the largest row sum of |M^T M|.
+  static double most_stretch(const glm::dmat3& m) {
+    double most = 0;
+    for (int i = 0; i < 3; ++i)
+      most = std::max(most,
+                      std::abs(glm::dot(m[i], m[0])) + std::abs(glm::dot(m[i], m[1])) + std::abs(glm::dot(m[i], m[2])));
+    return std::sqrt(most);
+  }
+
+  // How far any pose can reach: scales multiply down the hierarchy, and what no clip can move beyond the limit needs no
+  // watch for overflow anywhere else.
+  void check_reach() const {
+    const auto& nodes = character_.skeleton.nodes;
+    std::vector<double> scale(nodes.size());
+    std::vector<double> offset(nodes.size());
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      const Node& n = nodes[i];
+      const auto largest = [](const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
+      scale[i] = n.has_matrix ? most_stretch(glm::dmat3(n.matrix)) : largest(n.scale);
+      offset[i] = largest(n.has_matrix ? glm::dvec3(n.matrix[3]) : n.translation);
+    }
+    for (const Clip& clip : character_.clips) {
+      for (const Channel& channel : clip.channels) {
+        if (channel.target == Target::rotation) continue;
+        double most = 0;
+        for (const double v : channel.values) most = std::max(most, std::abs(v));
+        // The tangents of a spline count by the time between keys.
+        if (channel.interpolation == Interpolation::cubic_spline) most *= 1.0 + clip.duration();
+        double& bound = (channel.target == Target::scale ? scale : offset)[index_of(channel.node)];
+        bound = std::max(bound, most);
+      }
+    }
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      if (nodes[i].parent >= 0) {
+        const size_t parent = index_of(nodes[i].parent);
+        offset[i] = offset[parent] + 2.0 * scale[parent] * offset[i];
+        scale[i] *= scale[parent];
+      }
+      if (scale[i] <= limits_.reach && offset[i] <= limits_.reach) continue;
+      const auto file_index = std::find(node_of_.begin(), node_of_.end(), static_cast<int>(i)) - node_of_.begin();
+      fail(fmt::format("/nodes/{}", file_index), fmt::format("lies beyond the limit of {} once its parents' scales and "
+                                                             "translations are applied",
+                                                             limits_.reach));
+    }
+  }
+
   void finish() {
+    check_reach();
     normalise(character_, options_.normalise);
     const Placement& p = character_.placement;
-    bool sound = std::isfinite(p.height) && std::isfinite(p.scale) && p.scale > 0;
-    for (int i = 0; i < 16; ++i) sound = sound && std::isfinite(p.model_from_gltf[i / 4][i % 4]);
-    if (!sound)
-      throw Error(source_.where(), "its posed height is not a number", "its transforms overflow or collapse it");
+    if (!std::isfinite(p.height) || !std::isfinite(p.scale) || p.scale <= 0)
+      throw Error(source_.where(), "its posed height is not a number", "its transforms collapse it");
     if (p.height <= 0) warn("has no height as posed; it is not scaled");
   }
 
