@@ -9,7 +9,9 @@ void add_all_commands(CLI::App& app, Run& run) {
       add_info,
       add_inspect,
       add_render,
+      add_bake,
       add_compare,
+      add_quality,
       add_report,
       add_schema,
   };

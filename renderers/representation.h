@@ -69,6 +69,8 @@ struct BakeInfo {
   bool cached = false;  // came from the cache
   std::string
       cache_key;  // SHA-256 over character, options, bake version, GL renderer and version; empty: nothing baked
+  // What the bake holds, for people and JSON: ("views", 136), ("tiles", 1360), ("texel_mm", 14.5), ...
+  std::vector<std::pair<std::string, double>> facts;
 };
 
 // agents[c]: indices into frame.agents[c], ascending.
@@ -99,6 +101,7 @@ struct MakeContext {
   const scene::Cast& cast;
   uint64_t bake_budget = uint64_t{512} << 20;  // bytes; a bake that needs more throws Error naming what to lower
   bool use_cache = true;
+  bool rebake = false;  // bake anew although the cache has it, and replace that
   bool progress = true;
 };
 

@@ -6,8 +6,11 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/hash.h"
@@ -55,7 +58,20 @@ struct CharacterTiles {
   uint64_t disk_bytes = 0;
   std::string cache_key;
   bool cached = false;
+  uint64_t tiles_baked = 0;
+  uint32_t frames = 0, views = 0;
+  double covered = 0, drawn = 0;  // texels of level 0 over all tiles: silhouettes, and the outlines around them
 };
+
+// Texels that the strip of corners from `first` on covers.
+double strip_area(const FlatLevel& level, size_t first) {
+  double area = 0;
+  for (size_t i = first; i + 2 < first + static_cast<size_t>(level.corners); ++i) {
+    const auto& [a, b, c] = std::tie(level.outlines[i], level.outlines[i + 1], level.outlines[i + 2]);
+    area += 0.5 * std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+  }
+  return area;
+}
 
 TableHeader make_header(const FlatBake& bake, const ViewGrid& grid) {
   TableHeader header{};
@@ -143,7 +159,7 @@ void check_limits(const gl::Context& context, const FlatBake& bake, const std::s
 class FlatRepresentation : public Representation {
  public:
   FlatRepresentation(const MakeContext& make, const FlatBakeOptions& options, bool floor)
-      : context_(make.context), floor_(floor) {
+      : context_(make.context), floor_(floor), grid_(options.grid) {
     const auto start = std::chrono::steady_clock::now();
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
     uint64_t left = make.bake_budget;
@@ -155,7 +171,8 @@ class FlatRepresentation : public Representation {
                     fmt::format("{} clips; {} is the most", bank->clips().size(), CB_FLAT_CLIPS), "use fewer clips");
       const std::string key = flat_cache_key(*character, *bank, options, context_.renderer(), context_.version());
       std::optional<FlatBake> bake;
-      if (const auto stored = cache.load("flat", key)) bake = deserialise_flat(*stored);
+      if (!make.rebake)
+        if (const auto stored = cache.load("flat", key)) bake = deserialise_flat(*stored);
       const bool cached = bake.has_value();
       if (!bake) {
         std::optional<Progress> progress;
@@ -179,6 +196,14 @@ class FlatRepresentation : public Representation {
       check_limits(context_, *bake, character->name);
       characters_.push_back(upload(context_, *bake, options.grid));
       characters_.back().cache_key = key;
+      for (const FlatTile& t : bake->levels[0].tiles) {
+        characters_.back().tiles_baked += t.covered > 0 ? 1 : 0;
+        characters_.back().covered += t.covered;
+      }
+      characters_.back().frames = bake->frames;
+      characters_.back().views = bake->views;
+      for (size_t i = 0; i < bake->levels[0].outlines.size(); i += static_cast<size_t>(bake->levels[0].corners))
+        characters_.back().drawn += strip_area(bake->levels[0], i);
       characters_.back().cached = cached;
       characters_.back().disk_bytes = cache.enabled() ? cache.disk_bytes("flat", key) : 0;
     }
@@ -235,10 +260,29 @@ class FlatRepresentation : public Representation {
     BakeInfo info;
     info.seconds = seconds_;
     info.cached = !characters_.empty();
+    double tiles = 0;
+    double covered = 0;
+    double drawn = 0;
+    double frames = 0;
     Sha256 keys;
     for (const CharacterTiles& c : characters_) {
       info.cached = info.cached && c.cached;
       keys.text(c.cache_key);
+      tiles += static_cast<double>(c.tiles_baked);
+      frames += c.frames;
+      covered += c.covered;
+      drawn += c.drawn;
+    }
+    if (!characters_.empty()) {
+      info.facts = {{"views", characters_[0].views},
+                    {"frames", frames},
+                    {"tiles", tiles},
+                    {"levels", static_cast<double>(characters_[0].levels.size())},
+                    {"texel_mm", characters_[0].texel * 1000},
+                    {"drawn_over_covered", covered > 0 ? drawn / covered : 0.0}};
+      const ViewErrors errors = compute_view_errors(grid_);
+      info.facts.emplace_back("view_error_deg_mean", errors.mean * 180 / std::numbers::pi);
+      info.facts.emplace_back("view_error_deg_max", errors.largest * 180 / std::numbers::pi);
     }
     info.cache_key = characters_.size() == 1 ? characters_[0].cache_key : keys.hex();
     return info;
@@ -334,6 +378,7 @@ class FlatRepresentation : public Representation {
 
   gl::Context& context_;
   bool floor_;
+  ViewGrid grid_;
   double seconds_ = 0;
   std::vector<CharacterTiles> characters_;
   gl::Sampler filtered_, nearest_;

@@ -1,0 +1,209 @@
+#include "bench/quality.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bench/commands.h"
+#include "bench/scene_options.h"
+#include "core/error.h"
+#include "core/image_io.h"
+#include "core/progress.h"
+#include "metrics/pseudocolour.h"
+#include "renderers/gl/context.h"
+#include "scene/gltf.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Options {
+  std::vector<std::string> representations;
+  std::string character = "mannequin";
+  std::string heights = "120";
+  std::string azimuths = "0";
+  std::string elevations = "0";
+  std::string clip;
+  std::string times;
+  std::string maps;
+  std::string device;
+  double bake_budget_mib = 512;
+  int rows = 480;
+  bool exact_pose = false;
+  bool no_cache = false;
+  bool json = false;
+};
+
+ordered_json number(std::optional<double> value) {
+  if (!value || std::isnan(*value)) return nullptr;
+  if (std::isinf(*value)) return *value > 0 ? "inf" : "-inf";
+  return *value;
+}
+
+ordered_json to_json(const QualityRow& row, const std::string& clip) {
+  const metrics::FigureScores& s = row.scores;
+  return {{"representation", row.representation},
+          {"height_px", row.view.height_px},
+          {"azimuth_deg", row.view.azimuth_deg},
+          {"elevation_deg", row.view.elevation_deg},
+          {"clip", clip},
+          {"time", row.view.time},
+          {"phase", row.phase},
+          {"distance_m", row.distance},
+          {"silhouette_iou", number(s.silhouette_iou)},
+          {"boundary_px_mean", number(s.boundary ? std::optional(s.boundary->mean) : std::nullopt)},
+          {"boundary_px_p95", number(s.boundary ? std::optional(s.boundary->p95) : std::nullopt)},
+          {"ssim", number(s.ssim)},
+          {"ssim_union", number(s.ssim_union)},
+          {"psnr", number(s.psnr)},
+          {"mae", number(s.mae)}};
+}
+
+// Two pictures of one height next to each other, four grey pixels between them.
+Image8 side_by_side(const Image8& a, const Image8& b) {
+  constexpr int kGap = 4;
+  Image8 out(a.width + kGap + b.width, a.height, 3);
+  std::fill(out.data.begin(), out.data.end(), uint8_t{64});
+  for (int y = 0; y < a.height; ++y)
+    for (const auto& [picture, left] : {std::pair{&a, 0}, std::pair{&b, a.width + kGap}})
+      for (int x = 0; x < picture->width; ++x) std::copy_n(picture->at(x, y), 3, out.at(left + x, y));
+  return out;
+}
+
+void write_maps(const std::filesystem::path& folder, const QualityRow& row, const QualityPictures& pictures,
+                size_t representation) {
+  const auto box = metrics::crop_box(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids));
+  if (!box) return;
+  const Image8 reference = metrics::crop(pictures.reference.colour, *box);
+  const Image8 test = metrics::crop(pictures.test.colour, *box);
+  const std::string name =
+      fmt::format("{}h{:g}_a{:g}_e{:g}_t{:g}", representation == 0 ? "" : fmt::format("r{}_", representation),
+                  row.view.height_px, row.view.azimuth_deg, row.view.elevation_deg, row.view.time);
+  write_png(folder / (name + "_reference.png"), reference);
+  write_png(folder / (name + "_test.png"), test);
+  write_png(folder / (name + "_side_by_side.png"), side_by_side(reference, test));
+  write_png(folder / (name + "_difference.png"),
+            metrics::with_colour_bar(metrics::pseudocolour(metrics::error_levels(reference, test)),
+                                     "absolute difference, mean of R, G, B (code values)"));
+}
+
+std::string cell(std::optional<double> value, int digits) {
+  if (!value) return "-";
+  return std::isinf(*value) ? "inf" : fmt::format("{:.{}f}", *value, digits);
+}
+
+int run_quality(const Options& options) {
+  QualitySetup setup;
+  for (const std::string& text : options.representations)
+    setup.representations.push_back(renderers::parse_spec(text).text());
+  setup.character = std::make_shared<const scene::Character>(scene::open_character(options.character));
+  const scene::Character& character = *setup.character;
+  setup.rows = options.rows;
+  setup.exact_pose = options.exact_pose;
+  setup.use_cache = !options.no_cache;
+  setup.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
+
+  QualityView view;
+  view.clip = options.clip == "none" ? -1
+              : options.clip.empty() ? character.placement.default_clip
+                                     : scene::require_clip(character, options.clip);
+  const double start = view.clip < 0 ? 0.0 : character.clips[static_cast<size_t>(view.clip)].start;
+  const std::vector<double> times =
+      options.times.empty() ? std::vector<double>{start} : parse_numbers(options.times, "--time", -1e6, 1e6);
+  std::vector<double> azimuths;
+  for (const double a : parse_numbers(options.azimuths, "--azimuth-deg", -3600, 3600))
+    if (std::none_of(azimuths.begin(), azimuths.end(),
+                     [&](double b) { return std::abs(std::remainder(a - b, 360.0)) < 1e-9; }))
+      azimuths.push_back(a);
+  for (const double time : times)
+    for (const double height : parse_numbers(options.heights, "--height-px", 4, 4096))
+      for (const double elevation : parse_numbers(options.elevations, "--elevation-deg", -90, 90))
+        for (const double azimuth : azimuths) {
+          view.time = time;
+          view.height_px = height;
+          view.elevation_deg = elevation;
+          view.azimuth_deg = azimuth;
+          setup.views.push_back(view);
+        }
+
+  gl::Context context({.device = options.device});
+  Progress progress("quality", setup.views.size() * setup.representations.size());
+  size_t done = 0;
+  const auto rows = compute_quality(context, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
+    if (!options.maps.empty()) write_maps(options.maps, row, pictures, done / setup.views.size());
+    ++done;
+    progress.advance();
+  });
+
+  const std::string clip = view.clip < 0 ? "none" : character.clips[static_cast<size_t>(view.clip)].name;
+  if (options.json) {
+    ordered_json out = {{"representations", setup.representations},
+                        {"character", character.name},
+                        {"renderer", context.renderer()},
+                        {"exact_pose", setup.exact_pose}};
+    out["rows"] = ordered_json::array();
+    for (const QualityRow& row : rows) out["rows"].push_back(to_json(row, clip));
+    fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    return 0;
+  }
+  fmt::print("{}, clip {}, against the mesh at the same view; {}\n", character.name, printable(clip),
+             context.renderer());
+  std::string shown;
+  for (const QualityRow& row : rows) {
+    if (row.representation != shown) {
+      shown = row.representation;
+      fmt::print("{}\n{:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n", shown, "height", "azimuth",
+                 "elev", "time", "IoU", "bound", "b p95", "ssim", "union", "psnr");
+    }
+    const metrics::FigureScores& s = row.scores;
+    fmt::print("{:>7g} {:>7g} {:>7g} {:>7.3f} | {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n", row.view.height_px,
+               row.view.azimuth_deg, row.view.elevation_deg, row.view.time, cell(s.silhouette_iou, 4),
+               cell(s.boundary ? std::optional(s.boundary->mean) : std::nullopt, 3),
+               cell(s.boundary ? std::optional(s.boundary->p95) : std::nullopt, 2), cell(s.ssim, 4),
+               cell(s.ssim_union, 4), cell(s.psnr, 2));
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_quality(CLI::App& app, Run& run) {
+  CLI::App* command =
+      app.add_subcommand("quality", "Score one agent, drawn by a representation, against the mesh at the same view");
+  command->footer(
+      "Vertical field of view 30 degrees, background sRGB 128, light fixed to the scene. Lists (30,60,120) and ranges\n"
+      "(0:315:45) give a row each. IoU: of the silhouettes; bound: mean and 95th percentile of the distance between\n"
+      "their boundaries, pixels; ssim: over the crop; union, psnr: over the pixels of either silhouette.\n"
+      "The mesh shows the exact time; the representation shows the frame that it stored for it, unless "
+      "--exact-pose.\n\n"
+      "Examples:\n"
+      "  crowdbench quality --representation flat\n"
+      "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
+      "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps out/maps --json");
+  auto options = std::make_shared<Options>();
+  command->add_option("--representation", options->representations, "what is judged; may be given several times")
+      ->required();
+  command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
+  command->add_option("--height-px", options->heights, "the character's height in pixels, 4 to 4096 (120)");
+  command->add_option("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from the character's left (0)");
+  command->add_option("--elevation-deg", options->elevations, "0 = level, 90 = from straight above (0)");
+  command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
+  command->add_option("--time", options->times, "seconds on the file's own axis (the clip's start)");
+  command->add_option("--maps", options->maps, "a folder for the pictures and their differences; made where missing");
+  command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
+      ->check(CLI::Range(16, 8192));
+  command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
+  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
+      ->check(CLI::Range(1.0, 1e6));
+  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
+  command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
+  command->add_flag("--json", options->json, "print JSON");
+  command->callback([options, &run] { run = [options] { return run_quality(*options); }; });
+}
+
+}  // namespace crowdbench::bench
