@@ -1,4 +1,5 @@
 #include "renderers/flat/flat.h"
+#include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
 #include "renderers/representation.h"
 
@@ -10,6 +11,7 @@ const std::vector<RepresentationType>& representation_types() {
   static const std::vector<RepresentationType> types = {
       mesh_type,
       flat_type,
+      hybrid_type,
   };
   return types;
 }

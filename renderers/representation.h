@@ -94,6 +94,8 @@ class Representation {
   virtual BakeInfo bake_info() const { return {}; }
   // Triangles submitted for one agent of character c (a pair for `ratio` and the report).
   virtual uint64_t triangles(size_t character) const = 0;
+  // Metres that one texel of character c covers at scale 1, for switching by pixels a texel; 0: it has no such texels.
+  virtual double texel_metres(size_t /*character*/) const { return 0; }
 };
 
 struct MakeContext {

@@ -293,6 +293,8 @@ class FlatRepresentation : public Representation {
     return levels.empty() ? 0 : static_cast<uint64_t>(levels[0].corners) - 2;
   }
 
+  double texel_metres(size_t character) const override { return characters_[character].texel; }
+
  private:
   struct Variant {
     bool ids;
@@ -400,6 +402,8 @@ const RepresentationType flat_type = {
      {"frames", "1..256", "10", "frames a clip"},
      {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
      {"quad", "trimmed|square", "trimmed", "what is drawn: the outline of each tile, or the whole captured square"},
+     {"plane", "fitted|facing", "fitted",
+      "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through the centre"},
      {"corners", "4..8", "8", "of the outlines of large tiles; small ones have four"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(flat_type, spec);
@@ -409,6 +413,7 @@ const RepresentationType flat_type = {
       options.frames = static_cast<int>(reader.integer("frames", 1, 256));
       options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
       options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
+      options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
       options.corners = static_cast<int>(reader.integer("corners", 4, 8));
       return std::make_unique<FlatRepresentation>(context, options, reader.flag("floor"));
     }};

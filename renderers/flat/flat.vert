@@ -1,7 +1,7 @@
 #version 450 core
 // One convex polygon an agent: picks the tile for the direction from the capture centre to the eye, and lays the tile's
-// outline on the plane through the centre that the tile was captured on, turned with the agent, so that an agent seen
-// from above does not lean. CB_CORNERS vertices an agent, in strip order.
+// outline on the tile's own plane, turned with the agent and not towards the screen, so that an agent seen from above
+// does not lean. CB_CORNERS vertices an agent, in strip order.
 #include "renderers/shaders/frame.glsl"
 #include "renderers/flat/flat.shared.h"
 #include "renderers/views/view_grid.glsl"
@@ -19,7 +19,7 @@ layout(std430, binding = CB_STORAGE_VIEWS) readonly restrict buffer Table {
   uvec4 clips[CB_FLAT_CLIPS];  // first frame, frames
   vec4 views[];     // right, up of every view
 } table;
-layout(std430, binding = CB_STORAGE_TILES) readonly restrict buffer Tiles { vec4 tiles[]; };
+layout(std430, binding = CB_STORAGE_TILES) readonly restrict buffer Tiles { vec4 tiles[]; };  // two a tile: FlatTile
 layout(std430, binding = CB_STORAGE_OUTLINES) readonly restrict buffer Outlines { vec2 outlines[]; };
 layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
 
@@ -55,9 +55,12 @@ void main() {
   }
   Level l = table.levels[level];
   vec2 p = outlines[l.first.y + tile * uint(CB_CORNERS) + corner];
-  vec4 place = tiles[l.first.x + tile];
-  vec2 metres = p * (l.scale.x * scale) * vec2(side, 1.0);
-  vec3 world = centre + turn(right, heading) * metres.x + turn(up, heading) * metres.y;
+  vec4 place = tiles[2u * (l.first.x + tile)];
+  vec4 plane = tiles[2u * (l.first.x + tile) + 1u];
+  vec2 metres = p * l.scale.x;
+  vec3 point = right * (side * metres.x) + up * metres.y +
+               cross(right, up) * (plane.x * metres.x + plane.y * metres.y + plane.z);
+  vec3 world = centre + scale * turn(point, heading);
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 
   v_texel = vec3((p + place.xy) * l.scale.yz, place.z);

@@ -19,7 +19,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 1;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 3;  // raised whenever the same inputs give other bytes
 constexpr int kPage = 1024;           // texels a side
 constexpr int kFineLevels = 2;        // levels whose outlines have `corners` corners
 
@@ -38,6 +38,7 @@ struct Plan {
   std::shared_ptr<const scene::PoseBank> still;   // the given bank
   std::vector<CaptureTile> moving_tiles, still_tiles;
   std::vector<size_t> moving_index, still_index;  // into frames x views
+  std::vector<TilePlane> planes;                  // frames x views
   size_t frames = 0;
 };
 
@@ -85,8 +86,10 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
 
   const std::vector<ViewBasis> bases = view_bases(options.grid);
   const int half = (options.texels + 1) / 2;
-  for (size_t f = 0; f < poses.size(); ++f)
+  for (size_t f = 0; f < poses.size(); ++f) {
+    const SurfaceMoments moments = surface_moments(positions[f], character.mesh.indices);
     for (size_t v = 0; v < bases.size(); ++v) {
+      plan.planes.push_back(options.fitted ? fit_plane(moments, plan.sphere.centre, bases[v]) : TilePlane{});
       if (!options.grid.reachable(static_cast<int>(v))) continue;
       CaptureTile tile;
       tile.pose = poses[f].sample;
@@ -96,6 +99,7 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
       (poses[f].moving ? plan.moving_tiles : plan.still_tiles).push_back(tile);
       (poses[f].moving ? plan.moving_index : plan.still_index).push_back(f * bases.size() + v);
     }
+  }
   return plan;
 }
 
@@ -153,7 +157,7 @@ Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, cons
   return built;
 }
 
-FlatLevel pack_level(std::vector<Built>& built, size_t level) {
+FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& planes, size_t level) {
   FlatLevel out;
   std::vector<PackSize> sizes;
   for (const Built& b : built) {
@@ -180,7 +184,9 @@ FlatLevel pack_level(std::vector<Built>& built, size_t level) {
     copy_tile(tile, packing.places[i], out);
     out.tiles.push_back({static_cast<float>(packing.places[i].x + kTileGutter - tile.rect.x),
                          static_cast<float>(packing.places[i].y + kTileGutter - tile.rect.y),
-                         static_cast<float>(packing.places[i].layer), static_cast<float>(tile.coverage)});
+                         static_cast<float>(packing.places[i].layer), static_cast<float>(tile.coverage),
+                         static_cast<float>(planes[i].slope_x), static_cast<float>(planes[i].slope_y),
+                         static_cast<float>(planes[i].height), 0.0F});
     const auto& outline = built[i].outlines[level];
     for (const glm::vec2& p : outline) out.outlines.push_back({p.x, p.y});
     tile = {};  // its texels live on the page now
@@ -189,6 +195,48 @@ FlatLevel pack_level(std::vector<Built>& built, size_t level) {
 }
 
 }  // namespace
+
+SurfaceMoments surface_moments(const std::vector<glm::vec3>& positions, const std::vector<uint32_t>& indices) {
+  SurfaceMoments moments;
+  double area = 0;
+  glm::dmat3 second(0.0);
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    const glm::dvec3 a(positions[indices[i]]);
+    const glm::dvec3 b(positions[indices[i + 1]]);
+    const glm::dvec3 c(positions[indices[i + 2]]);
+    const double weight = glm::length(glm::cross(b - a, c - a)) / 6;
+    // The middles of the edges, a third of the area each, are exact for second moments.
+    for (const glm::dvec3& p : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
+      area += weight;
+      moments.mean += weight * p;
+      second += weight * glm::outerProduct(p, p);
+    }
+  }
+  if (area <= 0) return {};
+  moments.mean /= area;
+  moments.covariance = second / area - glm::outerProduct(moments.mean, moments.mean);
+  return moments;
+}
+
+TilePlane fit_plane(const SurfaceMoments& moments, const glm::dvec3& centre, const ViewBasis& basis) {
+  const auto spread = [&](const glm::dvec3& u, const glm::dvec3& v) { return glm::dot(u, moments.covariance * v); };
+  // A body thin as a line across the view has no slope there: a little is added to what both axes spread over.
+  const double thin = 1e-4 * (spread(basis.right, basis.right) + spread(basis.up, basis.up)) + 1e-12;
+  const double xx = spread(basis.right, basis.right) + thin;
+  const double yy = spread(basis.up, basis.up) + thin;
+  const double xy = spread(basis.right, basis.up);
+  const double xz = spread(basis.right, basis.to_eye);
+  const double yz = spread(basis.up, basis.to_eye);
+  const double determinant = xx * yy - xy * xy;
+  constexpr double kSteepest = 2;
+  TilePlane plane;
+  plane.slope_x = std::clamp((xz * yy - yz * xy) / determinant, -kSteepest, kSteepest);
+  plane.slope_y = std::clamp((yz * xx - xz * xy) / determinant, -kSteepest, kSteepest);
+  const glm::dvec3 mean = moments.mean - centre;
+  plane.height = glm::dot(mean, basis.to_eye) - plane.slope_x * glm::dot(mean, basis.right) -
+                 plane.slope_y * glm::dot(mean, basis.up);
+  return plane;
+}
 
 uint64_t FlatBake::texture_bytes() const {
   uint64_t bytes = 0;
@@ -202,7 +250,7 @@ std::string flat_cache_key(const scene::Character& character, const scene::PoseB
   Sha256 hash;
   hash.text("flat").value(kBakeVersion).text(character.content_hash).text(gl_renderer).text(gl_version);
   hash.text(options.grid.text()).value(options.grid.el_min);
-  hash.value(options.frames).value(options.texels).value(options.trimmed).value(options.corners);
+  hash.value(options.frames).value(options.texels).value(options.trimmed).value(options.corners).value(options.fitted);
   for (const scene::BankClip& c : bank.clips()) {
     hash.value(c.clip).value(c.samples > 1);
     if (c.samples > 1) continue;
@@ -263,7 +311,8 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   };
   run(plan.moving, plan.moving_tiles, plan.moving_index);
   run(plan.still, plan.still_tiles, plan.still_index);
-  for (int level = 0; level < levels; ++level) bake.levels.push_back(pack_level(built, static_cast<size_t>(level)));
+  for (int level = 0; level < levels; ++level)
+    bake.levels.push_back(pack_level(built, plan.planes, static_cast<size_t>(level)));
   return bake;
 }
 

@@ -19,6 +19,7 @@ struct FlatBakeOptions {
   ViewGrid grid;
   int frames = 10;      // a clip
   int texels = 128;     // across the enclosing sphere: the texel size is its diameter over this
+  bool fitted = true;   // planes fitted to the posed body; false: through the capture centre, facing the view
   bool trimmed = true;  // false: every tile is the whole square, as the source has it
   int corners = 8;      // of the outlines of the finer levels, 4..8; coarser ones have four
 };
@@ -29,12 +30,18 @@ struct FlatClip {
   uint32_t frames = 1;       // at phases 0, 1 / frames, ...
 };
 
-// Where a tile lies in its level's pages.
+// Where a tile lies in its level's pages, and in space.
 struct FlatTile {
   float offset_x = 0;  // add to lattice coordinates of the level to get texels on the page
   float offset_y = 0;
   float layer = 0;
   float covered = 0;  // area of the silhouette, texels of the level
+  // Height of the polygon's plane over the capture plane towards the eye: slope_x * x + slope_y * y + height, x and y
+  // and height in metres. Zero for planes that face the view.
+  float slope_x = 0;
+  float slope_y = 0;
+  float height = 0;
+  float unused = 0;
 };
 
 // One level: an albedo and a surface map (renderers/tiles/tile.h), layers of width x height RGBA8 texels, row 0 lowest.
@@ -57,6 +64,23 @@ struct FlatBake {
   std::vector<FlatLevel> levels;
   uint64_t texture_bytes() const;
 };
+
+// Mean and covariance of a posed surface, by area: front and back alike, so that what is fitted to them runs through
+// the middle of the body.
+struct SurfaceMoments {
+  glm::dvec3 mean{0.0};
+  glm::dmat3 covariance{0.0};
+};
+// positions: of all vertices; indices: triangles.
+SurfaceMoments surface_moments(const std::vector<glm::vec3>& positions, const std::vector<uint32_t>& indices);
+
+// The plane over a view's capture plane that lies nearest to the body: the least-squares regression of the height
+// towards the eye on x and y. Seen from the view itself it looks as the capture plane does; seen from beside it the
+// figure stays where it stands instead of leaning with the plane. Metres; slopes are held within 2.
+struct TilePlane {
+  double slope_x = 0, slope_y = 0, height = 0;
+};
+TilePlane fit_plane(const SurfaceMoments& moments, const glm::dvec3& centre, const ViewBasis& basis);
 
 // Everything that a bake's bytes depend on.
 std::string flat_cache_key(const scene::Character& character, const scene::PoseBank& bank,
