@@ -29,6 +29,39 @@ const json* member(const json& object, const char* key) {
   return found == object.end() ? nullptr : &*found;
 }
 
+// Two members of one name mean different things to different parsers: finds the first, and stops there.
+class DuplicateFinder : public nlohmann::json_sax<json> {
+ public:
+  std::optional<std::string> name;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_array(size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool start_object(size_t) override {
+    keys_.emplace_back();
+    return true;
+  }
+  bool end_object() override {
+    keys_.pop_back();
+    return true;
+  }
+  bool key(string_t& key) override {
+    if (!keys_.back().insert(key).second) name = key;
+    return !name;
+  }
+  // What does not parse is reported by the pass that builds the document.
+  bool parse_error(size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
+
+ private:
+  std::vector<std::unordered_set<std::string>> keys_;
+};
+
 class Validator {
  public:
   Validator(GltfSource& source, const GltfLimits& limits) : source_(source), limits_(limits) {}
@@ -60,32 +93,22 @@ class Validator {
   void warn(std::string text) { plan_.warnings.push_back(std::move(text)); }
 
   void parse() {
-    // Two members of one name mean different things to different parsers: refuse them.
-    std::vector<std::unordered_set<std::string>> keys;
-    std::string duplicate;
-    const json::parser_callback_t callback = [&](int, json::parse_event_t event, json& parsed) {
-      if (event == json::parse_event_t::object_start) {
-        keys.emplace_back();
-      } else if (event == json::parse_event_t::object_end) {
-        keys.pop_back();
-      } else if (event == json::parse_event_t::key && !keys.empty()) {
-        const auto& name = parsed.get_ref<const std::string&>();
-        if (!keys.back().insert(name).second && duplicate.empty()) duplicate = name.empty() ? "\"\"" : name;
-      }
-      return true;
-    };
     std::string_view text = source_.json();
     while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
+    // A pass of its own: nlohmann's parse with a callback takes quadratic time on long arrays of objects.
+    DuplicateFinder duplicates;
+    json::sax_parse(text.begin(), text.end(), &duplicates);
+    if (duplicates.name)
+      throw Error(source_.where(), fmt::format("JSON has the member {} twice in one object",
+                                               duplicates.name->empty() ? "\"\"" : printable(*duplicates.name, 60)));
     try {
-      doc_ = json::parse(text.begin(), text.end(), callback);
+      doc_ = json::parse(text.begin(), text.end());
     } catch (const json::exception& e) {
       std::string reason = e.what();
       const size_t bracket = reason.find("] ");
       if (bracket != std::string::npos) reason.erase(0, bracket + 2);
       throw Error(source_.where(), "JSON does not parse: " + printable(reason, 160));
     }
-    if (!duplicate.empty())
-      throw Error(source_.where(), fmt::format("JSON has the member {} twice in one object", printable(duplicate, 60)));
     if (!doc_.is_object()) throw Error(source_.where(), "JSON is not an object");
     static constexpr std::array<const char*, 14> kArrays = {
         "accessors", "animations", "bufferViews", "buffers", "images",   "materials", "meshes",

@@ -391,6 +391,13 @@ TEST(GltfHostile, Json) {
   std::string wide = "{\"extras\":[0";
   for (int i = 0; i < 1'100'000; ++i) wide += ",0";
   expect_text_refused(wide + "]}", "more than 1000000 values");
+  // Within the limit, and quick: no step may be quadratic in the length of an array or an object.
+  std::string objects_in_a_row = R"({"asset":{"version":"2.0"},"extras":[{"a":0})";
+  for (int i = 0; i < 300'000; ++i) objects_in_a_row += R"(,{"a":0})";
+  expect_text_refused(objects_in_a_row + "]}", "has no triangles");
+  std::string members = R"({"asset":{"version":"2.0"},"extras":{"a":0)";
+  for (int i = 0; i < 450'000; ++i) members += fmt::format(R"(,"{}":0)", i);
+  expect_text_refused(members + "}}", "has no triangles");
 }
 
 // --- uris ---
