@@ -10,6 +10,7 @@ void add_all_commands(CLI::App& app, Run& run) {
       add_inspect,
       add_render,
       add_bake,
+      add_pose,
       add_compare,
       add_quality,
       add_report,

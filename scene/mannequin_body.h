@@ -1,5 +1,6 @@
 // The parts that the built-in character is made of, shared by its mesh, its texture and its motion. Internal to scene.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -23,7 +24,7 @@ inline constexpr double kAnkleY = 0.082;
 inline constexpr double kAnkleZ = -0.012;
 inline constexpr double kBallZ = 0.118;  // of the foot, ahead of the hips
 inline constexpr double kBallY = 0.022;
-inline constexpr double kHeelZ = -0.068;
+inline constexpr double kHeelZ = -0.072;  // where the heel touches first
 inline constexpr glm::dvec3 kShoulder{0.166, 1.412, -0.014};
 inline constexpr double kHalfRoot = 0.70710678118654752;
 inline constexpr glm::dvec3 kArmAxis{kHalfRoot, -kHalfRoot, 0.0};  // from the shoulder to the fingers
@@ -93,7 +94,11 @@ glm::dvec3 head_point(double u, double v);
 glm::dvec3 hair_point(double u, double v);
 glm::dvec3 torso_point(double u, double v);
 
-double smooth(double from, double to, double x);  // 0 before `from`, 1 after `to` (which may be the lower), cubic
+// 0 before `from`, 1 after `to` (which may be the lower one), cubic in between.
+inline double smooth(double from, double to, double x) {
+  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
 
 // Positions, normals, uvs, joints, weights, indices and one primitive a part.
 Mesh make_mesh(int triangles, int joints);

@@ -970,11 +970,6 @@ constexpr Chart kChartTable[kCharts] = {
 
 }  // namespace
 
-double smooth(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
-
 const Chart& chart(int id) { return kChartTable[id]; }
 
 dvec2 chart_uv(int id, double u, double v) {

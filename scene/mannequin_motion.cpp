@@ -79,7 +79,7 @@ FootState stance_foot(const Gait& gait, double phase) {
   const SinCos a = sincos_turns(-foot.pitch / 360.0);  // about +X
   const auto turned = [&](const dvec2& zy) { return dvec2(zy.y * a.sin + zy.x * a.cos, zy.y * a.cos - zy.x * a.sin); };
   if (foot.pitch >= 0.0) {
-    const dvec2 heel{kHeelZ + 0.008 - kAnkleZ, -kAnkleY};
+    const dvec2 heel{kHeelZ - kAnkleZ, -kAnkleY};
     const dvec2 to = turned(heel);
     foot.z = flat + heel.x - to.x;
     foot.y = -to.y;
@@ -87,7 +87,7 @@ FootState stance_foot(const Gait& gait, double phase) {
     const dvec2 ball{kBallZ - kAnkleZ, kBallY - kAnkleY};
     const dvec2 to = turned(ball);
     foot.z = flat + ball.x - to.x;
-    foot.y = kBallY - to.y;
+    foot.y = kBallY - 0.0038 * smooth(0.0, 14.0, -foot.pitch) - to.y;  // the bent sole's curve
     foot.toes = 0.0;
   }
   if (foot.pitch > 0.0) foot.toes = foot.pitch;
@@ -224,15 +224,22 @@ class Poser {
 // ---------------------------------------------------------------------------------------------------------------
 
 const Gait& walk_gait() {
-  static const Gait gait{
-      1.06,
-      1.25,
-      0.61,
-      0.283,
-      {{0.0, 20.0}, {0.06, 11.0}, {0.13, 0.0}, {0.55, 0.0}, {0.68, -7.0}, {0.80, -20.0}, {0.90, -37.0}, {1.0, -60.0}},
-      {{0.14, -66.0}, {0.38, -36.0}, {0.60, -4.0}, {0.80, 15.0}},
-      {{0.20, 0.212}, {0.42, 0.166}, {0.64, 0.118}, {0.86, 0.112}},
-      {{0.22, -0.270}, {0.48, 0.005}, {0.72, 0.195}, {0.90, 0.267}}};
+  static const Gait gait{1.06,
+                         1.25,
+                         0.61,
+                         0.305,
+                         {{0.0, 20.0},
+                          {0.07, 11.0},
+                          {0.16, 0.0},
+                          {0.50, 0.0},
+                          {0.62, -5.0},
+                          {0.74, -14.0},
+                          {0.84, -26.0},
+                          {0.92, -40.0},
+                          {1.0, -58.0}},
+                         {{0.14, -66.0}, {0.38, -36.0}, {0.60, -4.0}, {0.80, 15.0}},
+                         {{0.20, 0.212}, {0.42, 0.166}, {0.64, 0.118}, {0.86, 0.112}},
+                         {{0.22, -0.270}, {0.48, 0.005}, {0.72, 0.195}, {0.90, 0.267}}};
   return gait;
 }
 
@@ -263,7 +270,7 @@ void place_gait_legs(const Poser& poser, Figure& figure, const Gait& gait, doubl
 Figure walk_figure(const Poser& poser, double phase) {
   Figure f = poser.neutral();
   const double twice = cosine(2.0 * (phase - 0.30));
-  f.hips_at += dvec3(0.017 * cosine(phase - 0.30), -0.0225 + 0.0165 * twice, 0.006 * sine(2.0 * phase));
+  f.hips_at += dvec3(0.017 * cosine(phase - 0.30), -0.0270 + 0.0135 * twice, 0.006 * sine(2.0 * phase));
   const double yaw = -6.0 * cosine(phase - 0.01);
   const double roll = 3.6 * cosine(phase - 0.21);
   f.local[hips] = turn(kY, yaw) * turn(kZ, roll) * turn(kX, 3.0);

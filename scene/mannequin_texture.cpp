@@ -2,6 +2,7 @@
 // buttons and seams sit on the surface however many triangles it has. Colours are sRGB code values; cloth is light and
 // hardly saturated, because outfits multiply it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/portable_math.h"
@@ -39,24 +40,35 @@ double spot(double dx, double dy, double rx, double ry, double soft) {
   return 1.0 - smooth(1.0, 1.0 + soft, std::sqrt(square(dx / rx) + square(dy / ry)));
 }
 
-// Smooth value noise in [-1, 1], `period` cells around in x.
-double noise(double x, double y, int period, uint64_t purpose) {
-  const double fx = std::floor(x);
-  const double fy = std::floor(y);
+// A table of random values in [-1, 1]: a hash of every cell would be most of the painting's time.
+constexpr int kNoiseCells = 4096;
+const std::array<double, kNoiseCells>& noise_table() {
+  static const std::array<double, kNoiseCells> table = [] {
+    std::array<double, kNoiseCells> values{};
+    for (size_t i = 0; i < values.size(); ++i) values[i] = random_unit(20, i, 0) * 2.0 - 1.0;
+    return values;
+  }();
+  return table;
+}
+
+// Smooth value noise in [-1, 1], `period` cells around in x >= 0.
+double noise(double x, double y, int period, int purpose) {
+  const auto& table = noise_table();
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y + 64.0) - 64;  // floor, for y > -64
   const auto cell = [&](int dx, int dy) {
-    const int wrapped = ((static_cast<int>(fx) + dx) % period + period) % period;
-    const auto index = static_cast<uint64_t>(wrapped) + (static_cast<uint64_t>(static_cast<int>(fy) + dy + 4096) << 20);
-    return random_unit(20, index, purpose) * 2.0 - 1.0;
+    const int wrapped = (column + dx) % period;
+    return table[static_cast<size_t>((wrapped * 97 + (row + dy + 64) * 1543 + purpose * 389) % kNoiseCells)];
   };
-  const double tx = smooth(0.0, 1.0, x - fx);
-  const double ty = smooth(0.0, 1.0, y - fy);
+  const double tx = smooth(0.0, 1.0, x - column);
+  const double ty = smooth(0.0, 1.0, y - row);
   const double low = cell(0, 0) + (cell(1, 0) - cell(0, 0)) * tx;
   const double high = cell(0, 1) + (cell(1, 1) - cell(0, 1)) * tx;
   return low + (high - low) * ty;
 }
 
 // u runs around in [0, 1]; across and up are cells of the coarsest octave.
-double folds(double u, double v, int across, double up, uint64_t purpose) {
+double folds(double u, double v, int across, double up, int purpose) {
   return 0.6 * noise(u * across, v * up, across, purpose) +
          0.4 * noise(u * 2 * across, v * 2 * up, 2 * across, purpose + 1);
 }
@@ -131,7 +143,7 @@ Colour paint_head(double u, double v, double hair_edge) {
   return c;
 }
 
-Colour cloth(const Colour& base, double u, double v, int across, double up, double depth, uint64_t purpose) {
+Colour cloth(const Colour& base, double u, double v, int across, double up, double depth, int purpose) {
   return base * (1.0 + depth * folds(u, v, across, up, purpose) + 0.015 * grain(u, v, 160, 160));
 }
 

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <optional>
 
 #include "core/error.h"
 #include "core/hash.h"
@@ -21,7 +21,7 @@ constexpr double kSameTranslation = 1e-3;  // of the height: a loop's ends that 
 constexpr double kSameRotation = 5e-3;     // radians, likewise
 constexpr double kRootMotion = 0.1;        // of the height: a smaller net displacement is sway, not travel
 constexpr double kSoleBand = 0.05;         // of the height above the lowest point: these vertices can touch the ground
-constexpr double kContact = 0.015;         // of the height above the clip's lowest sole point: in contact
+constexpr double kContact = 0.04;          // of the height above the clip's lowest sole point: in contact
 constexpr double kStillFoot = 0.02;        // of the height a second: slower contact is a stand
 constexpr double kMovingFeet = 0.05;       // of the height: a clip that moves a sole by more moves the feet
 constexpr size_t kMaxSoles = 48;
@@ -132,6 +132,14 @@ bool same_pose(const Skeleton& skeleton, const std::vector<glm::dmat4>& a, const
   return true;
 }
 
+// Rounded to a billionth of the character's size: poses between keys use libm, whose last bit differs by version, and
+// what is kept here goes into every bake's key.
+double settled(double value, double height) {
+  int exponent = 0;
+  std::frexp(height, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(value, 30 - exponent)), exponent - 30);
+}
+
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -173,15 +181,24 @@ Measured measure(const Character& character, int index, int root, const std::vec
     }
     tracks.push_back(std::move(points));
   }
-  std::vector<double> backward;
   for (size_t v = 0; v < soles.size(); ++v) {
-    for (size_t i = 0; i < kMotionSamples; ++i) {
+    for (const auto& points : tracks) {
+      if (glm::length(points[v] - tracks[0][v]) > kMovingFeet * height) out.moves_feet = true;
+    }
+  }
+  // The point that stays lowest over an interval is the one that carries; it counts while it is near the ground.
+  std::vector<double> backward;
+  for (size_t i = 0; i < kMotionSamples; ++i) {
+    double best = lowest + kContact * height;
+    std::optional<double> speed;
+    for (size_t v = 0; v < soles.size(); ++v) {
       const glm::dvec3& a = tracks[i][v];
       const glm::dvec3& b = tracks[i + 1][v];
-      if (glm::length(b - tracks[0][v]) > kMovingFeet * height) out.moves_feet = true;
-      const double contact = lowest + kContact * height;
-      if (a.y <= contact && b.y <= contact) backward.push_back((a.z - b.z) * kMotionSamples / duration);
+      if (std::max(a.y, b.y) > best) continue;
+      best = std::max(a.y, b.y);
+      speed = (a.z - b.z) * kMotionSamples / duration;
     }
+    if (speed) backward.push_back(*speed);
   }
   if (out.motion.root_displacement != glm::dvec3(0.0)) {
     out.motion.ground_speed = glm::length(out.motion.root_displacement) / duration;
@@ -278,6 +295,10 @@ void normalise(Character& character, const NormaliseOptions& options) {
       pivot += at / static_cast<double>(samples);
     }
   }
+  lowest = settled(lowest, bind_height);
+  for (int axis = 0; axis < 3; ++axis) pivot[axis] = settled(pivot[axis], bind_height);
+  height = settled(height, bind_height);
+  for (ClipMotion& motion : character.motion) motion.ground_speed = settled(motion.ground_speed, bind_height);
   placement.height = height;
   if (options.height) {
     placement.scale = height > 0.0 ? *options.height / height : 1.0;
