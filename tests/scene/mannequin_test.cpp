@@ -253,9 +253,11 @@ TEST_F(Mannequin, RunHasAFlightPhaseAndWalkHasNone) {
   }
 }
 
+// Seen equal from g++ 12 at -O0 and -O3 and from clang++ 14 at -O2 with the machine's own instructions.
 TEST(MannequinBytes, AreTheSameEveryTime) {
-  EXPECT_EQ(make_mannequin().content_hash, "HASH5000");
-  EXPECT_EQ(make_mannequin({.triangles = 500, .joints = 53}).content_hash, "HASH500");
+  EXPECT_EQ(make_mannequin().content_hash, "50eaffdce9a6417b9310d73792343cfc7032b4155f243176e7015716753fdc56");
+  EXPECT_EQ(make_mannequin({.triangles = 500, .joints = 53}).content_hash,
+            "d88f3882eacc90f727b43d70216cac4887300f6446e3972ec301cd28a3044945");
 }
 
 TEST(MannequinOptionsTest, RefuseWhatIsNotThere) {
