@@ -3,6 +3,7 @@
 #include "renderers/tiles/packing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace crowdbench::renderers {
@@ -19,8 +20,11 @@ Packing pack_tiles(std::span<const PackSize> sizes, int side) {
     return a < b;
   });
   const auto multiple_of_four = [](int v) { return (v + 3) / 4 * 4; };
-  packing.width = multiple_of_four(side);
-  packing.height = packing.width;
+  // A few tiles fill less than a layer: it is no wider than makes them a square.
+  double area = 0;
+  for (const uint32_t i : order) area += static_cast<double>(sizes[i].width) * sizes[i].height;
+  packing.width = multiple_of_four(std::min(side, static_cast<int>(std::sqrt(1.1 * area)) + 1));
+  packing.height = multiple_of_four(side);
   for (const uint32_t i : order) {
     packing.width = std::max(packing.width, multiple_of_four(sizes[i].width));
     packing.height = std::max(packing.height, multiple_of_four(sizes[i].height));

@@ -22,8 +22,8 @@ struct Packing {
   std::vector<PackPlace> places;  // one a size, no two overlap
 };
 
-// Shelves of falling height, deterministic. Layers are `side` texels square, or as wide as the widest rectangle where
-// that is more; a single layer is cut to the height it needs (a multiple of four, for block compression).
+// Shelves of falling height, deterministic. Layers are `side` texels square, larger where a rectangle needs it, smaller
+// where everything fits in less; sides are multiples of four, for block compression.
 Packing pack_tiles(std::span<const PackSize> sizes, int side);
 
 }  // namespace crowdbench::renderers

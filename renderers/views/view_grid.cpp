@@ -164,7 +164,9 @@ bool ViewGrid::reachable(int view) const {
     const double top = low(j + 1);
     highest = std::atan2(top, std::hypot(1.0, top >= 0 ? least(i) : most(i)));
   }
-  return highest >= el_min - 1e-12;
+  // A cell that only touches the lowest elevation is picked for it by rounding alone, and not at all at zero, which the
+  // arithmetic hits exactly.
+  return el_min == 0 ? highest > 1e-12 : highest >= el_min - 1e-6;
 }
 
 std::string ViewGrid::text() const {

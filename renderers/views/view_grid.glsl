@@ -14,8 +14,10 @@ int pick_view(vec3 d, ivec4 grid, vec4 span, out int flipped) {
     float at = nearest * span.x;
     float along = d.x * sin(at) + d.z * cos(at);
     int row = clamp(int(floor((atan(d.y, along) - span.y) / span.z + 0.5)), 0, grid.z - 1);
+    // In [-y / 2, y / 2]; the remainder of a negative number is undefined in GLSL.
     int column = int(nearest);
-    column = grid.w != 0 ? clamp(column, 0, grid.y - 1) : (column % grid.y + grid.y) % grid.y;
+    if (column < 0) column += grid.y;
+    column = grid.w != 0 ? clamp(column, 0, grid.y - 1) : column == grid.y ? 0 : column;
     return row * grid.y + column;
   }
   d.y = max(d.y, length(d.xz) * span.w);

@@ -1,0 +1,126 @@
+#include "bench/quality.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "renderers/gl/context.h"
+#include "scene/mannequin.h"
+
+namespace crowdbench::bench {
+namespace {
+
+TEST(QualityNumbers, ListsAndRanges) {
+  const auto numbers = [](const std::string& text) { return parse_numbers(text, "--x", -1000, 1000); };
+  EXPECT_EQ(numbers("30"), (std::vector<double>{30}));
+  EXPECT_EQ(numbers("30,60,120"), (std::vector<double>{30, 60, 120}));
+  EXPECT_EQ(numbers("0:90:30"), (std::vector<double>{0, 30, 60, 90})) << "the last is included";
+  EXPECT_EQ(numbers("0:100:30"), (std::vector<double>{0, 30, 60, 90}));
+  EXPECT_EQ(numbers("3:1:-1,7.5"), (std::vector<double>{3, 2, 1, 7.5}));
+  EXPECT_EQ(numbers("0:0.3:0.1").size(), 4U) << "rounding does not lose the last";
+  for (const char* text : {"", "a", "1,", "1:2", "1:2:0", "1:2:-1", "1e9", "nan", "inf", "0:1:1e-9", "1;2"})
+    EXPECT_THROW(numbers(text), Error) << text;
+}
+
+TEST(QualityCamera, HeightInPixelsAtTheCentresDepth) {
+  const double height = 1.75;
+  const glm::dvec3 centre{0.1, 0.9, -0.2};
+  for (const double pixels : {30.0, 120.0, 240.0}) {
+    QualityView view;
+    view.height_px = pixels;
+    view.azimuth_deg = 33;
+    view.elevation_deg = 20;
+    const scene::Camera camera = quality_camera(view, centre, height, 480);
+    EXPECT_NEAR(camera.fov_y, std::numbers::pi / 6, 1e-12);
+    const double depth = glm::distance(camera.eye, centre);
+    EXPECT_NEAR(height / scene::pixel_size_at(camera, depth, 480), pixels, 1e-9);
+  }
+}
+
+TEST(QualityCamera, AzimuthTurnsTowardsTheLeftAndElevationIsAbove) {
+  const auto direction = [](double azimuth, double elevation) {
+    QualityView view;
+    view.azimuth_deg = azimuth;
+    view.elevation_deg = elevation;
+    const scene::Camera camera = quality_camera(view, {0, 1, 0}, 2, 480);
+    return glm::normalize(camera.eye - glm::dvec3(0, 1, 0));
+  };
+  EXPECT_NEAR(glm::distance(direction(0, 0), glm::dvec3(0, 0, 1)), 0, 1e-12);
+  EXPECT_NEAR(glm::distance(direction(90, 0), glm::dvec3(1, 0, 0)), 0, 1e-12);
+  EXPECT_NEAR(glm::distance(direction(0, 90), glm::dvec3(0, 1, 0)), 0, 1e-12);
+  EXPECT_NEAR(glm::distance(direction(0, 30), glm::dvec3(0, 0.5, std::sqrt(0.75))), 0, 1e-12);
+}
+
+TEST(QualitySizes, TallFiguresGetALargerPicture) {
+  QualitySetup setup;
+  EXPECT_EQ(quality_size(setup, 120).height, 480);
+  EXPECT_EQ(quality_size(setup, 120).width, 640);
+  EXPECT_GE(quality_size(setup, 480).height, 720);
+}
+
+class QualityGl : public ::testing::Test {
+ protected:
+  QualitySetup setup() {
+    scene::MannequinOptions small;
+    small.triangles = 500;
+    QualitySetup out;
+    out.character = std::make_shared<const scene::Character>(scene::make_mannequin(small));
+    out.use_cache = false;
+    QualityView view;
+    view.clip = out.character->placement.default_clip;
+    view.height_px = 60;
+    out.views = {view};
+    return out;
+  }
+  gl::Context context_;
+};
+
+TEST_F(QualityGl, TheMeshAgainstItselfIsPerfect) {
+  QualitySetup s = setup();
+  s.representations = {"mesh"};
+  s.views[0].azimuth_deg = 40;
+  int seen = 0;
+  const auto rows = compute_quality(context_, s, [&](const QualityRow&, const QualityPictures& pictures) {
+    ++seen;
+    EXPECT_EQ(pictures.reference.colour, pictures.test.colour);
+  });
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(seen, 1);
+  EXPECT_EQ(rows[0].scores.silhouette_iou, 1.0);
+  EXPECT_EQ(rows[0].scores.boundary->mean, 0.0);
+  EXPECT_EQ(rows[0].scores.ssim, 1.0);
+  EXPECT_TRUE(std::isinf(*rows[0].scores.psnr));
+}
+
+TEST_F(QualityGl, AnImpostorIsGoodAtItsStoredViewAndWorseBesideIt) {
+  QualitySetup s = setup();
+  s.representations = {"flat:views=sphere-6x2,frames=2,texels=128"};
+  QualityView view = s.views[0];
+  view.height_px = 120;
+  s.views = {view, view};
+  s.views[1].azimuth_deg = 30;
+  const auto rows = compute_quality(context_, s);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_GT(*rows[0].scores.silhouette_iou, 0.93);
+  EXPECT_LT(*rows[1].scores.silhouette_iou, *rows[0].scores.silhouette_iou - 0.03);
+  EXPECT_LT(*rows[1].scores.ssim, *rows[0].scores.ssim);
+}
+
+// The representation's own frame is a quarter of a cycle off; given the exact time, only its drawing is judged.
+TEST_F(QualityGl, ExactPoseTakesTheStoredFramesErrorAway) {
+  QualitySetup s = setup();
+  s.representations = {"flat:views=sphere-4x1,frames=1,texels=128"};
+  const scene::Clip& clip = s.character->clips[static_cast<size_t>(s.views[0].clip)];
+  s.views[0].azimuth_deg = 90;
+  s.views[0].time = clip.start + clip.duration() / 4;
+  const double stored = *compute_quality(context_, s)[0].scores.silhouette_iou;
+  s.exact_pose = true;
+  const double exact = *compute_quality(context_, s)[0].scores.silhouette_iou;
+  EXPECT_GT(exact, 0.9);
+  EXPECT_LT(stored, 0.8);
+}
+
+}  // namespace
+}  // namespace crowdbench::bench

@@ -1,0 +1,386 @@
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "renderers/flat/flat_bake.h"
+#include "scene/mannequin.h"
+#include "tests/renderers/gl_test_support.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::add_agent;
+using testing::cast_of;
+using testing::context;
+using testing::frame_of_one;
+using testing::GlTest;
+
+constexpr double kDegrees = std::numbers::pi / 180;
+
+std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, bool use_cache = false,
+                                     uint64_t budget = uint64_t{512} << 20) {
+  MakeContext make{.context = context(), .cast = cast};
+  make.use_cache = use_cache;
+  make.progress = false;
+  make.bake_budget = budget;
+  return make_representation(make, parse_spec(spec));
+}
+
+// The small mannequin with its walk: asymmetric enough that a wrong view or frame shows.
+const scene::Cast& walker() {
+  static const scene::Cast cast = [] {
+    scene::MannequinOptions options;
+    options.triangles = 500;
+    return cast_of(scene::make_mannequin(options));
+  }();
+  return cast;
+}
+
+// One agent at the origin, 120 pixels tall in 200 rows, seen from a direction about its middle.
+scene::Frame frame_from(double azimuth, double elevation, double phase, const glm::dvec3& middle, float heading = 0,
+                        double fov_deg = 15) {
+  scene::Frame frame = frame_of_one(5, 1, 200, 200, fov_deg);
+  const double distance = 1.75 * 200 / 120 / (2 * std::tan(frame.camera.fov_y / 2));
+  const glm::dvec3 d{std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                     std::cos(azimuth) * std::cos(elevation)};
+  frame.camera.target = middle;
+  frame.camera.eye = middle + distance * d;
+  frame.camera.up = {-std::sin(azimuth) * std::sin(elevation), std::cos(elevation),
+                     -std::cos(azimuth) * std::sin(elevation)};
+  frame.origin = frame.camera.eye;
+  add_agent(frame, walker(), {0, 0, 0}, 1, phase, heading);
+  return frame;
+}
+
+double iou(const Capture& a, const Capture& b) {
+  int both = 0;
+  int either = 0;
+  for (size_t i = 0; i < a.ids.data.size(); ++i) {
+    both += a.ids.data[i] != 0 && b.ids.data[i] != 0;
+    either += a.ids.data[i] != 0 || b.ids.data[i] != 0;
+  }
+  return either == 0 ? 0 : static_cast<double>(both) / either;
+}
+
+size_t covered(const Capture& c) {
+  size_t n = 0;
+  for (const uint32_t id : c.ids.data) n += id != 0;
+  return n;
+}
+
+glm::dvec3 middle_of(const scene::Cast& cast) {
+  return 0.5 * (glm::dvec3(cast.banks[0]->bounds_min()) + glm::dvec3(cast.banks[0]->bounds_max()));
+}
+
+TEST(FlatBake, PlanesRunThroughTheBody) {
+  // A square sheet z = 0.3 x + 0.5 y about (1, 2, 3): the fit from the front is the sheet itself.
+  std::vector<glm::vec3> corners;
+  for (const float y : {-1.0F, 1.0F})
+    for (const float x : {-1.0F, 1.0F}) corners.emplace_back(1 + x, 2 + y, 3 + 0.3F * x + 0.5F * y);
+  const SurfaceMoments sheet = surface_moments(corners, {0, 1, 2, 1, 3, 2});
+  EXPECT_NEAR(glm::distance(sheet.mean, glm::dvec3(1, 2, 3)), 0, 1e-6);
+  EXPECT_NEAR(sheet.covariance[0][0], 1.0 / 3, 1e-6) << "variance of a uniform side of 2";
+  const TilePlane front = fit_plane(sheet, {1, 2, 2}, ViewBasis{});
+  EXPECT_NEAR(front.slope_x, 0.3, 1e-3);
+  EXPECT_NEAR(front.slope_y, 0.5, 1e-3);
+  EXPECT_NEAR(front.height, 1, 1e-3) << "the capture plane lies one metre behind it";
+  // A vertical line seen from elevation e lies on a plane of slope tan(e), so that it stays upright from everywhere.
+  const std::vector<glm::vec3> pole = {{-0.01F, 0, 0}, {0.01F, 0, 0}, {0.01F, 2, 0}, {-0.01F, 2, 0}};
+  const double e = 40 * kDegrees;
+  const ViewBasis above{{1, 0, 0}, {0, std::cos(e), -std::sin(e)}, {0, std::sin(e), std::cos(e)}};
+  EXPECT_NEAR(fit_plane(surface_moments(pole, {0, 1, 2, 0, 2, 3}), {0, 1, 0}, above).slope_y, std::tan(e), 1e-3);
+  // From straight above its slope would be without end; it is held.
+  const ViewBasis top{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
+  EXPECT_LE(std::abs(fit_plane(surface_moments(pole, {0, 1, 2, 0, 2, 3}), {0, 1, 0}, top).slope_y), 2);
+}
+
+TEST(FlatBake, BytesSurviveARoundTripAndDamageDoesNot) {
+  FlatBake bake;
+  bake.frames = 2;
+  bake.views = 1;
+  bake.clips = {{0, 2}};
+  FlatLevel level;
+  level.width = 4;
+  level.height = 4;
+  level.layers = 1;
+  level.tiles.resize(2);
+  level.tiles[1].slope_x = 0.25F;
+  level.outlines.resize(8);
+  level.albedo.assign(64, 7);
+  level.surface.assign(64, 9);
+  bake.levels = {level};
+  const auto bytes = serialise(bake);
+  const auto back = deserialise_flat(bytes);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(serialise(*back), bytes);
+  EXPECT_EQ(back->levels[0].tiles[1].slope_x, 0.25F);
+  for (size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(deserialise_flat(std::span(bytes).first(n))) << n;
+  bake.clips = {{1, 2}};  // a clip past the frames
+  EXPECT_FALSE(deserialise_flat(serialise(bake)));
+}
+
+TEST(FlatBake, AccountingAgreesWithTheSource) {
+  // One frame of 136 views in 1024 x 1024 RGBA plus 1024 x 1024 RGB is 7 MiB; our second map has a fourth channel.
+  FlatLevel page;
+  page.albedo.resize(1024 * 1024 * 4);
+  page.surface.resize(1024 * 1024 * 4);
+  EXPECT_EQ(page.texture_bytes() - uint64_t{1024} * 1024, uint64_t{7} << 20);
+}
+
+class FlatGl : public GlTest {};
+
+TEST_F(FlatGl, LooksAsTheMeshAtEveryStoredViewOfEveryGrid) {
+  const auto mesh = make(walker(), "mesh");
+  Renderer renderer(context(), walker());
+  const glm::dvec3 middle = middle_of(walker());
+  struct Case {
+    const char* grid;
+    std::vector<std::pair<double, double>> views;  // azimuth, elevation, degrees
+  };
+  for (const auto& [grid, views] :
+       std::initializer_list<Case>{{"sphere-6x4", {{0, 0}, {60, 0}, {120, 30}, {240, 60}, {300, 90}}},
+                                   {"cube-3", {{0, 0}, {90, 0}, {33.690067, 0}, {180, 0}, {0, 90}}},
+                                   {"hemi-5", {{0, 0}, {45, 0}, {270, 0}, {0, 90}}}}) {
+    const auto flat = make(walker(), fmt::format("flat:views={},frames=2,texels=128", grid));
+    for (const auto& [azimuth, elevation] : views)
+      for (const double phase : {0.0, 0.5}) {
+        // From afar: tiles are orthographic, and what is left over is theirs alone.
+        const auto frame = frame_from(azimuth * kDegrees, elevation * kDegrees, phase, middle, 0, 3);
+        const double agreement = iou(renderer.capture(frame, *mesh), renderer.capture(frame, *flat));
+        EXPECT_GT(agreement, 0.93) << grid << " from " << azimuth << ", " << elevation << " at phase " << phase;
+      }
+  }
+}
+
+TEST_F(FlatGl, TurnsWithTheAgent) {
+  const auto mesh = make(walker(), "mesh");
+  const auto flat = make(walker(), "flat:views=sphere-6x4,frames=2,texels=128");
+  Renderer renderer(context(), walker());
+  // An agent turned by a sixth seen from 90 degrees is the view from 30 before turning; the sample at 60 - 60 = 0.
+  const auto frame = frame_from(60 * kDegrees, 30 * kDegrees, 0, middle_of(walker()), 1.0F / 6);
+  EXPECT_GT(iou(renderer.capture(frame, *mesh), renderer.capture(frame, *flat)), 0.93);
+}
+
+TEST_F(FlatGl, ShowsTheNearestFrame) {
+  const auto mesh = make(walker(), "mesh");
+  const auto flat = make(walker(), "flat:views=sphere-4x1,frames=4,texels=128");
+  Renderer renderer(context(), walker());
+  const glm::dvec3 middle = middle_of(walker());
+  const auto flat_at = [&](double phase) {
+    return renderer.capture(frame_from(90 * kDegrees, 0, phase, middle), *flat).ids;
+  };
+  EXPECT_EQ(flat_at(0.13), flat_at(0.25));
+  EXPECT_EQ(flat_at(0.12), flat_at(0.0));
+  EXPECT_EQ(flat_at(0.88), flat_at(0.0)) << "the last half frame belongs to the first";
+  EXPECT_NE(flat_at(0.25), flat_at(0.0));
+  const auto quarter = frame_from(90 * kDegrees, 0, 0.25, middle);
+  EXPECT_GT(iou(renderer.capture(quarter, *mesh), renderer.capture(quarter, *flat)), 0.93);
+}
+
+// The lowest pixels of the figure: where it stands.
+struct Foot {
+  double x = 0, y = 0;
+};
+Foot foot_of(const Capture& c) {
+  for (int y = c.ids.height - 1; y >= 0; --y) {
+    double sum = 0;
+    int n = 0;
+    for (int x = 0; x < c.ids.width; ++x)
+      if (*c.ids.at(x, y) != 0) {
+        sum += x;
+        ++n;
+      }
+    if (n > 0) return {sum / n, static_cast<double>(y)};
+  }
+  return {};
+}
+
+TEST_F(FlatGl, FeetStayWhereTheyStandFromAbove) {
+  // A thin post, so that only the impostor's plane can move its foot. Stored: azimuths every 60 degrees, elevations 0,
+  // 45 and 90. Seen four pixels a texel, so that the rounding of silhouettes to pixels is a quarter of one.
+  scene::Character post = testing::two_bones();
+  post.clips.clear();
+  post.motion.clear();
+  constexpr double kHalf = 0.02;
+  for (glm::vec3& p : post.mesh.positions) p = {p.x * 0.2F, p.y, p.z * 0.2F};
+  const scene::Cast cast = cast_of(std::move(post));
+  const auto mesh = make(cast, "mesh");
+  const auto fitted = make(cast, "flat:views=sphere-6x3,texels=128");
+  const auto facing = make(cast, "flat:views=sphere-6x3,texels=128,plane=facing");
+  Renderer renderer(context(), cast);
+  constexpr double kPixelsAMetre = 480 / 1.75;
+  const double texel_px = fitted->texel_metres(0) * kPixelsAMetre;
+  EXPECT_NEAR(texel_px, 4, 0.5);
+  const auto slide = [&](Representation& flat, double azimuth, double elevation) {
+    scene::Frame frame = frame_from(azimuth * kDegrees, elevation * kDegrees, 0, {0, 0.9, 0});
+    frame.width = frame.height = 800;
+    frame.agents[0].clear();
+    add_agent(frame, cast, {0, 0, 0}, 1);
+    const Foot a = foot_of(renderer.capture(frame, *mesh));
+    const Foot b = foot_of(renderer.capture(frame, flat));
+    return std::hypot(a.x - b.x, a.y - b.y);
+  };
+  EXPECT_LE(slide(*fitted, 60, 45), texel_px + 1);
+  // Beside a stored view: one texel and the foot's offset from the capture axis times the sine of the angular error.
+  for (const auto& [azimuth, elevation] : {std::pair{84.0, 45.0}, {60.0, 60.0}, {75.0, 30.0}}) {
+    const double error = 25 * kDegrees;  // at most, for these three
+    const double allowed = texel_px + kHalf * std::sqrt(2.0) * std::sin(error) * kPixelsAMetre + 1;
+    EXPECT_LE(slide(*fitted, azimuth, elevation), allowed) << azimuth << ", " << elevation;
+    EXPECT_GT(slide(*facing, azimuth, elevation), allowed) << "a plane across the view leans, and this test can see it";
+  }
+}
+
+TEST_F(FlatGl, ACardIsShadedAsTheMeshShadesIt) {
+  for (const glm::vec4& colour : {glm::vec4(0.5F, 0.25F, 0.1F, 1), glm::vec4(0.02F, 0.9F, 0.4F, 1)}) {
+    const scene::Cast cast = cast_of(testing::card(1, 1, colour));
+    const auto mesh = make(cast, "mesh");
+    const auto flat = make(cast, "flat:views=sphere-1x1,texels=64");
+    Renderer renderer(context(), cast);
+    scene::Frame frame = frame_of_one(3, 0.5, 96, 96);
+    scene::Outfit outfit;
+    for (glm::vec4& c : outfit.colours) c = glm::vec4(0.7F, 1.0F, 0.3F, 1);
+    frame.outfits.push_back(outfit);
+    add_agent(frame, cast, {0, 0, 0}, 1);
+    frame.agents[0][0].outfit = 1;
+    const Capture a = renderer.capture(frame, *mesh);
+    const Capture b = renderer.capture(frame, *flat);
+    EXPECT_GT(iou(a, b), 0.95);
+    int worst = 0;
+    for (size_t i = 0; i < a.ids.data.size(); ++i)
+      if (a.ids.data[i] != 0 && b.ids.data[i] != 0)
+        for (size_t k = 0; k < 3; ++k)
+          worst = std::max(worst, std::abs(int{a.colour.data[4 * i + k]} - int{b.colour.data[4 * i + k]}));
+    EXPECT_LE(worst, 1) << "grey levels";
+  }
+}
+
+TEST_F(FlatGl, CoverageOfACrowdIsKeptWhenAgentsAreSpecks) {
+  const auto mesh = make(walker(), "mesh");
+  const auto flat = make(walker(), "flat:views=sphere-8x2,frames=2,texels=64");
+  Renderer renderer(context(), walker());
+  for (const double tall : {24.0, 6.0, 2.0}) {  // pixels
+    scene::Frame frame = frame_of_one(10, 1, 320, 240, 30);
+    const double distance = 1.75 * 240 / (tall * 2 * std::tan(15 * kDegrees));
+    frame.camera.eye = {0, 1, distance};
+    frame.origin = frame.camera.eye;
+    const int columns = 40;
+    for (int i = 0; i < 1200; ++i) {
+      // A lattice that does not beat with the pixels, all within the view.
+      const double x = ((i % columns) - columns / 2 + 0.37 * (i / columns % 3)) * distance * 0.65 / columns;
+      const double y = ((i / columns) - 15) * distance * 0.5 / 31;
+      add_agent(frame, walker(), {x, y, 0.1 * (i % 7)}, static_cast<uint32_t>(i + 1), (i % 4) * 0.25,
+                static_cast<float>(i % 8) / 8);
+    }
+    const auto expected = static_cast<double>(covered(renderer.capture(frame, *mesh)));
+    const auto got = static_cast<double>(covered(renderer.capture(frame, *flat)));
+    ASSERT_GT(expected, 500);
+    EXPECT_NEAR(got / expected, 1, 0.06) << tall << " pixels tall";
+  }
+}
+
+TEST_F(FlatGl, TheFloorCoversTheSamePixels) {
+  const auto flat = make(walker(), "flat:views=sphere-4x1,frames=2,texels=64");
+  const auto floor = make(walker(), "flat:views=sphere-4x1,frames=2,texels=64,floor=1");
+  Renderer renderer(context(), walker());
+  const auto frame = frame_from(0, 0, 0, middle_of(walker()));
+  const Capture a = renderer.capture(frame, *flat);
+  const Capture b = renderer.capture(frame, *floor);
+  EXPECT_EQ(a.ids, b.ids);
+  EXPECT_EQ(a.depth, b.depth);
+  EXPECT_NE(a.colour, b.colour);
+}
+
+TEST_F(FlatGl, ASquareQuadShowsTheSamePicture) {
+  const auto trimmed = make(walker(), "flat:views=sphere-4x2,frames=1,texels=64");
+  const auto square = make(walker(), "flat:views=sphere-4x2,frames=1,texels=64,quad=square");
+  Renderer renderer(context(), walker());
+  const auto frame = frame_from(90 * kDegrees, 0, 0, middle_of(walker()));
+  EXPECT_GT(iou(renderer.capture(frame, *trimmed), renderer.capture(frame, *square)), 0.995);
+  EXPECT_GT(square->footprint().texture_bytes, 2 * trimmed->footprint().texture_bytes);
+}
+
+TEST_F(FlatGl, AStillBankIsBakedExactly) {
+  const auto character = walker().characters[0];
+  scene::Cast still;
+  still.characters = {character};
+  still.banks = {std::make_shared<const scene::PoseBank>(
+      scene::PoseBank::exact(*character, character->placement.default_clip, 0.2))};
+  still.shares = {1.0};
+  const auto mesh = make(still, "mesh");
+  const auto flat = make(still, "flat:views=sphere-4x1,texels=128");
+  Renderer renderer(context(), still);
+  scene::Frame frame = frame_from(90 * kDegrees, 0, 0, middle_of(still));
+  frame.agents[0].clear();
+  add_agent(frame, still, {0, 0, 0}, 1, 0.7);
+  EXPECT_GT(iou(renderer.capture(frame, *mesh), renderer.capture(frame, *flat)), 0.93);
+}
+
+TEST_F(FlatGl, BakesAreTheSameBytesTwice) {
+  FlatBakeOptions options;
+  options.grid.azimuths = 3;
+  options.grid.elevations = 2;
+  options.frames = 2;
+  options.texels = 48;
+  const auto bake = [&] {
+    return serialise(bake_flat(context(), walker().characters[0], walker().banks[0], options, uint64_t{1} << 30));
+  };
+  EXPECT_EQ(bake(), bake());
+}
+
+TEST_F(FlatGl, ABakeOverTheBudgetSaysWhatToLower) {
+  try {
+    make(walker(), "flat", false, uint64_t{8} << 20);
+    FAIL() << "8 MiB cannot be enough";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("136 views"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("lower texels, frames or views"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(FlatGl, BytesAreCountedExactly) {
+  const gl::Allocated before = context().allocated();
+  const auto flat = make(walker(), "flat:views=sphere-4x1,frames=2,texels=64");
+  const Footprint bytes = flat->footprint();
+  EXPECT_EQ(context().allocated().texture_bytes - before.texture_bytes, bytes.texture_bytes);
+  EXPECT_EQ(context().allocated().buffer_bytes - before.buffer_bytes, bytes.buffer_bytes);
+  EXPECT_EQ(bytes.disk_bytes, 0U);
+}
+
+TEST_F(FlatGl, TheCacheGivesTheSamePictureAndDamageIsRepaired) {
+  const char* before = getenv("CROWDBENCH_CACHE_DIR");
+  const std::string old = before ? before : "";
+  const fs::path folder = fs::path(::testing::TempDir()) / "crowdbench_flat_cache";
+  fs::remove_all(folder);
+  setenv("CROWDBENCH_CACHE_DIR", folder.c_str(), 1);
+  const std::string spec = "flat:views=sphere-4x2,frames=2,texels=48";
+  Renderer renderer(context(), walker());
+  const auto frame = frame_from(90 * kDegrees, 0, 0, middle_of(walker()));
+  const auto draw = [&](bool expect_cached) {
+    const auto flat = make(walker(), spec, true);
+    EXPECT_EQ(flat->bake_info().cached, expect_cached);
+    EXPECT_GT(flat->footprint().disk_bytes, 0U);
+    return renderer.capture(frame, *flat).colour;
+  };
+  const Image8 first = draw(false);
+  EXPECT_EQ(draw(true), first);
+  for (const auto& entry : fs::directory_iterator(folder / "bakes")) {
+    std::vector<uint8_t> bytes = read_file(entry.path());
+    bytes[bytes.size() / 2] ^= 1;
+    std::ofstream(entry.path(), std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  EXPECT_EQ(draw(false), first);
+  EXPECT_EQ(draw(true), first);
+  before ? setenv("CROWDBENCH_CACHE_DIR", old.c_str(), 1) : unsetenv("CROWDBENCH_CACHE_DIR");
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace crowdbench::renderers
