@@ -5,6 +5,8 @@ namespace crowdbench::bench {
 // In the order that --help lists them.
 
 void add_all_commands(CLI::App& app, Run& run) {
+  // One a line, so that two additions do not meet.
+  // clang-format off
   const std::initializer_list<AddCommand> commands = {
       add_info,
       add_inspect,
@@ -13,9 +15,12 @@ void add_all_commands(CLI::App& app, Run& run) {
       add_pose,
       add_compare,
       add_quality,
+      add_pair,
+      add_view,
       add_report,
       add_schema,
   };
+  // clang-format on
   for (const AddCommand add : commands) add(app, run);
 }
 

@@ -19,11 +19,13 @@ void add_bake(CLI::App& app, Run& run);
 void add_compare(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
 void add_inspect(CLI::App& app, Run& run);
+void add_pair(CLI::App& app, Run& run);
 void add_quality(CLI::App& app, Run& run);
 void add_pose(CLI::App& app, Run& run);
 void add_render(CLI::App& app, Run& run);
 void add_report(CLI::App& app, Run& run);
 void add_schema(CLI::App& app, Run& run);
+void add_view(CLI::App& app, Run& run);
 
 void add_all_commands(CLI::App& app, Run& run);
 

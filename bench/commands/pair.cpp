@@ -54,8 +54,8 @@ int run_pair(const Options& options) {
   ChosenScenario chosen = read_scenario(options.scene);
   chosen.scenario.ground = !options.no_ground;
   const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
-  gl::Context context(gl::ContextOptions{options.scene.device});
-  fmt::print(stderr, "renderer: {}\n", context.renderer());
+  const auto opened = open_context(options.scene.device);
+  gl::Context& context = *opened;
   Staged staged = stage_scenario(chosen.scenario, cast, context);
   if (staged.solved && staged.solved->unreachable) {
     fmt::print(stderr, "warning: occupancy {:.3f} is out of reach; the clip has {:.3f}\n", staged.solved->requested,

@@ -1,0 +1,176 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "bench/commands.h"
+#include "bench/scene_options.h"
+#include "bench/viewer.h"
+#include "core/error.h"
+#include "core/image_io.h"
+#include "core/progress.h"
+#include "renderers/capture.h"
+#include "renderers/gl/context.h"
+
+namespace crowdbench::bench {
+namespace {
+
+struct Options {
+  SceneOptions scene;
+  std::vector<std::string> representations;
+  std::optional<uint64_t> frames;
+  std::string screenshot;
+  bool side_by_side = false;
+  bool no_ground = false;
+};
+
+// What the number keys offer: what was asked for, else the scenario's own and every other that needs no options.
+std::vector<renderers::Spec> offered(const std::vector<std::string>& asked, const scene::Scenario& scenario) {
+  std::vector<renderers::Spec> specs;
+  for (const std::string& text : asked) specs.push_back(renderers::parse_spec(text));
+  if (!specs.empty()) return specs;
+  specs.push_back(renderers::parse_spec(scenario.representation));
+  for (const renderers::RepresentationType& type : renderers::representation_types()) {
+    renderers::Spec spec;
+    spec.name = type.name;
+    if (type.name == "hybrid" || spec.text() == specs.front().text()) continue;
+    specs.push_back(spec);
+  }
+  return specs;
+}
+
+// Makes representations when they are first asked for.
+class Cabinet {
+ public:
+  Cabinet(gl::Context& context, const scene::Cast& cast, const std::vector<renderers::Spec>& specs)
+      : context_(context), cast_(cast), specs_(specs), made_(specs.size()) {}
+  bool holds(size_t index) const { return made_[index] != nullptr; }
+  size_t first_held() const {
+    size_t index = 0;
+    while (index < made_.size() && !made_[index]) ++index;
+    return index;
+  }
+  bool holds_any() const { return first_held() < made_.size(); }
+  renderers::Representation& get(size_t index) {
+    if (!made_[index]) made_[index] = renderers::make_representation({context_, cast_}, specs_[index]);
+    return *made_[index];
+  }
+
+ private:
+  gl::Context& context_;
+  const scene::Cast& cast_;
+  const std::vector<renderers::Spec>& specs_;
+  std::vector<std::unique_ptr<renderers::Representation>> made_;
+};
+
+int run_view(const Options& options) {
+  if (!options.screenshot.empty() && !options.frames) {
+    throw Error("--screenshot", "needs --frames", "say after how many frames the picture is taken");
+  }
+  ChosenScenario chosen = read_scenario(options.scene);
+  chosen.scenario.ground = !options.no_ground;
+  const std::vector<renderers::Spec> specs = offered(options.representations, chosen.scenario);
+  std::vector<std::string> names;
+  for (const renderers::Spec& spec : specs) names.push_back(spec.text());
+
+  gl::Window window(chosen.scenario.width, chosen.scenario.height, "crowdbench");  // first: no display is said at once
+  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
+  const auto opened = open_context(options.scene.device);
+  gl::Context& context = *opened;
+  const Staged staged = stage_scenario(chosen.scenario, cast, context);
+  const scene::Scenario& scenario = staged.scenario;
+  const scene::Camera start = scenario.camera.at(0);
+
+  Cabinet cabinet(context, cast, specs);
+  renderers::Renderer renderer(context, cast);
+  std::optional<renderers::Target> target;
+  ViewerState state;
+  state.orbit = orbit_of(start);
+  state.side_by_side = options.side_by_side;
+  state.help = !options.frames;
+  state.beside = specs.size() > 1 ? 1 : 0;
+  if (options.side_by_side) std::swap(state.beside, state.current);  // the first on the left
+
+  const auto draw = [&](size_t which, int width) {
+    if (!target || target->width() != width) {
+      target.emplace(context, width, scenario.height, renderers::Pass{});
+    }
+    scene::Frame frame = scene::make_frame(scenario, cast, staged.crowd, camera_of(state.orbit, start), state.tick);
+    frame.width = width;
+    renderer.draw(frame, cabinet.get(which), *target);
+    return target->read().colour;
+  };
+
+  using Clock = std::chrono::steady_clock;
+  double waiting = 0;  // ticks not yet shown
+  auto before = Clock::now();
+  for (uint64_t shown = 0; !options.frames || shown < *options.frames; ++shown) {
+    throw_if_interrupted();
+    apply_input(state, window.poll(), specs.size(), scenario.height, start);
+    if (state.quit) break;
+    if (options.frames) {
+      state.tick = shown;  // no clock: frame n shows tick n
+    }
+    for (size_t* which : {&state.current, &state.beside}) {
+      if (cabinet.holds(*which) || (which == &state.beside && !state.side_by_side)) continue;
+      window.set_title(fmt::format("crowdbench: making {} ...", names[*which]));
+      try {
+        cabinet.get(*which);
+      } catch (const Error& error) {
+        if (!cabinet.holds_any()) throw;
+        fmt::print(stderr, "{}: {}\n", names[*which], error.what());
+        *which = cabinet.first_held();
+      }
+      before = Clock::now();
+    }
+    window.set_title(viewer_title(state, names, staged.crowd.size()));
+    Image8 picture;
+    if (state.side_by_side) {
+      const int half = std::max(1, (scenario.width - 2) / 2);
+      const Image8 left = draw(state.beside, half);
+      picture = beside_each_other(left, draw(state.current, half));
+    } else {
+      picture = draw(state.current, scenario.width);
+    }
+    if (state.help) draw_help(picture, names);
+    if (!options.screenshot.empty() && shown + 1 == *options.frames) {
+      write_png(options.screenshot, window.show_and_read(picture));
+    } else {
+      window.show(picture);
+    }
+    const auto now = Clock::now();
+    if (!state.paused) waiting += std::chrono::duration<double>(now - before).count() * scenario.tick_rate;
+    before = now;
+    const double whole = std::floor(waiting);
+    waiting -= whole;
+    if (!options.frames) state.tick += static_cast<uint64_t>(whole);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("view", "Look at a scenario in a window; switch representations with 1..9");
+  command->footer(
+      "Left drag orbits, right drag pans, the wheel zooms; space pauses, '.' steps, 1..9 switch, s shows two side by\n"
+      "side, h hides the help text, Esc quits. Everything is drawn off screen, as it is measured, and shown as it is.\n"
+      "Examples:\n  crowdbench view --agents 200\n"
+      "  crowdbench view --representation mesh --representation flat --side-by-side");
+  auto options = std::make_shared<Options>();
+  add_scene_options(*command, options->scene);
+  command
+      ->add_option("--representation", options->representations,
+                   "what the keys 1..9 show; may be given several times (default: the scenario's, then all others)")
+      ->type_name("R");
+  command->add_flag("--side-by-side", options->side_by_side, "start with the first two beside each other");
+  command->add_option("--frames", options->frames, "end after N frames, frame n showing tick n")->type_name("N");
+  command->add_option("--screenshot", options->screenshot, "what stood in the window at the last of --frames")
+      ->type_name("FILE.png");
+  command->add_flag("--no-ground", options->no_ground, "leave the grey grid out");
+  command->callback([options, &run] { run = [options] { return run_view(*options); }; });
+}
+
+}  // namespace crowdbench::bench
