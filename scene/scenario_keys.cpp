@@ -351,9 +351,13 @@ std::string toml_value(const Key& key, const KeyValue& value) {
       return fmt::format("[{}, {}, {}]", decimal(v.x), decimal(v.y), decimal(v.z));
     }
     std::string operator()(const std::vector<std::string>& v) const {
-      std::string out;
-      for (const std::string& text : v) out += (out.empty() ? "" : ", ") + quoted(text);
-      return "[" + out + "]";
+      std::string line;
+      std::string lines;
+      for (const std::string& text : v) {
+        line += (line.empty() ? "" : ", ") + quoted(text);
+        lines += fmt::format("  {},\n", quoted(text));
+      }
+      return line.size() < 100 ? fmt::format("[{}]", line) : fmt::format("[\n{}]", lines);
     }
   };
   return std::visit(Writer{key}, value);

@@ -15,7 +15,7 @@ enum class KeyType : uint8_t {
   integer,  // int64_t
   seed,     // uint64_t: a TOML integer, or decimal digits in quotes above 2^63 - 1
   number,   // double; integers are taken too
-  text,     // std::string, 1 to 4096 bytes
+  text,     // std::string, 1 to 1024 bytes
   choice,   // one of `words`, kept as its position in int64_t
   colour,   // '#rrggbb' as std::string
   vector,   // three numbers, glm::dvec3

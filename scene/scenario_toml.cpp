@@ -17,9 +17,10 @@ namespace {
 
 using Toml = toml::basic_value<toml::discard_comments, std::map, std::vector>;
 
-constexpr int kDepth = 16;         // open brackets at once, outside of texts
-constexpr int kDotsPerLine = 256;  // dotted keys nest without brackets
-constexpr size_t kTextBytes = 4096;
+constexpr int kDepth = 16;           // open brackets at once, outside of texts
+constexpr int kDotsPerLine = 256;    // dotted keys nest without brackets
+constexpr size_t kLineBytes = 8192;  // its time grows with the square of a line's length
+constexpr size_t kTextBytes = 1024;  // fits a line even when every byte is written as an escape
 constexpr size_t kTextCount = 256;
 
 std::string at_line(const std::string& where, size_t line) { return fmt::format("{}:{}", where, line); }
@@ -52,6 +53,7 @@ void scan(const std::string& text, const std::string& where) {
   int depth = 0;
   int dots = 0;
   size_t line = 1;
+  size_t line_start = 0;
   for (size_t i = 0; i < text.size();) {
     const size_t length = utf8_length(text, i);
     const char c = text[i];
@@ -109,6 +111,8 @@ void scan(const std::string& text, const std::string& where) {
                   "no scenario key needs more than two");
     if (dots > kDotsPerLine)
       throw Error(at_line(where, line), fmt::format("has more than {} dots", kDotsPerLine), "break the line up");
+    if (i - line_start > kLineBytes)
+      throw Error(at_line(where, line), fmt::format("is longer than {} bytes", kLineBytes), "break the line up");
     if (c == '\\' && step == 2 && i + 1 < text.size()) {
       // The escaped byte may end a line or begin a longer character: both are looked at in their turn.
       if (text[i + 1] != '"' && text[i + 1] != '\\') step = 1;
@@ -116,6 +120,7 @@ void scan(const std::string& text, const std::string& where) {
     if (c == '\n') {
       ++line;
       dots = 0;
+      line_start = i;
       if (in == In::comment) in = In::plain;
     }
     i += step;

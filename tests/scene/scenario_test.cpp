@@ -144,11 +144,21 @@ TEST(Scenario, RefusesHostileText) {
   EXPECT_NE(fault("width = 99999999999999999999999999"), "accepted");
   EXPECT_NE(fault("tick_rate = 1e999"), "accepted");
   EXPECT_NE(fault("tick_rate = -inf"), "accepted");
+  std::string wide = "name = [";
+  for (int i = 0; i < 5000; ++i) wide += "1,";
+  EXPECT_NE(fault(wide + "]").find("s.toml:1: is longer than 8192 bytes"), std::string::npos);
   // A bracket inside a text is none.
   EXPECT_EQ(parse_scenario("name = \"" + std::string(100, '[') + "\"", "s").name, std::string(100, '['));
 }
 
 TEST(Scenario, DefaultsSurviveTheRoundTrip) { EXPECT_EQ(parse_scenario(to_toml(Scenario{}), "s.toml"), Scenario{}); }
+
+TEST(Scenario, LongTextsAndListsSurviveTheRoundTrip) {
+  Scenario s;
+  s.characters[0].clips.assign(60, std::string(700, '"') + std::string(324, '\x01'));
+  s.name = std::string(1024, '\x1f');
+  EXPECT_EQ(parse_scenario(to_toml(s), "s.toml"), s);
+}
 
 // A value of the key's range for each of a hundred seeds.
 KeyValue random_value(const Key& key, uint64_t seed, uint64_t index) {
