@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderers/capture.h"
+#include "scene/simplify.h"
 
 namespace crowdbench::bench {
 
@@ -31,6 +32,17 @@ scene::MeasureCoverage mesh_coverage(gl::Context& context, const scene::Cast& ca
   };
   auto parts = std::make_shared<Parts>(context, cast);
   return [parts](const scene::Frame& frame) { return coverage_of(parts->renderer.capture(frame, *parts->mesh).ids); };
+}
+
+scene::Solved solve_with_mesh(gl::Context& context, const scene::Scenario& scenario, const scene::Cast& cast) {
+  constexpr uint32_t kFewAgents = 300;  // the mesh itself is quick enough
+  constexpr size_t kDraftTriangles = 500;
+  const scene::MeasureCoverage mesh = mesh_coverage(context, cast);
+  if (scenario.crowd.agents < kFewAgents) return scene::solve_occupancy(scenario, cast, mesh);
+  scene::Cast drafts = cast;  // with the same pose banks: joints and clips are untouched
+  for (auto& character : drafts.characters)
+    character = std::make_shared<const scene::Character>(scene::simplified(*character, kDraftTriangles));
+  return scene::solve_occupancy(scenario, cast, mesh, mesh_coverage(context, drafts));
 }
 
 }  // namespace crowdbench::bench

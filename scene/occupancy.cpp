@@ -79,10 +79,14 @@ class Balcony {
   double area_ = 1;  // square metres at a rise of 1 m
 };
 
+// ln(-ln(1 - coverage)): a straight line in the logarithm of the density of agents at random places.
+double straight(double coverage) { return std::log(-std::log(1.0 - std::clamp(coverage, 1e-7, 1.0 - 1e-7))); }
+double unstraight(double y) { return 1.0 - std::exp(-std::exp(y)); }
+
 class Solver {
  public:
-  Solver(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure)
-      : scenario_(scenario), cast_(cast), measure_(measure), target_(*scenario.occupancy) {}
+  Solver(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure, double target)
+      : scenario_(scenario), cast_(cast), measure_(measure), target_(target) {}
 
   Solved run() {
     const Balcony balcony(scenario_, cast_);
@@ -105,7 +109,6 @@ class Solver {
         balcony.set(s, std::exp(u));
       });
     }
-    finish();
     return std::move(best_);
   }
 
@@ -146,8 +149,6 @@ class Solver {
     }
   }
 
-  static double straight(double coverage) { return std::log(-std::log(1.0 - std::clamp(coverage, 1e-7, 1.0 - 1e-7))); }
-
   double measure(Scenario trial) {
     Crowd crowd = make_crowd(trial, cast_, stage_view(trial));
     const Camera camera = trial.camera.at(0.0);
@@ -162,15 +163,6 @@ class Solver {
     }
     best_.measurements = count;
     return coverage.occupancy;
-  }
-
-  void finish() {
-    best_.requested = target_;
-    best_.unreachable = std::abs(best_.achieved - target_) > kUnreachable;
-    const OnScreen seen = count_on_screen(best_.scenario, cast_, best_.crowd, best_.camera, 0);
-    best_.agents_wholly = seen.wholly;
-    best_.agents_partly = seen.partly;
-    best_.agents_off = seen.off;
   }
 
   const Scenario& scenario_;
@@ -224,9 +216,42 @@ OnScreen count_on_screen(const Scenario& scenario, const Cast& cast, const Crowd
   return seen;
 }
 
-Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure) {
+Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure,
+                       const MeasureCoverage& draft) {
   assert(scenario.occupancy && scenario.crowd.agents > 0);
-  return Solver(scenario, cast, measure).run();
+  const double target = *scenario.occupancy;
+  Solved best;
+  if (!draft) {
+    best = Solver(scenario, cast, measure, target).run();
+  } else {
+    Scenario start = scenario;
+    double wanted = target;
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      Solved trial = Solver(start, cast, draft, wanted).run();
+      const bool found = std::abs(trial.achieved - wanted) <= kUnreachable;
+      const Coverage coverage = measure(make_frame(trial.scenario, cast, trial.crowd, trial.camera, 0));
+      trial.drafts = best.drafts + trial.measurements;
+      trial.measurements = best.measurements + 1;
+      trial.achieved = coverage.occupancy;
+      trial.touched_px = coverage.covered_px;
+      if (attempt == 0 || std::abs(trial.achieved - target) < std::abs(best.achieved - target)) {
+        best = std::move(trial);
+      } else {
+        best.drafts = trial.drafts;
+        best.measurements = trial.measurements;
+      }
+      if (!found || std::abs(best.achieved - target) <= kAccept) break;
+      wanted = unstraight(straight(wanted) + straight(target) - straight(coverage.occupancy));
+      start.crowd.spacing = best.scenario.crowd.spacing;
+    }
+  }
+  best.requested = target;
+  best.unreachable = std::abs(best.achieved - target) > kUnreachable;
+  const OnScreen seen = count_on_screen(best.scenario, cast, best.crowd, best.camera, 0);
+  best.agents_wholly = seen.wholly;
+  best.agents_partly = seen.partly;
+  best.agents_off = seen.off;
+  return best;
 }
 
 }  // namespace crowdbench::scene

@@ -28,7 +28,8 @@ struct Solved {
   uint32_t agents_wholly = 0;  // by projected bounds: wholly on screen
   uint32_t agents_partly = 0;
   uint32_t agents_off = 0;
-  int measurements = 0;
+  int measurements = 0;  // of the mesh
+  int drafts = 0;        // of the stand-in
 };
 
 // How many agents are seen whole, in part or not at all, by the projected boxes of their banks' bounds.
@@ -40,10 +41,17 @@ struct OnScreen {
 OnScreen count_on_screen(const Scenario& scenario, const Cast& cast, const Crowd& crowd, const Camera& camera,
                          uint64_t tick);
 
-// Solves for scenario.occupancy (which must be set, with at least one agent) at tick 0. At least 95 % of the agents end
-// at least partly on screen. Density rises up to a spacing of 0.7 m first; beyond that, stratified placement over the
-// view's footprint and depth (stage = frustum; agents may interpenetrate). Returns the nearest it reached when the
-// target is out of reach, marked so. Deterministic.
-Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure);
+// Solves for scenario.occupancy (which must be set, with at least one agent) at tick 0, within 0.2 points where that
+// can be had. At least 95 % of the agents end at least partly on screen. The spacing falls to 0.7 m first, with the
+// camera on a balcony over the ground that the agents need (stage = view; agents in lanes stay on their plaza); beyond
+// that they stand evenly over the view's width and depth (stage = frustum; they may interpenetrate). Direction and
+// field of view are the scenario's own, tilted so that the upper edge of the picture lies 5 degrees below the horizon
+// at least. Returns the nearest it reached when the target is out of reach, marked so. Deterministic.
+//
+// draft: a cheap stand-in for `measure` (the characters simplified), with which the search is done where one is given;
+// the mesh then measures the result, and the search is repeated, at most twice, for what the stand-in was off by.
+// `achieved` is always the mesh's.
+Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure,
+                       const MeasureCoverage& draft = {});
 
 }  // namespace crowdbench::scene

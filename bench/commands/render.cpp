@@ -65,8 +65,12 @@ int render_crowd(const RenderOptions& options) {
   const renderers::Spec spec = renderers::parse_spec(chosen.scenario.representation);
   const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
   const auto context = open_context(options.scene.device);
-  const scene::Scenario& scenario = chosen.scenario;
-  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
+  const Staged staged = stage_scenario(chosen.scenario, cast, *context);
+  const scene::Scenario& scenario = staged.scenario;
+  const scene::Crowd& crowd = staged.crowd;
+  if (staged.solved && staged.solved->unreachable)
+    fmt::print(stderr, "crowdbench: warning: {} agents cover {:.1f} % of the picture at most, not {:.1f} %\n",
+               crowd.size(), 100 * staged.solved->achieved, 100 * staged.solved->requested);
   const double seconds = static_cast<double>(options.tick) / scenario.tick_rate;
   const scene::Frame frame = scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), options.tick);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
@@ -172,6 +176,7 @@ void add_render(CLI::App& app, Run& run) {
   command->footer(
       "Examples:\n"
       "  crowdbench render --agents 100 --tick 30 --out crowd.png --ids ids.exr --depth depth.exr\n"
+      "  crowdbench render --agents 1000 --occupancy 0.15 --out crowd.png    camera and crowd solved for 15 %\n"
       "  crowdbench render street.toml --representation flat --out flat.png\n"
       "  crowdbench render --single --character knight.glb --clip Walk --time 0.25 --height as_is \\\n"
       "      --eye 0,1,5 --target 0,1,0 --fov-y-deg 40 --size 512x512 --out x.png --mask m.png");
