@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "scene/crowd_stage.h"
 
@@ -221,30 +222,31 @@ Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const Measure
   assert(scenario.occupancy && scenario.crowd.agents > 0);
   const double target = *scenario.occupancy;
   Solved best;
-  if (!draft) {
-    best = Solver(scenario, cast, measure, target).run();
-  } else {
-    Scenario start = scenario;
-    double wanted = target;
-    for (int attempt = 0; attempt < 3; ++attempt) {
-      Solved trial = Solver(start, cast, draft, wanted).run();
-      const bool found = std::abs(trial.achieved - wanted) <= kUnreachable;
-      const Coverage coverage = measure(make_frame(trial.scenario, cast, trial.crowd, trial.camera, 0));
-      trial.drafts = best.drafts + trial.measurements;
-      trial.measurements = best.measurements + 1;
-      trial.achieved = coverage.occupancy;
-      trial.touched_px = coverage.covered_px;
-      if (attempt == 0 || std::abs(trial.achieved - target) < std::abs(best.achieved - target)) {
-        best = std::move(trial);
-      } else {
-        best.drafts = trial.drafts;
-        best.measurements = trial.measurements;
-      }
-      if (!found || std::abs(best.achieved - target) <= kAccept) break;
-      wanted = unstraight(straight(wanted) + straight(target) - straight(coverage.occupancy));
-      start.crowd.spacing = best.scenario.crowd.spacing;
-    }
+  const auto keep_nearer = [&](Solved&& trial) {
+    const int measurements = best.measurements + trial.measurements;
+    const int drafts = best.drafts + trial.drafts;
+    if (best.measurements == 0 || std::abs(trial.achieved - target) < std::abs(best.achieved - target))
+      best = std::move(trial);
+    best.measurements = measurements;
+    best.drafts = drafts;
+  };
+  Scenario start = scenario;
+  double wanted = target;
+  for (int attempt = 0; draft && attempt < 3; ++attempt) {
+    Solved trial = Solver(start, cast, draft, wanted).run();
+    const bool found = std::abs(trial.achieved - wanted) <= kUnreachable;
+    const Coverage coverage = measure(make_frame(trial.scenario, cast, trial.crowd, trial.camera, 0));
+    trial.drafts = std::exchange(trial.measurements, 1);
+    trial.achieved = coverage.occupancy;
+    trial.touched_px = coverage.covered_px;
+    keep_nearer(std::move(trial));
+    if (!found || std::abs(best.achieved - target) <= kAccept) break;
+    wanted = unstraight(straight(wanted) + straight(target) - straight(coverage.occupancy));
+    start.crowd.spacing = best.scenario.crowd.spacing;
   }
+  // Without a stand-in, or where it led astray or to the end of its range.
+  if (best.measurements == 0 || std::abs(best.achieved - target) > kUnreachable)
+    keep_nearer(Solver(start, cast, measure, target).run());
   best.requested = target;
   best.unreachable = std::abs(best.achieved - target) > kUnreachable;
   const OnScreen seen = count_on_screen(best.scenario, cast, best.crowd, best.camera, 0);

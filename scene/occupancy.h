@@ -49,7 +49,8 @@ OnScreen count_on_screen(const Scenario& scenario, const Cast& cast, const Crowd
 // at least. Returns the nearest it reached when the target is out of reach, marked so. Deterministic.
 //
 // draft: a cheap stand-in for `measure` (the characters simplified), with which the search is done where one is given;
-// the mesh then measures the result, and the search is repeated, at most twice, for what the stand-in was off by.
+// the mesh then measures the result, and the search is repeated, at most twice, for what the stand-in was off by. Where
+// that ends more than a point off, the mesh searches itself.
 // `achieved` is always the mesh's.
 Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const MeasureCoverage& measure,
                        const MeasureCoverage& draft = {});

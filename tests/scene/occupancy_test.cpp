@@ -111,6 +111,42 @@ TEST(Occupancy, SaysWhatOnePersonCannotCover) {
   EXPECT_EQ(small.agents_wholly, 1U);
 }
 
+TEST(Occupancy, AStandInThatIsOffStillLeadsToTheTarget) {
+  const Cast cast = pillar_cast();
+  for (const double target : {0.15, 0.9})
+    for (const double bias : {0.85, 1.1}) {  // of the number of layers, as a thinner body has
+      int drafts = 0;
+      int measured = 0;
+      const Solved solved = solve_occupancy(
+          scenario_of(1000, target), cast,
+          [&](const Frame& frame) {
+            ++measured;
+            return cards(frame);
+          },
+          [&](const Frame& frame) {
+            ++drafts;
+            Coverage coverage = cards(frame);
+            coverage.occupancy = 1.0 - std::pow(1.0 - coverage.occupancy, bias);
+            return coverage;
+          });
+      EXPECT_NEAR(solved.achieved, target, 0.005) << bias;
+      EXPECT_EQ(solved.achieved, cards(make_frame(solved.scenario, cast, solved.crowd, solved.camera, 0)).occupancy);
+      EXPECT_EQ(solved.measurements, measured);
+      EXPECT_EQ(solved.drafts, drafts);
+      EXPECT_LE(measured, 3);
+      EXPECT_FALSE(solved.unreachable);
+    }
+}
+
+TEST(Occupancy, AStandInThatMisleadsIsLeft) {
+  const Solved solved = solve_occupancy(scenario_of(1000, 0.9), pillar_cast(), cards, [](const Frame& frame) {
+    Coverage coverage = cards(frame);
+    coverage.occupancy *= 0.8;  // can never show 90 %
+    return coverage;
+  });
+  EXPECT_NEAR(solved.achieved, 0.9, 0.003);
+}
+
 TEST(Occupancy, IsDeterministic) {
   const Cast cast = pillar_cast();
   const Solved a = solve_occupancy(scenario_of(100, 0.3), cast, cards);

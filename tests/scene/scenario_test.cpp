@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -267,6 +268,16 @@ TEST(Scenario, SchemaDefaultsAreTheStructs) {
   EXPECT_EQ(crowd.at("placement").at("enum").size(), 4U);
   EXPECT_EQ(crowd.at("agents").at("maximum"), 1'000'000);
   EXPECT_EQ(top.at("camera").at("properties").at("fov_y_deg").at("default"), 35.0);
+}
+
+TEST(Scenario, EveryScenarioThatShipsIsRead) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CROWDBENCH_SOURCE_DIR "/bench/scenarios")) {
+    const Scenario s = load_scenario(entry.path());
+    EXPECT_EQ(s.name, entry.path().stem().string());
+    ++count;
+  }
+  EXPECT_GE(count, 4);
 }
 
 TEST(Scenario, KeysHaveTheirUnitsInTheirNames) {
