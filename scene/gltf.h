@@ -28,8 +28,8 @@ struct GltfLimits {
   double magnitude = 1e9;  // of any coordinate, translation or scale
   double reach = 1e15;     // of any node in any pose, scales and translations of its parents applied
   int image_side = 8192;
-  size_t jpeg_pixels = 8192 * 4096;        // decoding a progressive JPEG needs 17 bytes a pixel
-  size_t image_bytes = size_t{256} << 20;  // decoded (4 bytes a pixel), all images
+  size_t jpeg_pixels = size_t{8192} * 4096;  // decoding a progressive JPEG needs 17 bytes a pixel
+  size_t image_bytes = size_t{256} << 20;    // decoded (4 bytes a pixel), all images
 };
 
 struct LoadOptions {

@@ -52,7 +52,7 @@ struct AccessorView {
     switch (type) {
       case kF32: {
         float v = 0;
-        std::memcpy(&v, p + 4 * c, sizeof v);
+        std::memcpy(&v, p + size_t{4} * static_cast<size_t>(c), sizeof v);
         return static_cast<double>(v);
       }
       case kU8: return normalized ? p[c] / 255.0 : p[c];
@@ -66,7 +66,7 @@ struct AccessorView {
       }
       case kI16: {
         int16_t s = 0;
-        std::memcpy(&s, p + 2 * c, sizeof s);
+        std::memcpy(&s, p + size_t{2} * static_cast<size_t>(c), sizeof s);
         const double v = s;
         return normalized ? (v < -32767.0 ? -1.0 : v / 32767.0) : v;
       }

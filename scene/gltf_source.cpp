@@ -53,11 +53,11 @@ std::optional<std::string> percent_decoded(std::string_view uri) {
   return out;
 }
 
-constexpr std::array<int8_t, 256> kBase64 = [] {
-  std::array<int8_t, 256> table{};
+constexpr std::array<int16_t, 256> kBase64 = [] {
+  std::array<int16_t, 256> table{};
   table.fill(-1);
   constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (size_t i = 0; i < alphabet.size(); ++i) table[static_cast<uint8_t>(alphabet[i])] = static_cast<int8_t>(i);
+  for (size_t i = 0; i < alphabet.size(); ++i) table[static_cast<uint8_t>(alphabet[i])] = static_cast<int16_t>(i);
   return table;
 }();
 
