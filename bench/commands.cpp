@@ -15,9 +15,12 @@ void add_all_commands(CLI::App& app, Run& run) {
       add_pose,
       add_compare,
       add_quality,
+      add_ratio,
+      add_bench,
       add_pair,
       add_view,
       add_report,
+      add_demo,
       add_schema,
   };
   // clang-format on

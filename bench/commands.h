@@ -16,12 +16,15 @@ using Run = std::function<int()>;
 using AddCommand = void (*)(CLI::App& app, Run& run);
 
 void add_bake(CLI::App& app, Run& run);
+void add_bench(CLI::App& app, Run& run);
 void add_compare(CLI::App& app, Run& run);
+void add_demo(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
 void add_inspect(CLI::App& app, Run& run);
 void add_pair(CLI::App& app, Run& run);
 void add_quality(CLI::App& app, Run& run);
 void add_pose(CLI::App& app, Run& run);
+void add_ratio(CLI::App& app, Run& run);
 void add_render(CLI::App& app, Run& run);
 void add_report(CLI::App& app, Run& run);
 void add_schema(CLI::App& app, Run& run);

@@ -507,12 +507,17 @@ StoreContents read_store(const std::filesystem::path& path, bool with_samples, b
   if (!std::filesystem::exists(path, failed))
     throw Error(where, "no such file", "make one with `crowdbench bench --out`");
   if (std::filesystem::is_directory(path, failed)) throw Error(where, "is a folder, not a result store");
-  Database database = open(where, where, SQLITE_OPEN_READONLY);
-  int code = sqlite3_exec(database.get(), "SELECT count(*) FROM sqlite_master", nullptr, nullptr, nullptr);
+  // Without a log nobody has the file open, and it can be read without leaving a log's files beside it.
+  const bool log = std::filesystem::exists(path.string() + "-wal", failed);
+  const std::string alone = uri_of(path, "?immutable=1");
+  Database database =
+      log ? open(where, where, SQLITE_OPEN_READONLY) : open(alone, where, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+  const char* probe = "SELECT count(*) FROM sqlite_master";
+  int code = sqlite3_exec(database.get(), probe, nullptr, nullptr, nullptr);
   if ((code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY) {
-    // A log cannot be opened in a folder that is not writable; then nobody else writes there either.
-    database = open(uri_of(path, "?immutable=1"), where, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-    code = sqlite3_exec(database.get(), "SELECT count(*) FROM sqlite_master", nullptr, nullptr, nullptr);
+    // The log cannot be opened in a folder that is not writable; then nobody else writes there either.
+    database = open(alone, where, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    code = sqlite3_exec(database.get(), probe, nullptr, nullptr, nullptr);
   }
   if (code != SQLITE_OK) fail(where, code, sqlite3_errmsg(database.get()));
   refuse_what_is_not_ours(database.get(), where);

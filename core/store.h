@@ -41,7 +41,7 @@ struct RunRow {
 enum class Status : uint8_t {
   valid,        // timed, and a frame of the same run passed the image check
   invalid,      // timed, but the image check failed: the reason says how
-  unreachable,  // timed, but the achieved occupancy is more than one percentage point off the requested
+  unreachable,  // not timed: the achieved occupancy is more than one percentage point off the requested
   skipped,      // not timed: the point makes no sense (the reason says why)
   stopped       // not timed: the curve ended before this point (the reason says where and why)
 };

@@ -142,7 +142,6 @@ std::string time_chart(const Scene& scene, double occupancy) {
                     {"ms", time.median / 1e6},
                     {"low", time.low / 1e6},
                     {"high", time.high / 1e6},
-                    {"shown", row->status == Status::valid ? "as asked" : "occupancy not reached"},
                     {"crowd", count_text(agents)},
                     {"median", time_text(time.median)},
                     {"interval", fmt::format("{} to {}", time_text(time.low), time_text(time.high))},
@@ -187,7 +186,6 @@ std::string time_chart(const Scene& scene, double occupancy) {
                              {"speed", "times as fast as the reference"},
                              {"wall", "wall clock"},
                              {"covers", "occupancy"},
-                             {"shown", "camera"},
                              {"rounds", "timed frames"}});
   spec["data"] = {{"values", values}};
   spec["layer"] = Json::array(
@@ -196,15 +194,7 @@ std::string time_chart(const Scene& scene, double occupancy) {
        {{"mark", {{"type", "rule"}, {"strokeWidth", 2}}},
         {"encoding", {{"x", x}, {"y", interval_y}, {"y2", {{"field", "high"}}}, {"color", colour_of(scene, false)}}}},
        {{"mark", {{"type", "point"}, {"filled", true}, {"size", 70}, {"opacity", 1}}},
-        {"encoding",
-         {{"x", x},
-          {"y", y},
-          {"color", colour_of(scene, false)},
-          {"shape",
-           {{"field", "shown"},
-            {"type", "nominal"},
-            {"scale", {{"domain", {"as asked", "occupancy not reached"}}, {"range", {"circle", "triangle-up"}}}},
-            {"legend", nullptr}}}}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, false)}}}},
        {{"data", {{"values", crossings}}},
         {"mark", {{"type", "rule"}, {"strokeDash", {4, 4}}, {"color", "#7b8794"}}},
         {"encoding", {{"x", {{"field", "agents"}, {"type", "quantitative"}}}}}},

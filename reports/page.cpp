@@ -64,9 +64,8 @@ class Page {
     for (const std::string& name : first.representations)
       if (name != first.reference) against += (against.empty() ? "" : ", ") + name;
     const std::string title =
-        against.empty()
-            ? "What a crowd costs to draw as " + first.reference
-            : fmt::format("A crowd as {}, against {}: what it costs and what it gets wrong", against, first.reference);
+        against.empty() ? "What a crowd costs to draw as " + first.reference
+                        : fmt::format("A crowd drawn as {} and as {}: cost and difference", first.reference, against);
     add("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data: blob:; style-src "
         "'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'\">\n"
@@ -92,6 +91,10 @@ class Page {
   void answer_of(const Scene& scene) {
     const std::vector<std::string> sentences = answer(scene);
     if (sentences.empty()) return;
+    html_ += "<div class=\"tiles\">\n";
+    for (const Tile& tile : tiles(scene))
+      add("<div><b>{}</b><span>{}</span></div>\n", html_escape(tile.figure), html_escape(tile.meaning));
+    html_ += "</div>\n";
     html_ += "<div class=\"answer\">\n";
     for (const std::string& sentence : sentences) add("<p>{}</p>\n", html_escape(sentence));
     html_ += "</div>\n";
@@ -104,11 +107,10 @@ class Page {
     return fmt::format("<span class=\"dot\" style=\"background:{}\"></span>{}", colour, html_escape(representation));
   }
 
-  void image(const PictureRow& picture, const std::string& caption, bool natural = false) {
-    add("<figure{}><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}"
+  void image(const PictureRow& picture, const std::string& caption) {
+    add("<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}"
         "</figcaption></figure>\n",
-        natural ? " class=\"natural\"" : "", picture.width, picture.height, html_escape(picture.caption),
-        base64(picture.png), caption);
+        picture.width, picture.height, html_escape(picture.caption), base64(picture.png), caption);
   }
 
   void chart(const std::string& spec, const std::string& title) {
@@ -206,9 +208,8 @@ class Page {
   void cost_table(const Scene& scene, double occupancy, const std::string& metric) {
     const bool fps = !scene.run->software;
     add("<h3>{}</h3>\n<div class=\"scroll\"><table>\n<tr><th class=\"l\">Representation</th><th>Agents</th><th>{}</th>"
-        "<th>95 % interval</th><th>5th to 95th percentile</th><th>Wall clock</th><th>99th percentile</th>{}<th>Times "
-        "as fast as "
-        "{}</th><th>Interval</th><th>Covered</th><th>Frames</th></tr>\n",
+        "<th>95 % interval</th><th>5th to 95th percentile</th><th>Wall clock</th><th>99th percentile</th>{}<th>Speed, "
+        "{} = 1</th><th>Interval</th><th>Covered</th><th>Frames</th></tr>\n",
         occupancy_title(occupancy),
         metric == "gpu"    ? "GPU time"
         : metric == "wall" ? "Wall clock"
@@ -300,21 +301,35 @@ class Page {
     html_ += "</table></div>\n";
   }
 
+  // One group a height: reference, test, difference. Small figures are enlarged so that their pixels can be seen.
   void agent_pictures(const Scene& scene) {
+    std::string body;
     for (const ComparisonRow* comparison : scene.agent_comparisons) {
       const PictureRow* reference = scene.picture(*comparison, "reference");
       const PictureRow* test = scene.picture(*comparison, "test");
       const PictureRow* difference = scene.picture(*comparison, "difference");
       if (reference == nullptr || test == nullptr) continue;
-      add("<h3>{:.0f} pixels tall, from {:.0f}°, {:.0f}° above</h3>\n<div class=\"pictures\">\n",
-          comparison->height_px.value_or(0), comparison->azimuth_deg.value_or(0),
-          comparison->elevation_deg.value_or(0));
-      image(*reference, fmt::format("<b>{}</b>", dot(scene, comparison->reference)), true);
-      image(*test, fmt::format("<b>{}</b>{}", dot(scene, comparison->representation), scores_caption(*comparison)),
-            true);
-      if (difference != nullptr) image(*difference, "absolute difference", true);
-      html_ += "</div>\n";
+      body += "<figure class=\"group\"><div>";
+      const int scale = std::clamp(180 / std::max(1, reference->height), 1, 4);
+      for (const PictureRow* picture : {reference, test, difference})
+        if (picture != nullptr)
+          body += fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",
+                              picture->width * scale, picture->height * scale, html_escape(picture->caption),
+                              base64(picture->png));
+      body += fmt::format("</div><figcaption><b>{:.0f} pixels tall</b>{}: {}, {}, difference",
+                          comparison->height_px.value_or(0), scale > 1 ? fmt::format(" (shown {}×)", scale) : "",
+                          html_escape(comparison->reference), html_escape(comparison->representation));
+      if (const auto iou = score_of(*comparison, "silhouette_iou"))
+        body += fmt::format("<br>silhouette IoU {:.3f}", *iou);
+      if (const auto ssim = score_of(*comparison, "ssim")) body += fmt::format(", SSIM {:.3f}", *ssim);
+      body += "</figcaption></figure>\n";
+      if (caption_.empty())
+        caption_ = fmt::format("Seen from {:.0f}° beside the front and {:.0f}° above.",
+                               comparison->azimuth_deg.value_or(0), comparison->elevation_deg.value_or(0));
     }
+    if (!body.empty())
+      add("<h3>One agent by height</h3>\n<p class=\"note\">{}</p>\n<div class=\"groups\">\n{}</div>\n", caption_, body);
+    caption_.clear();
   }
 
   void crowd_table(const Scene& scene) {
@@ -524,6 +539,7 @@ class Page {
   std::vector<Scene> scenes_;
   std::vector<std::string> colours_;
   std::string html_;
+  std::string caption_;
   int charts_ = 0;
 };
 

@@ -141,9 +141,7 @@ std::string metric_title(const std::string& metric) {
   return "process CPU time";
 }
 
-bool is_timed(const MeasurementRow& row) {
-  return (row.status == Status::valid || row.status == Status::unreachable) && row.frame_ns.has_value();
-}
+bool is_timed(const MeasurementRow& row) { return row.status == Status::valid && row.frame_ns.has_value(); }
 
 std::vector<CrossoverLine> crossovers_of(const Scene& scene, const std::string& metric) {
   std::vector<CrossoverLine> lines;
@@ -269,6 +267,46 @@ std::vector<std::string> answer(const Scene& scene) {
     if (!text.empty()) sentences.push_back(text);
   }
   return sentences;
+}
+
+std::vector<Tile> tiles(const Scene& scene) {
+  std::vector<Tile> all;
+  if (scene.representations.size() < 2 || scene.occupancies.empty()) return all;
+  const std::string& name = scene.representations[1];
+  const std::string& metric = scene.run->headline;
+  const double occupancy = scene.occupancies.front();
+  const std::string at = occupancy > 0 ? " at " + percent_text(occupancy) + " occupancy" : std::string();
+  for (auto agents = scene.agents.rbegin(); agents != scene.agents.rend(); ++agents) {
+    const MeasurementRow* row = scene.find(name, *agents, occupancy);
+    const RatioRow* ratio = scene.ratio("speed", name, *agents, occupancy, metric);
+    if (row == nullptr || ratio == nullptr || !is_timed(*row)) continue;
+    all.push_back({factor_text(ratio->ratio) + "×",
+                   fmt::format("the speed of {} with {}{}", scene.reference, agents_text(*agents), at)});
+    break;
+  }
+  for (const CrossoverLine& line : crossovers_of(scene, metric))
+    if (line.occupancy == occupancy && line.first == scene.reference && line.second == name && line.agents) {
+      all.push_back({fmt::format("{:.0f} agents", *line.agents),
+                     fmt::format("from there on {} is the cheaper one{}", line.cheaper_beyond, at)});
+      break;
+    }
+  const auto overlap = scores_by_height(scene, "silhouette_iou");
+  const ScoreByHeight* nearest = nullptr;
+  for (const ScoreByHeight& score : overlap)
+    if (score.representation == name &&
+        (nearest == nullptr || std::abs(std::log(score.height_px / 64)) < std::abs(std::log(nearest->height_px / 64))))
+      nearest = &score;
+  if (nearest != nullptr)
+    all.push_back(
+        {percent_text(nearest->mean), fmt::format("of the silhouette right, {:.0f} pixels tall (intersection over "
+                                                  "union, mean of {} views)",
+                                                  nearest->height_px, nearest->views)});
+  for (const MeasurementRow* row : scene.rows)
+    if (row->key.representation == name && row->texture_bytes && row->buffer_bytes) {
+      all.push_back({bytes_text(*row->texture_bytes + *row->buffer_bytes), "of textures and buffers on the GPU"});
+      break;
+    }
+  return all;
 }
 
 std::string count_text(uint64_t count) {

@@ -40,7 +40,7 @@ std::vector<Scene> scenes_of(const StoreContents& contents);
 const std::optional<TimeSummary>& time_of(const MeasurementRow& row, const std::string& metric);
 std::string metric_title(const std::string& metric);  // "process CPU time", "wall-clock time", "GPU time"
 
-// Whether the row carries a time (valid, or unreachable, which is a time of another picture than asked for).
+// Whether the row carries a time that counts: curves, crossings and figures are made of these alone.
 bool is_timed(const MeasurementRow& row);
 
 // Where two curves of time against agents cross, by log-log interpolation between measured points.
@@ -66,6 +66,14 @@ struct ScoreByHeight {
 std::vector<ScoreByHeight> scores_by_height(const Scene& scene, const std::string& score);
 
 std::optional<double> score_of(const ComparisonRow& comparison, const std::string& name);
+
+// The answer at a glance: a figure and what it is, in the order of reading; of the first representation that is not the
+// reference.
+struct Tile {
+  std::string figure;
+  std::string meaning;
+};
+std::vector<Tile> tiles(const Scene& scene);
 
 // The answer, in a few sentences without markup: what it costs, from where on it pays, what it gets wrong.
 std::vector<std::string> answer(const Scene& scene);

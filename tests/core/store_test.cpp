@@ -357,6 +357,17 @@ TEST_F(StoreTest, ReadsFromAFolderThatCannotBeWritten) {
   std::filesystem::permissions(folder_, std::filesystem::perms::owner_all);
 }
 
+TEST_F(StoreTest, ReadingLeavesNothingBeside) {
+  {
+    StoreWriter store(file_);
+    store.write(a_measurement(store.write(a_run())));
+  }
+  EXPECT_EQ(read_store(file_).measurements.size(), 1U);
+  size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_)) ++files;
+  EXPECT_EQ(files, 1U);
+}
+
 TEST_F(StoreTest, TheViewIsOneRowAMeasurementWithProvenance) {
   {
     StoreWriter store(file_);

@@ -1,0 +1,264 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+
+#include "bench/bench_run.h"
+#include "bench/commands.h"
+#include "bench/quality.h"
+#include "bench/scene_options.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/image_io.h"
+#include "core/progress.h"
+#include "metrics/pseudocolour.h"
+#include "reports/page.h"
+#include "studies/pair.h"
+
+namespace crowdbench::bench {
+namespace {
+
+struct Options {
+  std::vector<std::string> characters;
+  std::string out = "crowdbench-demo";
+  std::string representation = "flat";
+  std::string device;
+  bool no_clip = false;
+  bool tiny = false;
+};
+
+// Says what is going on and when, one line a step.
+class Steps {
+ public:
+  explicit Steps(size_t total) : total_(total) {}
+  void next(const std::string& text) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    fmt::print(stderr, "[{}/{}, {:.0f} s] {}\n", ++done_, total_, seconds, text);
+  }
+
+ private:
+  size_t total_;
+  size_t done_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string file_stem(const scene::Cast& cast) {
+  std::string stem;
+  for (const char c : cast_name(cast))
+    stem += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ? c : '_';
+  return stem.substr(0, 60);
+}
+
+scene::Scenario demo_scenario(const std::string& character) {
+  scene::Scenario scenario;
+  scenario.name = "demo";
+  scene::CharacterEntry entry;
+  entry.source = character;
+  scenario.characters = {entry};
+  return scenario;
+}
+
+// A larger, anti-aliased view of the crowd on its ground: for looking at, not for measuring.
+void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario scenario, const Options& options,
+                 StoreWriter& store, int64_t run) {
+  scenario.width = options.tiny ? 160 : 1280;
+  scenario.height = options.tiny ? 90 : 720;
+  scenario.ground = true;
+  scenario.crowd.agents = options.tiny ? 10 : 250;
+  scenario.crowd.spacing = 1.3;
+  scenario.camera.keys = {{0.0, scene::Camera{{5.5, 3.4, 11.5}, {0.0, 0.7, 0.0}}}};
+  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
+  scene::Frame frame = scene::make_frame(scenario, cast, crowd, scenario.camera.at(0), 20);
+  frame.ground = true;
+  renderers::Renderer renderer(context, cast);
+  for (const std::string& name : {std::string("mesh"), options.representation}) {
+    const auto representation = renderers::make_representation({context, cast}, renderers::parse_spec(name));
+    const renderers::Capture capture =
+        renderer.capture(frame, *representation, {.supersample = options.tiny ? 1 : 3, .linear = false});
+    Image8 rgb(capture.colour.width, capture.colour.height, 3);
+    for (size_t i = 0; i < rgb.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) rgb.data[3 * i + c] = capture.colour.data[4 * i + c];
+    const std::filesystem::path path =
+        std::filesystem::path(options.out) / fmt::format("{}-{}.png", file_stem(cast), name.substr(0, name.find(':')));
+    write_png(path, rgb, picture_metadata(scenario, name));
+    store.write(PictureRow{0, run, std::nullopt, "hero", fmt::format("{} agents as {}", crowd.size(), name), rgb.width,
+                           rgb.height, encode_png(rgb)});
+    throw_if_interrupted();
+  }
+}
+
+void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& options, StoreWriter& store,
+                  int64_t run) {
+  QualitySetup setup;
+  setup.character = cast.characters.front();
+  setup.representations = {options.representation};
+  const int clip = setup.character->placement.default_clip;
+  const scene::Clip* motion = clip >= 0 ? &setup.character->clips[static_cast<size_t>(clip)] : nullptr;
+  const std::vector<double> heights =
+      options.tiny ? std::vector<double>{48} : std::vector<double>{16, 32, 64, 128, 256};
+  const std::vector<double> azimuths = options.tiny ? std::vector<double>{0} : std::vector<double>{0, 37, 101, 180};
+  for (const double height : heights)
+    for (const double elevation : {0.0, 15.0})
+      for (const double azimuth : azimuths)
+        for (const double part : {0.1, 0.6}) {
+          QualityView view;
+          view.height_px = height;
+          view.azimuth_deg = azimuth;
+          view.elevation_deg = elevation;
+          view.clip = clip;
+          view.time = motion != nullptr ? motion->start + part * motion->duration() : 0;
+          setup.views.push_back(view);
+        }
+  store.begin();
+  compute_quality(context, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
+    throw_if_interrupted();
+    ComparisonRow comparison;
+    comparison.run = run;
+    comparison.kind = "agent";
+    comparison.representation = row.representation;
+    comparison.reference = "mesh";
+    comparison.character = cast_name(cast);
+    comparison.height_px = row.view.height_px;
+    comparison.azimuth_deg = row.view.azimuth_deg;
+    comparison.elevation_deg = row.view.elevation_deg;
+    comparison.clip = motion != nullptr ? motion->name : "none";
+    comparison.time = row.view.time;
+    const auto score = [&](const char* name, const std::optional<double>& value) {
+      comparison.scores.push_back({name, value, value ? "" : "does not exist for this picture"});
+    };
+    const metrics::FigureScores& scores = row.scores;
+    score("silhouette_iou", scores.silhouette_iou);
+    score("boundary_px_mean", scores.boundary ? std::optional(scores.boundary->mean) : std::nullopt);
+    score("boundary_px_p95", scores.boundary ? std::optional(scores.boundary->p95) : std::nullopt);
+    score("ssim", scores.ssim);
+    score("ssim_union", scores.ssim_union);
+    score("psnr", scores.psnr);
+    const int64_t id = store.write(comparison);
+    // One view of each height is shown.
+    if (row.view.azimuth_deg != azimuths[azimuths.size() / 4] || row.view.elevation_deg != 15.0 ||
+        row.view.time != setup.views.front().time)
+      return;
+    const auto box =
+        metrics::crop_box(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids), 8);
+    if (box)
+      write_pictures(store, run, id, metrics::crop(pictures.reference.colour, *box),
+                     metrics::crop(pictures.test.colour, *box), "mesh", row.representation, false);
+  });
+  store.commit();
+}
+
+std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scenario scenario, const Options& options) {
+  studies::PairRequest request;
+  scenario.width = options.tiny ? 64 : 640;
+  scenario.height = options.tiny ? 48 : 320;
+  scenario.ground = true;
+  scenario.crowd.agents = options.tiny ? 4 : 100;
+  scenario.camera.keys = {{0.0, scene::Camera{{3.0, 2.6, 8.5}, {0.0, 0.8, 0.0}}}};
+  request.crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
+  request.scenario = scenario;
+  request.a = renderers::parse_spec("mesh");
+  request.b = renderers::parse_spec(options.representation);
+  request.frames = options.tiny ? 3 : 90;
+  request.clip.title = "crowdbench demo";
+  const auto path = std::filesystem::path(options.out) / (file_stem(cast) + "-pair.mp4");
+  const studies::Pair pair = studies::export_pair(context, cast, request, path);
+  return pair.clip.accurate ? path.string() : std::string();
+}
+
+int run_demo(const Options& options) {
+  const std::vector<std::string> characters =
+      options.characters.empty() ? std::vector<std::string>{"mannequin"} : options.characters;
+  const std::filesystem::path folder = options.out;
+  const std::filesystem::path results = folder / "results.sqlite";
+  // The demonstration always starts anew: its own results go, nothing else does.
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(results.string() + suffix, ignored);
+  StoreWriter store(results);
+  const std::unique_ptr<gl::Context> opened = open_context(options.device);
+  gl::Context& context = *opened;
+  const TimingMeans means = choose_timing(context);
+  Steps steps(characters.size() * (options.no_clip ? 3 : 4) + 1);
+  int status = 0;
+  for (const std::string& character : characters) {
+    const scene::Scenario scenario = demo_scenario(character);
+    const scene::Cast cast = scene::load_cast(scenario);
+    std::string arguments = "demo";
+    for (const std::string& name : options.characters) arguments += " " + name;
+    RunRow run = describe_run(context, means, scenario, "demo", arguments);
+    run.id = store.write(run);
+
+    steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));
+    draw_heroes(context, cast, scenario, options, store, run.id);
+
+    steps.next(fmt::format("{}: timing mesh and {} in turns", cast_name(cast), options.representation));
+    SweepRequest request;
+    request.scenario = scenario;
+    request.representations = {renderers::parse_spec(options.representation)};
+    request.budget_ms = 6000;
+    request.time_limit_s = options.tiny ? 0.1 : 7;
+    request.rounds = options.tiny ? 10 : 24;
+    SweepSummary summary;
+    {
+      Progress progress("demo", 0);
+      for (const auto& [occupancy, agents] : options.tiny
+                                                 ? std::vector<std::pair<double, std::vector<uint32_t>>>{{0.15, {1, 5}}}
+                                                 : std::vector<std::pair<double, std::vector<uint32_t>>>{
+                                                       {0.15, {1, 10, 100, 250, 1000}}, {0.9, {10, 100, 250}}}) {
+        request.occupancies = {occupancy};
+        request.agents = agents;
+        const SweepSummary part =
+            run_sweep(context, cast, means, run, request, store, [&](const std::string& now) { progress.note(now); });
+        summary.invalid += part.invalid;
+        summary.remarks.insert(summary.remarks.end(), part.remarks.begin(), part.remarks.end());
+      }
+    }
+    for (const std::string& remark : summary.remarks) fmt::print(stderr, "  {}\n", remark);
+    if (summary.invalid > 0) status = 1;
+
+    steps.next(fmt::format("{}: comparing single agents with the mesh", cast_name(cast)));
+    judge_agents(context, cast, options, store, run.id);
+
+    if (!options.no_clip) {
+      steps.next(fmt::format("{}: encoding both as one clip", cast_name(cast)));
+      try {
+        const std::string path = make_clip(context, cast, scenario, options);
+        fmt::print(stderr, "  {}\n", path.empty() ? "the clip missed its accuracy and was not kept" : path);
+      } catch (const Error& error) {
+        // A bundle without FFmpeg still makes its report.
+        fmt::print(stderr, "  no clip: {}\n", error.what());
+      }
+    }
+  }
+  steps.next("writing the report");
+  const std::filesystem::path page = folder / "report.html";
+  write_file(page, std::string_view(reports::report_page(read_store(results), {results.filename().string()})));
+  fmt::print("{}\n", std::filesystem::absolute(page).lexically_normal().string());
+  return status;
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, Run& run) {
+  CLI::App* command =
+      app.add_subcommand("demo", "All of it in one go: pictures, times, differences, a clip and the report");
+  command->footer(
+      "Takes a few minutes on two cores without a GPU. Prints the path of the report last.\nExamples:\n  crowdbench "
+      "demo\n  "
+      "crowdbench demo robot.glb --out robot-demo");
+  auto options = std::make_shared<Options>();
+  command->add_option("CHARACTER", options->characters, "glTF files or mannequin[:key=value,...] [mannequin]")
+      ->type_name("C...");
+  command->add_option("--representation", options->representation, "what is held against the mesh")
+      ->type_name("R")
+      ->capture_default_str();
+  command->add_option("--out", options->out, "folder for the report, the result file, pictures and clips")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command->add_option("--device", options->device, "N or software")->type_name("D");
+  command->add_flag("--no-clip", options->no_clip, "leave the clip out");
+  command->add_flag("--tiny", options->tiny, "a few agents and small pictures: to see that it runs, not to learn from");
+  command->callback([options, &run] { run = [options] { return run_demo(*options); }; });
+}
+
+}  // namespace crowdbench::bench
