@@ -1,6 +1,7 @@
 #include "renderers/flat/flat.h"
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
+#include "renderers/relief/relief.h"
 #include "renderers/representation.h"
 
 namespace crowdbench::renderers {
@@ -12,6 +13,7 @@ const std::vector<RepresentationType>& representation_types() {
       mesh_type,
       flat_type,
       hybrid_type,
+      relief_type,
   };
   return types;
 }

@@ -1,0 +1,209 @@
+#version 450 core
+// Where the view ray meets a joint's stored surface.
+//
+// Based on: Beacco et al. 2011 (dual-depth maps on the faces of a joint's box, linear search, binary refinement).
+// Differs from the source, and why:
+// - The ray is clipped to the box and marched from where it enters to where it leaves, in the map of the face whose axis it
+//   crosses most of, so nothing is divided by a component that a grazing ray can make zero. The printed loop divides by the
+//   ray's component along the rasterised face's normal.
+// - One fragment a ray, also with the eye inside: back faces are rasterised, or the outline of a tighter hull.
+// - A step is an interval: the part of the ray above half a texel is compared with that texel's [front, back]. A surface as thin as
+//   one depth value cannot be stepped over, and front == back needs no special case. The printed loop samples points, never
+//   depth 0, and gives up at the first sample off the map.
+// - The hit's depth is written.
+#include "renderers/shaders/shading.glsl"
+#include "renderers/shaders/output.glsl"
+#include "renderers/relief/relief_records.glsl"
+
+layout(location = 0) in vec3 v_anchor;
+layout(location = 1) flat in vec4 v_eye_depth;
+layout(location = 2) flat in vec3 v_light;
+layout(location = 3) flat in uvec4 v_maps;
+layout(location = 4) flat in uvec3 v_identity;
+
+layout(binding = RELIEF_TEXTURE_DEPTH) uniform sampler2D depth_map;    // least and greatest depth along the axis
+layout(binding = RELIEF_TEXTURE_COLOUR) uniform sampler2D colour_map;  // sRGB colour, part
+layout(binding = RELIEF_TEXTURE_NORMAL) uniform sampler2D normal_map;  // bind-space normal, unlit
+layout(std430, binding = CB_STORAGE_PALETTE) readonly restrict buffer Palette { vec4 palette[]; };
+
+float stored_depth(float metres) { return -frame.projection[2][2] + frame.projection[3][2] / metres; }
+
+#ifdef DEBUG
+vec3 heat(float t) { return clamp(vec3(1.5 - abs(4.0 * t - 3.0), 1.5 - abs(4.0 * t - 2.0), 1.5 - abs(4.0 * t - 1.0)), 0.0, 1.0); }
+#endif
+
+void main() {
+  // The ray through the anchor, a point in front of the eye; s counts backwards from the anchor (0) to the eye (1).
+  vec3 ray = v_anchor - v_eye_depth.xyz;
+#ifdef HULL
+  float anchor_depth = v_eye_depth.w;
+#else
+  float anchor_depth = 1.0 / gl_FragCoord.w;
+#endif
+
+  int texels = int(v_maps.y & 1023u);
+
+  // Clipped by slabs to the captured surface's own bounds, which end on the centres of the outermost texels: s in
+  // [s_far, s_near]. (The outer half of those texels would widen every silhouette.)
+  float margin = 0.5 / float(texels);
+  bvec3 forward = greaterThan(ray, vec3(0.0));
+  vec3 reach = max(abs(ray), 1e-20);
+  vec3 inverse_reach = 1.0 / reach;
+  vec3 slab = (mix(1.0 - v_anchor, v_anchor, forward) - margin) * inverse_reach;
+  vec3 leave = slab - (1.0 - 2.0 * margin) * inverse_reach;
+  float s_near = min(min(min(slab.x, slab.y), slab.z), 1.0 - frame.lens.x / anchor_depth);
+  float span = s_near - max(max(leave.x, leave.y), leave.z);
+
+  // The axis that the ray crosses most of, counted in texels (the three maps have as many). Along it the ray goes up: for one
+  // that goes down, the depths are mirrored.
+  int axis = reach.x >= reach.y && reach.x >= reach.z ? 0 : (reach.y >= reach.z ? 1 : 2);
+  vec3 from = v_anchor - s_near * ray;
+  vec3 delta = span * ray;
+  from = axis == 0 ? from.yzx : axis == 1 ? from.zxy : from;
+  delta = axis == 0 ? delta.yzx : axis == 1 ? delta.zxy : delta;
+  bool down = delta.z < 0.0;
+  if (down) {
+    from.z = 1.0 - from.z;
+    delta.z = -delta.z;
+  }
+
+  int size = int(v_maps.y >> 10u & 1023u);
+  int column = int(v_maps.y >> 20u);
+  ivec2 low = ivec2(v_maps.x & 65535u, v_maps.x >> 16u) + ivec2(axis * texels + column, 0);
+  ivec2 high = low + (size - 1);
+  vec2 start = vec2(low) + from.xy * float(size);
+  vec2 across = delta.xy * float(size);
+  float hit = -1.0;  // depth along the axis
+  ivec2 texel = low;
+#ifdef DEBUG
+  int taps = 0;
+#define COUNT_TAP ++taps
+#else
+#define COUNT_TAP
+#endif
+
+  if (span > 0.0) {
+#if SEARCH == RELIEF_SEARCH_ADAPTIVE
+#ifdef RELIEF_FLOOR
+    int steps = 1;
+#else
+    // Two steps a texel: the interval of a longer one reaches into the neighbours and widens silhouettes.
+    int steps = clamp(int(ceil(2.0 * max(abs(across.x), abs(across.y)))), 1, STEPS);
+#endif
+    float inverse_steps = 1.0 / float(steps);
+    vec2 move = across * inverse_steps;
+    float rise = delta.z * inverse_steps;
+    vec2 at = start + 0.5 * move;
+    float c = from.z - SLACK;
+    for (int i = 0; i < steps; ++i) {
+      texel = clamp(ivec2(at), low, high);
+      vec2 bounds = texelFetch(depth_map, texel, 0).rg;
+      COUNT_TAP;
+      if (down) bounds = 1.0 - bounds.yx;
+      float enter = max(bounds.x, c);
+      if (enter <= min(bounds.y, c + rise + 2.0 * SLACK)) {
+        hit = enter;
+        break;
+      }
+      c += rise;
+      at += move;
+    }
+#else
+    float below = 0.0;
+    for (int i = 0; i <= STEPS; ++i) {
+      float t = float(i) / float(STEPS);
+      float c = from.z + delta.z * t;
+      texel = clamp(ivec2(start + across * t), low, high);
+      vec2 bounds = texelFetch(depth_map, texel, 0).rg;
+      COUNT_TAP;
+      if (down) bounds = 1.0 - bounds.yx;
+      if (bounds.x - SLACK <= c && c <= bounds.y + SLACK) {
+        float above = t;
+        for (int k = 0; k < BINARY; ++k) {
+          float middle = 0.5 * (below + above);
+          c = from.z + delta.z * middle;
+          ivec2 there = clamp(ivec2(start + across * middle), low, high);
+          bounds = texelFetch(depth_map, there, 0).rg;
+          COUNT_TAP;
+          if (down) bounds = 1.0 - bounds.yx;
+          if (bounds.x - SLACK <= c && c <= bounds.y + SLACK) {
+            above = middle;
+            texel = there;
+          } else {
+            below = middle;
+          }
+        }
+        hit = from.z + delta.z * above;
+        break;
+      }
+      below = t;
+    }
+#endif
+  }
+
+#if defined(DEBUG) && DEBUG == RELIEF_DEBUG_BOXES
+  gl_FragDepth = stored_depth(anchor_depth);
+  write_output(0.5 + 0.5 * cos(6.2831853 * (float(v_identity.z) * 0.381966 + vec3(0.0, 0.33, 0.67))), v_identity.y);
+  return;
+#endif
+#if defined(DEBUG) && DEBUG == RELIEF_DEBUG_MISSES
+  if (hit < 0.0) {
+    gl_FragDepth = stored_depth(anchor_depth);
+    write_output(vec3(0.8, 0.05, 0.05), 0u);
+    return;
+  }
+#endif
+  if (hit < 0.0) discard;
+
+  float s = s_near - span * clamp((hit - from.z) / max(delta.z, 1e-20), 0.0, 1.0);
+  gl_FragDepth = stored_depth(anchor_depth * (1.0 - s));
+
+  int side = down ? 1 : 0;
+#ifdef ATTRIBUTE
+  // The march finds the point; which of the faces that look toward the eye stores the surface there is another matter: a
+  // column's side wall belongs to another axis. Take the face whose stored depth is nearest to the point.
+  vec3 edges = unpackUnorm4x8(v_maps.z).xyz;
+  vec3 point = v_anchor - s * ray;
+  float nearest = 1e30;
+  ivec2 corner = ivec2(v_maps.x & 65535u, v_maps.x >> 16u) + ivec2(column, 0);
+  int main_axis = axis;
+  for (int k = 0; k < 3; ++k) {
+    vec3 p = k == 0 ? point.yzx : k == 1 ? point.zxy : point;
+    ivec2 left = corner + ivec2(k * texels, 0);
+    ivec2 there = clamp(left + ivec2(p.xy * float(size)), left, left + (size - 1));
+    vec2 bounds = texelFetch(depth_map, there, 0).rg;
+    if (bounds.x > bounds.y) continue;
+    // In metres of the longest edge. A face that the ray grazes costs a little; one that looks away, as at the rim of a round
+    // limb, a little more.
+    float facing = reach[k] / reach[main_axis];
+    vec2 miss = (abs(p.z - bounds) + (forward[k] ? vec2(0.02 * (1.0 - facing), 0.02 * (1.0 + facing))
+                                                 : vec2(0.02 * (1.0 + facing), 0.02 * (1.0 - facing)))) * edges[k];
+    float least = min(miss.x, miss.y);
+    if (least < nearest) {
+      nearest = least;
+      axis = k;
+      side = miss.x <= miss.y ? 0 : 1;
+      texel = there;
+    }
+  }
+#endif
+  // The colour atlas holds two maps where the depth atlas holds one.
+  texel.x += int(v_maps.x & 65535u) + (axis + side) * texels;
+  vec4 colour = texelFetch(colour_map, texel, 0);
+  vec4 normal = texelFetch(normal_map, texel, 0);
+  vec3 n = normal.xyz * 2.0 - 1.0;
+  float square = max(dot(n, n), 1e-6);
+  float lambert = dot(n, v_light) * inversesqrt(square);
+  if (v_maps.z >> 24u != 0u) {
+    // A joint that shears or stretches turns normals as the mesh's shader does.
+    vec3 world = vec3(dot(palette[v_maps.w].xyz, n), dot(palette[v_maps.w + 1u].xyz, n), dot(palette[v_maps.w + 2u].xyz, n));
+    lambert = dot(world, frame.light_direction.xyz) * inversesqrt(max(dot(world, world), 1e-30));
+  }
+  vec3 shown = shade_lit(colour.rgb, max(lambert, 0.0), uint(colour.a * 255.0 + 0.5), v_identity.x, normal.a > 0.5, vec3(0.0));
+#if defined(DEBUG) && DEBUG == RELIEF_DEBUG_STEPS
+  shown = heat(float(taps) / 32.0);
+#elif defined(DEBUG) && DEBUG == RELIEF_DEBUG_HIT_FACE
+  shown = (axis == 0 ? vec3(1.0, 0.2, 0.2) : axis == 1 ? vec3(0.2, 1.0, 0.2) : vec3(0.2, 0.3, 1.0)) * (side == 0 ? 0.5 : 1.0);
+#endif
+  write_output(shown, v_identity.y);
+}

@@ -1,0 +1,368 @@
+// Based on: Beacco, Spanlang, Andujar and Pelechano, "A flexible approach for output-sensitive rendering of animated
+// characters" (CGF 2011): one box a joint, six dual-depth relief maps a box. Differs from the source: the two faces of
+// an axis are captured together, so that their depths agree exactly and are stored once; depth has 16 bits before the
+// renderer chooses how many it keeps; a texel is covered when its centre is.
+#include "renderers/relief/relief_bake.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "core/colour.h"
+#include "core/error.h"
+#include "scene/pose.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+using scene::Character;
+
+// A texture as linear light in a box-filtered pyramid: a texel of a relief map may cover many texels of the skin.
+class LinearPyramid {
+ public:
+  explicit LinearPyramid(const scene::Texture& texture) : texture_(texture) {
+    std::array<float, 256> decode{};
+    for (int i = 0; i < 256; ++i) decode[static_cast<size_t>(i)] = static_cast<float>(srgb_to_linear(i / 255.0));
+    const Image8& image = texture.image;
+    Level base{image.width, image.height, std::vector<glm::vec3>(image.pixels())};
+    for (size_t i = 0; i < base.texels.size(); ++i) {
+      const uint8_t* p = image.data.data() + i * static_cast<size_t>(image.channels);
+      base.texels[i] = {decode[p[0]], decode[p[1]], decode[p[2]]};
+    }
+    levels_.push_back(std::move(base));
+    while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(halved(levels_.back()));
+  }
+
+  // footprint: texels of level 0 that one sample spans.
+  glm::vec3 sample(glm::dvec2 uv, double footprint) const {
+    const double wanted = footprint > 1.0 ? std::log2(footprint) : 0.0;
+    const auto level = std::min(static_cast<size_t>(wanted + 0.5), levels_.size() - 1);
+    const Level& l = levels_[level];
+    const double x = uv.x * l.width - 0.5;
+    const double y = uv.y * l.height - 0.5;
+    const double x0 = std::floor(x);
+    const double y0 = std::floor(y);
+    const auto fx = static_cast<float>(x - x0);
+    const auto fy = static_cast<float>(y - y0);
+    const auto at = [&](double i, double j) {
+      const int xi = wrap(i, l.width, texture_.repeat_u, texture_.mirrored_u);
+      const int yi = wrap(j, l.height, texture_.repeat_v, texture_.mirrored_v);
+      return l.texels[static_cast<size_t>(yi) * static_cast<size_t>(l.width) + static_cast<size_t>(xi)];
+    };
+    return glm::mix(glm::mix(at(x0, y0), at(x0 + 1, y0), fx), glm::mix(at(x0, y0 + 1), at(x0 + 1, y0 + 1), fx), fy);
+  }
+  int width() const { return levels_[0].width; }
+  int height() const { return levels_[0].height; }
+
+ private:
+  struct Level {
+    int width;
+    int height;
+    std::vector<glm::vec3> texels;
+  };
+
+  static int wrap(double i, int n, bool repeat, bool mirrored) {
+    if (!repeat) return static_cast<int>(std::clamp(i, 0.0, n - 1.0));
+    const double period = mirrored ? 2.0 * n : n;
+    const double m = i - period * std::floor(i / period);
+    const int k = std::min(static_cast<int>(m), static_cast<int>(period) - 1);
+    return k < n ? k : 2 * n - 1 - k;
+  }
+
+  static Level halved(const Level& from) {
+    Level to{std::max(1, from.width / 2), std::max(1, from.height / 2), {}};
+    to.texels.resize(static_cast<size_t>(to.width) * static_cast<size_t>(to.height));
+    for (int y = 0; y < to.height; ++y) {
+      for (int x = 0; x < to.width; ++x) {
+        const int x1 = std::min(2 * x + 1, from.width - 1);
+        const int y1 = std::min(2 * y + 1, from.height - 1);
+        const auto at = [&](int i, int j) {
+          return from.texels[static_cast<size_t>(j) * static_cast<size_t>(from.width) + static_cast<size_t>(i)];
+        };
+        to.texels[static_cast<size_t>(y) * static_cast<size_t>(to.width) + static_cast<size_t>(x)] =
+            0.25F * (at(std::min(2 * x, from.width - 1), std::min(2 * y, from.height - 1)) +
+                     at(x1, std::min(2 * y, from.height - 1)) + at(std::min(2 * x, from.width - 1), y1) + at(x1, y1));
+      }
+    }
+    return to;
+  }
+
+  const scene::Texture& texture_;
+  std::vector<Level> levels_;
+};
+
+struct Winner {
+  uint32_t triangle = UINT32_MAX;
+  double b1 = 0;  // barycentric weights of the second and third corner
+  double b2 = 0;
+  double depth = 0;
+};
+
+// Everything that capturing one box reads.
+struct Source {
+  const Character& character;
+  const std::vector<int>& material_of_triangle;
+  const std::vector<LinearPyramid>& pyramids;
+};
+
+uint8_t byte_of(double unit) { return static_cast<uint8_t>(std::clamp(unit, 0.0, 1.0) * 255.0 + 0.5); }
+
+void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_from_capture,
+           const std::vector<glm::dvec3>& normals, int axis, int side, const glm::dmat3& unit_from_bind,
+           double texel_area_unit, const std::array<glm::dvec3, 3>& corners_uv, uint8_t* colour, uint8_t* normal) {
+  const scene::Mesh& mesh = source.character.mesh;
+  const std::array<uint32_t, 3> v{mesh.indices[3 * winner.triangle], mesh.indices[3 * winner.triangle + 1],
+                                  mesh.indices[3 * winner.triangle + 2]};
+  const double b0 = 1.0 - winner.b1 - winner.b2;
+  const scene::Material& material =
+      source.character.materials[static_cast<size_t>(source.material_of_triangle[winner.triangle])];
+  glm::dvec3 albedo = glm::dvec3(material.base_colour);
+  if (!mesh.colours.empty())
+    albedo *= glm::dvec3(mesh.colours[v[0]]) * b0 + glm::dvec3(mesh.colours[v[1]]) * winner.b1 +
+              glm::dvec3(mesh.colours[v[2]]) * winner.b2;
+  if (material.base_colour_image >= 0 && !mesh.uvs.empty()) {
+    const LinearPyramid& pyramid = source.pyramids[static_cast<size_t>(material.base_colour_image)];
+    const glm::dvec2 t0(mesh.uvs[v[0]]);
+    const glm::dvec2 t1(mesh.uvs[v[1]]);
+    const glm::dvec2 t2(mesh.uvs[v[2]]);
+    // Texels of the skin under one texel of the map: the ratio of the triangle's areas in the two planes.
+    const glm::dvec2 e1 = (t1 - t0) * glm::dvec2(pyramid.width(), pyramid.height());
+    const glm::dvec2 e2 = (t2 - t0) * glm::dvec2(pyramid.width(), pyramid.height());
+    const double skin_area = std::abs(e1.x * e2.y - e1.y * e2.x);
+    const glm::dvec3 p1 = corners_uv[1] - corners_uv[0];
+    const glm::dvec3 p2 = corners_uv[2] - corners_uv[0];
+    const double map_area = std::abs(p1.x * p2.y - p1.y * p2.x) / texel_area_unit;
+    const double footprint = std::sqrt(skin_area / std::max(map_area, 1e-9));
+    albedo *= glm::dvec3(pyramid.sample(t0 * b0 + t1 * winner.b1 + t2 * winner.b2, std::min(footprint, 64.0)));
+  }
+  for (int c = 0; c < 3; ++c) colour[c] = linear_to_srgb8(albedo[c]);
+  colour[3] = material.part;
+
+  glm::dvec3 n = bind_from_capture * (normals[v[0]] * b0 + normals[v[1]] * winner.b1 + normals[v[2]] * winner.b2);
+  const double length = glm::length(n);
+  n = length > 0 ? n / length : glm::dvec3(0, 1, 0);
+  // A back face seen through an opening shows its inner side: the normal turns toward the face that sees it.
+  const double along = (unit_from_bind * n)[axis];
+  if (material.double_sided && ((side == 0 && along > 0) || (side == 1 && along < 0))) n = -n;
+  for (int c = 0; c < 3; ++c) normal[c] = byte_of(0.5 + 0.5 * n[c]);
+  normal[3] = material.unlit ? 255 : 0;
+}
+
+// The box, without its maps' resolution: bounds in the joint's frame, tight around the triangles.
+struct Bounds {
+  glm::dvec3 low{std::numeric_limits<double>::infinity()};
+  glm::dvec3 high{-std::numeric_limits<double>::infinity()};
+  double longest = 0;  // metres, at the capture pose
+};
+
+Bounds bounds_of(const Source& source, const std::vector<uint32_t>& triangles, const std::vector<glm::dvec3>& positions,
+                 const glm::dmat4& capture_from_bind, int joint) {
+  const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(joint)].inverse_bind;
+  const glm::dmat4 joint_from_capture = joint_from_bind * glm::inverse(capture_from_bind);
+  Bounds bounds;
+  for (const uint32_t t : triangles) {
+    for (uint32_t corner = 0; corner < 3; ++corner) {
+      const glm::dvec3 p(joint_from_capture *
+                         glm::dvec4(positions[source.character.mesh.indices[3 * t + corner]], 1.0));
+      bounds.low = glm::min(bounds.low, p);
+      bounds.high = glm::max(bounds.high, p);
+    }
+  }
+  const glm::dmat3 capture_from_joint(glm::inverse(joint_from_capture));
+  for (int a = 0; a < 3; ++a)
+    bounds.longest = std::max(bounds.longest, glm::length(capture_from_joint[a]) * (bounds.high[a] - bounds.low[a]));
+  return bounds;
+}
+
+// The prism along the box's longest edge around points in unit coordinates: the square of the other two coordinates,
+// cut by four lines at 45 degrees as far out as the points and `margin` reach.
+std::array<glm::vec3, kHullPoints> hull_of(const std::vector<glm::dvec3>& points, const glm::dvec3& size,
+                                           double margin) {
+  const int along = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const int u = (along + 1) % 3;
+  const int v = (along + 2) % 3;
+  std::vector<glm::dvec2> outline{
+      {margin, margin}, {1 - margin, margin}, {1 - margin, 1 - margin}, {margin, 1 - margin}};
+  for (const glm::dvec2& outward : {glm::dvec2(1, 1), glm::dvec2(-1, 1), glm::dvec2(-1, -1), glm::dvec2(1, -1)}) {
+    double reach = -std::numeric_limits<double>::infinity();
+    for (const glm::dvec3& p : points) reach = std::max(reach, outward.x * p[u] + outward.y * p[v]);
+    std::vector<glm::dvec2> kept;
+    for (size_t i = 0; i < outline.size(); ++i) {
+      const glm::dvec2& a = outline[i];
+      const glm::dvec2& b = outline[(i + 1) % outline.size()];
+      const double da = glm::dot(a, outward) - reach;
+      const double db = glm::dot(b, outward) - reach;
+      if (da <= 0) kept.push_back(a);
+      if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.push_back(a + (b - a) * (da / (da - db)));
+    }
+    outline = kept;
+  }
+  std::array<glm::vec3, kHullPoints> hull{};
+  for (size_t i = 0; i < kHullPoints; ++i) {
+    const glm::dvec2& p = outline[std::min(i / 2, outline.size() - 1)];
+    hull[i][along] = static_cast<float>(i % 2 == 0 ? margin : 1 - margin);
+    hull[i][u] = static_cast<float>(p.x);
+    hull[i][v] = static_cast<float>(p.y);
+  }
+  return hull;
+}
+
+void capture_box(const Source& source, const std::vector<uint32_t>& triangles, const std::vector<glm::dvec3>& positions,
+                 const std::vector<glm::dvec3>& normals, const glm::dmat4& capture_from_bind, const Bounds& bounds,
+                 size_t index, ReliefModel& model) {
+  ReliefBox& box = model.boxes[index];
+  const scene::Mesh& mesh = source.character.mesh;
+  const auto n = static_cast<size_t>(box.texels);
+  const glm::dmat4 bind_from_capture = glm::inverse(capture_from_bind);
+  const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(box.joint)].inverse_bind;
+  // Half a texel a side, so that the extreme vertices fall on texel centres; a flat box gets a thickness.
+  const glm::dvec3 centre = 0.5 * (bounds.low + bounds.high);
+  const glm::dvec3 extent = bounds.high - bounds.low;
+  const double least = 1e-3 * std::max({extent.x, extent.y, extent.z, 1e-9});
+  const glm::dvec3 size = glm::max(extent * (static_cast<double>(n) / static_cast<double>(n - 1)), glm::dvec3(least));
+  glm::dmat4 joint_from_unit(1.0);
+  for (int a = 0; a < 3; ++a) joint_from_unit[a][a] = size[a];
+  joint_from_unit[3] = glm::dvec4(centre - 0.5 * size, 1.0);
+  box.bind_from_unit = glm::inverse(joint_from_bind) * joint_from_unit;
+  const glm::dmat4 capture_from_unit = capture_from_bind * box.bind_from_unit;
+  for (int a = 0; a < 3; ++a) box.size[a] = glm::length(glm::dvec3(capture_from_unit[a]));
+  const glm::dmat4 unit_from_capture = glm::inverse(capture_from_unit);
+  const glm::dmat3 unit_from_bind(glm::inverse(box.bind_from_unit));
+  const glm::dmat3 bind_from_capture3(bind_from_capture);
+
+  std::vector<glm::dvec3> points;
+  for (const uint32_t t : triangles)
+    for (uint32_t corner = 0; corner < 3; ++corner)
+      points.emplace_back(unit_from_capture * glm::dvec4(positions[mesh.indices[3 * t + corner]], 1.0));
+  box.hull = hull_of(points, box.size, 0.5 / static_cast<double>(n));
+
+  std::vector<Winner> winners[2];
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u_axis = (axis + 1) % 3;
+    const int v_axis = (axis + 2) % 3;
+    for (auto& w : winners) w.assign(n * n, Winner{});
+    for (const uint32_t t : triangles) {
+      std::array<glm::dvec3, 3> p;  // u, v in texels, depth in [0, 1]
+      for (uint32_t corner = 0; corner < 3; ++corner) {
+        const glm::dvec3 unit(unit_from_capture * glm::dvec4(positions[mesh.indices[3 * t + corner]], 1.0));
+        p[corner] = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), unit[axis]};
+      }
+      const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
+      if (std::abs(area) < 1e-12) continue;
+      const auto first = [](double a, double b, double c) {
+        return std::max(0L, static_cast<long>(std::ceil(std::min({a, b, c}) - 0.5 - 1e-9)));
+      };
+      const auto last = [&](double a, double b, double c) {
+        return std::min(static_cast<long>(n) - 1, static_cast<long>(std::floor(std::max({a, b, c}) - 0.5 + 1e-9)));
+      };
+      for (long j = first(p[0].y, p[1].y, p[2].y); j <= last(p[0].y, p[1].y, p[2].y); ++j) {
+        for (long i = first(p[0].x, p[1].x, p[2].x); i <= last(p[0].x, p[1].x, p[2].x); ++i) {
+          const double x = static_cast<double>(i) + 0.5;
+          const double y = static_cast<double>(j) + 0.5;
+          const double b1 = ((x - p[0].x) * (p[2].y - p[0].y) - (y - p[0].y) * (p[2].x - p[0].x)) / area;
+          const double b2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) / area;
+          if (b1 < -1e-9 || b2 < -1e-9 || b1 + b2 > 1.0 + 1e-9) continue;
+          const double depth = std::clamp(p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z), 0.0, 1.0);
+          const size_t texel = static_cast<size_t>(j) * n + static_cast<size_t>(i);
+          Winner& front = winners[0][texel];
+          Winner& back = winners[1][texel];
+          if (front.triangle == UINT32_MAX || depth < front.depth) front = {t, b1, b2, depth};
+          if (back.triangle == UINT32_MAX || depth > back.depth) back = {t, b1, b2, depth};
+        }
+      }
+    }
+    const size_t map = box.first * 3 + static_cast<size_t>(axis) * n * n;
+    for (size_t texel = 0; texel < n * n; ++texel) {
+      const bool covered = winners[0][texel].triangle != UINT32_MAX;
+      uint16_t* depth = model.depth.data() + (map + texel) * 2;
+      depth[0] = covered ? static_cast<uint16_t>(winners[0][texel].depth * 65535.0 + 0.5) : 65535;
+      depth[1] = covered ? static_cast<uint16_t>(winners[1][texel].depth * 65535.0 + 0.5) : 0;
+      if (!covered) continue;
+      for (int side = 0; side < 2; ++side) {
+        const Winner& winner = winners[side][texel];
+        std::array<glm::dvec3, 3> corners;
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+          const glm::dvec3 unit(unit_from_capture *
+                                glm::dvec4(positions[mesh.indices[3 * winner.triangle + corner]], 1.0));
+          corners[corner] = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), 0.0};
+        }
+        const size_t face = box.first * 6 + static_cast<size_t>(axis * 2 + side) * n * n;
+        shade(source, winner, bind_from_capture3, normals, axis, side, unit_from_bind, 1.0, corners,
+              model.colour.data() + (face + texel) * 4, model.normal.data() + (face + texel) * 4);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& options) {
+  const std::vector<std::vector<uint32_t>> triangles_of =
+      assign_triangles(character, options.rule, options.threshold,
+                       options.carriers.empty() ? own_carriers(character) : options.carriers);
+  const std::vector<glm::dmat4> palette = capture_palette(character, options.capture);
+  const std::vector<glm::dvec3> positions = scene::skin_positions(character.mesh, palette);
+  const std::vector<glm::dvec3> normals = scene::skin_normals(character.mesh, palette);
+  std::vector<int> material_of_triangle(character.triangles());
+  for (const scene::Primitive& primitive : character.mesh.primitives)
+    for (uint32_t i = primitive.first_index / 3; i < (primitive.first_index + primitive.index_count) / 3; ++i)
+      material_of_triangle[i] = primitive.material;
+  std::vector<LinearPyramid> pyramids;
+  pyramids.reserve(character.images.size());
+  for (const scene::Texture& texture : character.images) pyramids.emplace_back(texture);
+
+  ReliefModel model;
+  const Source source{character, material_of_triangle, pyramids};
+  std::vector<Bounds> bounds;
+  for (size_t joint = 0; joint < triangles_of.size(); ++joint) {
+    // A matrix that flattens space cannot carry a box; such a joint draws nothing.
+    if (triangles_of[joint].empty() || std::abs(glm::determinant(glm::dmat3(palette[joint]))) < 1e-12 ||
+        std::abs(glm::determinant(character.skeleton.joints[joint].inverse_bind)) < 1e-18)
+      continue;
+    ReliefBox box;
+    box.joint = static_cast<int>(joint);
+    box.texels = options.map_size;
+    model.boxes.push_back(box);
+    model.triangles_of_box.push_back(static_cast<int>(triangles_of[joint].size()));
+    bounds.push_back(bounds_of(source, triangles_of[joint], positions, palette[joint], box.joint));
+  }
+  if (model.boxes.empty())
+    throw Error(character.name, "has no triangle that a joint moves, so there is nothing to capture",
+                "use another character");
+  double longest = 0;
+  for (const Bounds& b : bounds) longest = std::max(longest, b.longest);
+  const double texel = std::max(options.texel, longest / options.map_size);
+  size_t texels = 0;
+  for (size_t i = 0; i < model.boxes.size(); ++i) {
+    ReliefBox& box = model.boxes[i];
+    if (options.by_area)
+      while (box.texels > 16 && bounds[i].longest <= texel * (box.texels / 2)) box.texels /= 2;
+    box.first = texels;
+    texels += ReliefModel::box_texels(box);
+  }
+  model.depth.resize(texels * 3 * 2);
+  model.colour.resize(texels * 6 * 4);
+  model.normal.resize(texels * 6 * 4);
+
+  std::atomic<size_t> next{0};
+  const auto work = [&] {
+    for (size_t i = next++; i < model.boxes.size(); i = next++) {
+      const auto joint = static_cast<size_t>(model.boxes[i].joint);
+      capture_box(source, triangles_of[joint], positions, normals, palette[joint], bounds[i], i, model);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  return model;
+}
+
+uint64_t relief_nominal_bytes(size_t joints, int map_size) {
+  return uint64_t{joints} * 6 * 2 * static_cast<uint64_t>(map_size) * static_cast<uint64_t>(map_size) * 4;
+}
+
+}  // namespace crowdbench::renderers

@@ -1,0 +1,74 @@
+// The relief bake: for each joint a box in the joint's own frame, and on its six faces maps of front and back depth,
+// colour, normal and part, captured from the posed mesh. Pure CPU and double precision, so that a bake has the same
+// bytes with every driver and thread count.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "renderers/relief/relief_pieces.h"
+#include "scene/character.h"
+
+namespace crowdbench::renderers {
+
+struct ReliefBakeOptions {
+  int map_size = 128;  // texels a side of each face, 16..256; the most of any box
+  TriangleRule rule = TriangleRule::threshold;
+  double threshold = 1.2;
+  CapturePose capture;
+  Carriers carriers;  // empty: every joint carries itself
+  bool by_area =
+      false;         // smaller boxes get maps of fewer texels (halved until a texel is as large as the largest box's)
+  double texel = 0;  // metres; by_area: no box gets finer texels than this
+};
+
+inline constexpr size_t kHullPoints = 16;
+
+// One joint's box. Unit coordinates [0,1]^3 span the box; `bind_from_unit` maps them to bind space, so that the box at
+// time t is palette(t)[joint] * bind_from_unit.
+struct ReliefBox {
+  int joint = 0;
+  glm::dmat4 bind_from_unit{1.0};
+  glm::dvec3 size{0.0};  // metres along the box's axes at the capture pose
+  int texels = 0;        // a side of its maps; a power of two
+  size_t first = 0;      // texels of one map of all boxes before it: where its maps begin
+  // Corners of a prism around the surface, half a texel inside the box: the box's longest edge with its four long edges
+  // cut off.
+  std::array<glm::vec3, kHullPoints> hull{};
+};
+
+// Maps. Axis a looks along unit coordinate a; its picture plane is (u, v) = the coordinates (a+1) mod 3 and (a+2) mod
+// 3, texel (i, j) at ((i+.5)/n, (j+.5)/n). The two faces of an axis share one unmirrored (u, v), so that front(high
+// face) = 1 - back(low face) holds by construction and three depth maps serve six faces.
+struct ReliefModel {
+  std::vector<ReliefBox> boxes;
+  // From texel 3 `first` on, [axis][v][u], two values each: least and greatest covered coordinate along the axis,
+  // 16 bits; empty texels hold (65535, 0).
+  std::vector<uint16_t> depth;
+  // From texel 6 `first` on, [axis][side][v][u], four bytes each: sRGB colour and part id. side 0 is the surface
+  // seen from the low face.
+  std::vector<uint8_t> colour;
+  // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is 255 where
+  // the material is unlit.
+  std::vector<uint8_t> normal;
+  std::vector<int> triangles_of_box;
+  size_t texels() const { return boxes.empty() ? 0 : boxes.back().first + box_texels(boxes.back()); }
+  static size_t box_texels(const ReliefBox& b) { return static_cast<size_t>(b.texels) * static_cast<size_t>(b.texels); }
+  const uint16_t* depth_map(size_t box, int axis) const {
+    return depth.data() + (boxes[box].first * 3 + static_cast<size_t>(axis) * box_texels(boxes[box])) * 2;
+  }
+  // colour or normal
+  static const uint8_t* face(const std::vector<uint8_t>& maps, const ReliefBox& b, int axis, int side) {
+    return maps.data() + (b.first * 6 + static_cast<size_t>(axis * 2 + side) * box_texels(b)) * 4;
+  }
+};
+
+// Throws Error when the character has no triangle that any joint moves. Parallel over boxes; deterministic.
+ReliefModel bake_relief(const scene::Character& character, const ReliefBakeOptions& options);
+
+// Bytes of the source's two RGBA8 maps on six faces: joints * 6 * 2 * n * n * 4.
+uint64_t relief_nominal_bytes(size_t joints, int map_size);
+
+}  // namespace crowdbench::renderers

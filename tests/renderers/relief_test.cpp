@@ -1,0 +1,301 @@
+// Bone-relief impostors against the mesh and against solids whose picture is known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include "core/image_io.h"
+#include "gl_test_support.h"
+#include "solids.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+using testing::add_agent;
+using testing::cast_of;
+using testing::context;
+using testing::frame_of_one;
+using testing::GlTest;
+
+class ReliefGl : public GlTest {};
+
+std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec) {
+  return make_representation({.context = context(), .cast = cast, .use_cache = false}, parse_spec(spec));
+}
+
+struct Difference {
+  double iou = 0;
+  double mean_depth = 0;   // metres, inside both silhouettes
+  double worst_depth = 0;  // metres, 99 % of the pixels inside both, by the mesh's silhouette shrunk by two pixels
+  double mean_colour = 0;  // code values, inside both
+  int pixels = 0;          // of the mesh
+  int holes = 0;           // pixels whose 5 x 5 neighbours the mesh all covers and the relief does not
+  int strays = 0;          // relief pixels farther than two pixels from the mesh
+};
+
+Difference compare(const Capture& mesh, const Capture& relief) {
+  Difference d;
+  const int w = mesh.ids.width;
+  const int h = mesh.ids.height;
+  int both = 0;
+  int either = 0;
+  std::vector<double> gaps;
+  const auto around = [&](int x, int y, bool all) {
+    for (int j = std::max(0, y - 2); j <= std::min(h - 1, y + 2); ++j)
+      for (int i = std::max(0, x - 2); i <= std::min(w - 1, x + 2); ++i)
+        if ((*mesh.ids.at(i, j) != 0) != all) return !all;
+    return all;
+  };
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const bool in_a = *mesh.ids.at(x, y) != 0;
+      const bool in_b = *relief.ids.at(x, y) != 0;
+      d.pixels += in_a;
+      either += in_a || in_b;
+      const bool inside = in_a && around(x, y, true);
+      if (inside && !in_b) ++d.holes;
+      if (in_b && !in_a && !around(x, y, false)) ++d.strays;
+      if (!in_a || !in_b) continue;
+      ++both;
+      const double gap =
+          std::abs(static_cast<double>(*mesh.depth.at(x, y)) - static_cast<double>(*relief.depth.at(x, y)));
+      if (inside) gaps.push_back(gap);
+      d.mean_depth += gap;
+      for (int c = 0; c < 3; ++c) d.mean_colour += std::abs(mesh.colour.at(x, y)[c] - relief.colour.at(x, y)[c]) / 3.0;
+    }
+  }
+  std::sort(gaps.begin(), gaps.end());
+  if (!gaps.empty()) d.worst_depth = gaps[std::min(gaps.size() - 1, gaps.size() * 99 / 100)];
+  d.iou = either > 0 ? static_cast<double>(both) / either : 0;
+  d.mean_depth /= std::max(both, 1);
+  d.mean_colour /= std::max(both, 1);
+  return d;
+}
+
+Difference against_mesh(const scene::Cast& cast, const scene::Frame& frame, const std::string& spec,
+                        const char* name = nullptr) {
+  Renderer renderer(context(), cast);
+  const auto mesh = make(cast, "mesh");
+  const auto relief = make(cast, spec);
+  const Capture a = renderer.capture(frame, *mesh);
+  const Capture b = renderer.capture(frame, *relief);
+  if (const char* dir = std::getenv("CROWDBENCH_TEST_OUT"); dir && name) {
+    write_png(std::string(dir) + "/" + name + "_mesh.png", a.colour);
+    write_png(std::string(dir) + "/" + name + "_relief.png", b.colour);
+  }
+  const Difference d = compare(a, b);
+  if (std::getenv("CROWDBENCH_TEST_OUT"))
+    std::printf("%-24s %-40s iou %.4f depth mean %.5f p99 %.5f colour %.2f px %d holes %d strays %d\n",
+                name ? name : "-", spec.c_str(), d.iou, d.mean_depth, d.worst_depth, d.mean_colour, d.pixels, d.holes,
+                d.strays);
+  return d;
+}
+
+// One agent at the origin, turned by nothing.
+scene::Frame look(const scene::Cast& cast, const glm::dvec3& eye, const glm::dvec3& target, double fov_deg,
+                  double near = 0.1, int size = 192) {
+  scene::Frame frame = frame_of_one(1.0, 0.0, size, size, fov_deg);
+  frame.camera.eye = eye;
+  frame.camera.target = target;
+  frame.camera.near = near;
+  frame.origin = eye;
+  add_agent(frame, cast, {0, 0, 0}, 1);
+  return frame;
+}
+
+// Every search and proxy: each must hold where the printed shader breaks.
+class ReliefNumericsGl : public GlTest, public ::testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, ReliefNumericsGl,
+                         ::testing::Values("relief:map=64", "relief:map=64,proxy=box",
+                                           "relief:map=64,proxy=box,search=linear,steps=64+7"));
+
+TEST_F(ReliefGl, SphereIsTheMeshsSphere) {
+  const scene::Cast cast = cast_of(testing::sphere(0.5, 48));
+  const scene::Frame frame = look(cast, {0, 0, 4}, {0, 0, 0}, 40, 0.1, 256);
+  const Difference d = against_mesh(cast, frame, "relief:map=128", "sphere");
+  EXPECT_GT(d.pixels, 5000);
+  EXPECT_GT(d.iou, 0.98);  // half a texel around: 1 - 2 * 0.5 * 8 mm / 0.5 m, and pixels
+  // A texel of the map is 8 mm; away from the rim the depth follows to within one.
+  EXPECT_LT(d.mean_depth, 0.008);
+  EXPECT_LT(d.mean_colour, 3.0);
+}
+
+TEST_F(ReliefGl, TwoBonesFollowTheirJoints) {
+  const scene::Cast cast = cast_of(testing::two_bones());
+  for (const double phase : {0.0, 0.25, 0.5}) {
+    scene::Frame frame = frame_of_one(6.0, 1.0, 256, 256);
+    add_agent(frame, cast, {0, 0, 0}, 3, phase, 0.125F);
+    const Difference d = against_mesh(cast, frame, "relief:map=64,merge=0", phase > 0.2 ? "bones" : nullptr);
+    EXPECT_GT(d.pixels, 200);
+    EXPECT_GT(d.iou, 0.95) << phase;
+    EXPECT_LT(d.mean_depth, 0.03) << phase;
+  }
+}
+
+// A texel of a sphere of diameter 1 in 64 maps.
+constexpr double kTexel = 1.0 / 63;
+
+TEST_P(ReliefNumericsGl, GrazingRays) {
+  // A plate two texels thick, seen along its faces: the rays' component across it goes through zero.
+  const scene::Cast cast = cast_of(testing::box({1.0F, 1.0F, 0.03F}));
+  for (const double z : {0.0, 0.015, 0.016, 0.05}) {
+    const Difference d = against_mesh(cast, look(cast, {3, 0, z}, {0, 0, z}, 25), GetParam(), "grazing");
+    EXPECT_GT(d.pixels, 500) << z;
+    EXPECT_EQ(d.strays, 0) << z;
+    EXPECT_EQ(d.holes, 0) << z;
+    EXPECT_GT(d.iou, 0.85) << z;  // the plate is 5 pixels wide: half a pixel a side
+  }
+}
+
+TEST_P(ReliefNumericsGl, EyeInsideTheBox) {
+  const scene::Cast cast = cast_of(testing::sphere(0.5, 48));
+  const Difference d = against_mesh(cast, look(cast, {0.44, 0.44, 0.44}, {0, 0, 0}, 60, 0.02), GetParam(), "inside");
+  EXPECT_GT(d.pixels, 20000);
+  EXPECT_GT(d.iou, 0.98);
+  EXPECT_EQ(d.holes, 0);
+  EXPECT_LT(d.mean_depth, kTexel);
+}
+
+TEST_P(ReliefNumericsGl, EyeInAFacesPlane) {
+  const scene::Cast cast = cast_of(testing::sphere(0.5, 48));
+  const double face = 0.5 * 64.0 / 63.0;
+  for (const glm::dvec3& eye : {glm::dvec3(face, 0, 2), glm::dvec3(face, face, 2), glm::dvec3(-face, 0.2, 1.2)}) {
+    const Difference d = against_mesh(cast, look(cast, eye, {eye.x, eye.y, 0}, 60), GetParam(), "plane");
+    EXPECT_GT(d.iou, 0.965);  // half a texel around: 1 - kTexel / 0.5 = 0.968, and pixels
+    EXPECT_EQ(d.holes, 0);
+    EXPECT_EQ(d.strays, 0);
+    EXPECT_LT(d.mean_depth, kTexel);
+  }
+}
+
+TEST_P(ReliefNumericsGl, FlatBoxHasFrontEqualToBack) {
+  const scene::Cast cast = cast_of(testing::box({1.0F, 1.0F, 0.0F}));
+  for (const double x : {0.0, 1.0, 2.5}) {
+    const Difference d = against_mesh(cast, look(cast, {x, 0.3, 2}, {0, 0, 0}, 40), GetParam(), "flat");
+    EXPECT_GT(d.pixels, 1000) << x;
+    EXPECT_GT(d.iou, 0.95) << x;
+    EXPECT_EQ(d.holes, 0) << x;
+    EXPECT_EQ(d.strays, 0) << x;
+    EXPECT_LT(d.mean_depth, 0.003) << x;  // the flat box is given a thousandth of its width
+  }
+}
+
+TEST_P(ReliefNumericsGl, NeedleStaysWhole) {
+  const scene::Cast cast = cast_of(testing::box({0.004F, 1.0F, 0.004F}));
+  // 5 pixels wide: 1.3 mm a pixel.
+  const Difference d = against_mesh(cast, look(cast, {0, 0, 0.4}, {0, 0, 0}, 20, 0.01), GetParam(), "needle");
+  EXPECT_GT(d.pixels, 800);
+  EXPECT_GT(d.iou, 0.8);
+  EXPECT_EQ(d.strays, 0);
+  EXPECT_LT(d.mean_depth, 0.002);
+}
+
+TEST_P(ReliefNumericsGl, ThinRodAcrossItsBox) {
+  // A rod of two texels through the box's diagonal: most rays meet nothing, and those that meet it must not step over.
+  const scene::Cast cast = cast_of(testing::rod({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, 0.03));
+  for (const glm::dvec3& eye : {glm::dvec3(0.3, 0.2, 3), glm::dvec3(2, 0.5, 2), glm::dvec3(0, 2.5, 1)}) {
+    const Difference d = against_mesh(cast, look(cast, eye, {0, 0, 0}, 30), GetParam(), "rod");
+    EXPECT_GT(d.pixels, 300);
+    EXPECT_GT(d.iou, 0.6);  // 4 pixels wide, a texel is 2
+    EXPECT_EQ(d.holes, 0);
+    EXPECT_EQ(d.strays, 0);
+  }
+}
+
+TEST_P(ReliefNumericsGl, NearAndFarAndFieldsOfView) {
+  const scene::Cast cast = cast_of(testing::sphere(0.5, 48));
+  struct View {
+    double distance, fov, near, iou;
+  };
+  // The last: a pixel of a view of 5 degrees is 0.9 m at 2 km, so the sphere is one pixel.
+  for (const View& v : {View{0.8, 60, 0.01, 0.98}, View{4, 150, 0.1, 0.8}, View{1, 150, 0.1, 0.95},
+                        View{20, 5, 0.1, 0.98}, View{2000, 0.08, 0.1, 0.97}}) {
+    const Difference d =
+        against_mesh(cast, look(cast, {0, 0.1, v.distance}, {0, 0, 0}, v.fov, v.near), GetParam(), "views");
+    EXPECT_GT(d.iou, v.iou) << v.distance << " m, " << v.fov;
+    EXPECT_EQ(d.holes, 0) << v.distance << " m, " << v.fov;
+    // Near by, a texel is wider than the two pixels that a stray is allowed.
+    if (v.distance >= 1) {
+      EXPECT_EQ(d.strays, 0) << v.distance << " m, " << v.fov;
+    }
+    EXPECT_LT(d.mean_depth, std::max(kTexel, v.distance * 1e-6)) << v.distance << " m, " << v.fov;
+  }
+  const Difference far = against_mesh(cast, look(cast, {0, 0.1, 2000}, {0, 0, 0}, 5), GetParam(), "far");
+  EXPECT_LE(far.strays, 0);
+}
+
+TEST_P(ReliefNumericsGl, FarFromTheOrigin) {
+  const scene::Cast cast = cast_of(testing::sphere(0.5, 32));
+  Renderer renderer(context(), cast);
+  const auto relief = make(cast, GetParam());
+  scene::Frame near = look(cast, {1, 0.5, 3}, {0, 0, 0}, 30);
+  scene::Frame far = look(cast, {1, 0.5, 3}, {0, 0, 0}, 30);
+  const glm::dvec3 away(1e5, 0, -7e4);
+  far.camera.eye += away;
+  far.camera.target += away;
+  far.origin = far.camera.eye;
+  far.agents[0].clear();
+  add_agent(far, cast, away, 1);
+  const Capture a = renderer.capture(near, *relief);
+  const Capture b = renderer.capture(far, *relief);
+  EXPECT_EQ(a.ids.data, b.ids.data);
+  EXPECT_EQ(a.colour.data, b.colour.data);
+}
+
+TEST_P(ReliefNumericsGl, NoCrackAtABoxsEdgeAndNoSurfaceBetweenSilhouettes) {
+  const scene::Cast solid = cast_of(testing::box({0.6F, 1.0F, 0.4F}));
+  const scene::Cast fork = cast_of(testing::fork());
+  for (const glm::dvec3& eye :
+       {glm::dvec3(2, 0, 2), glm::dvec3(1.3, 1.7, 2), glm::dvec3(-2, -1.5, 1), glm::dvec3(0.01, 2.5, 0.02)}) {
+    const Difference d = against_mesh(solid, look(solid, eye, {0, 0, 0}, 35), GetParam(), "edge");
+    EXPECT_EQ(d.holes, 0);
+    EXPECT_EQ(d.strays, 0);
+    EXPECT_GT(d.iou, 0.97);
+    // Two prongs with air between them.
+    const Difference gap = against_mesh(fork, look(fork, eye, {0, 0, 0}, 35), GetParam(), "fork");
+    EXPECT_EQ(gap.holes, 0);
+    EXPECT_EQ(gap.strays, 0);
+    EXPECT_GT(gap.iou, 0.9);
+  }
+}
+
+TEST_P(ReliefNumericsGl, ScaledAndMirroredJoints) {
+  for (const bool mirrored : {false, true}) {
+    scene::Character c = testing::sphere(0.3, 32);
+    // An ell, so that a mirror image differs: a second, smaller sphere to the side.
+    testing::append(c, testing::sphere(0.15, 16), {0.4F, 0.1F, 0.2F});
+    c.materials[0].double_sided = mirrored;  // the mesh culls by the rest pose
+    scene::Clip clip;
+    clip.name = "stretch";
+    clip.end = 1;
+    scene::Channel channel;
+    channel.target = scene::Target::scale;
+    channel.times = {0, 0.5, 1};
+    const double x = mirrored ? -1 : 1;
+    channel.values = {x, 1, 1, 1.6 * x, 0.6, 1.2, x, 1, 1};
+    clip.channels.push_back(channel);
+    c.clips.push_back(clip);
+    c.motion.resize(1);
+    const scene::Cast cast = cast_of(std::move(c));
+    scene::Frame frame = look(cast, {0.6, 0.5, 3}, {0, 0, 0}, 40);
+    frame.agents[0].clear();
+    add_agent(frame, cast, {0, 0, 0}, 1, 0.5, 0.1F);
+    for (const char* capture : {"bind", "stretch@0.25"}) {
+      const Difference d = against_mesh(cast, frame, std::string(GetParam()) + ",capture=" + capture, "scaled");
+      EXPECT_GT(d.pixels, 1000);
+      EXPECT_GT(d.iou, 0.94) << mirrored << capture;  // half a texel around the small sphere is a tenth of it
+      EXPECT_EQ(d.holes, 0) << mirrored << capture;
+      EXPECT_LT(d.mean_depth, 2 * kTexel) << mirrored << capture;
+      // A skinned mesh that a mirrored joint turns inside out has its normals turned inward by the mesh's shader.
+      if (!mirrored) {
+        EXPECT_LT(d.mean_colour, 8.0) << capture;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::renderers
