@@ -64,6 +64,7 @@ Strings faults_of(const std::string& path, const std::string& text) {
   static const std::regex raw_gl(R"(\bgl(Gen|Create|Delete)[A-Z]\w*\s*\()");
   const std::string room = room_of(path);
   const bool header = path.size() > 2 && path.substr(path.size() - 2) == ".h";
+  const bool shared = path.size() > 9 && path.substr(path.size() - 9) == ".shared.h";
   const bool in_gl = starts_with(path, "renderers/gl/");
   Strings faults;
   int number = 0;
@@ -77,7 +78,8 @@ Strings faults_of(const std::string& path, const std::string& text) {
   bool once = false;
   while (std::getline(original, line) && std::getline(bare, code)) {
     ++number;
-    once = once || starts_with(code, "#pragma once");
+    // Headers that C++ shares with GLSL cannot use the pragma.
+    once = once || starts_with(code, "#pragma once") || (shared && starts_with(code, "#ifndef CROWDBENCH_"));
     std::smatch match;
     if (std::regex_search(code, match, include)) {
       const std::string target = match[2];
@@ -149,6 +151,9 @@ TEST(Includes, CheckerFindsEveryKindOfFault) {
   EXPECT_EQ(faults_of("scene/a.h", "#pragma once\n#include <nlohmann/json.hpp>\n").size(), 1U);
   EXPECT_EQ(faults_of("scene/a.h", "#pragma once\n#include <nlohmann/json_fwd.hpp>\n"), none);
   EXPECT_EQ(faults_of("scene/a.h", "#include <vector>\n"), Strings{"scene/a.h:1: has no #pragma once"});
+  EXPECT_EQ(faults_of("scene/a.h", "#ifndef CROWDBENCH_A_H\n").size(), 1U);
+  EXPECT_EQ(faults_of("renderers/a.shared.h", "#ifndef CROWDBENCH_A_H\n#define CROWDBENCH_A_H\n"), none);
+  EXPECT_EQ(faults_of("renderers/a.shared.h", "#define A 1\n").size(), 1U);
   EXPECT_EQ(faults_of("scene/a.cpp", "#include <epoxy/gl.h>\n").size(), 1U);
   EXPECT_EQ(faults_of("renderers/mesh/a.cpp", "#include <epoxy/gl.h>\n"), none);
   EXPECT_EQ(faults_of("renderers/mesh/a.cpp", "glCreateBuffers(1, &b); glDeleteBuffers (1, &b);\n").size(), 1U);
