@@ -545,7 +545,7 @@ std::vector<Outfit> make_outfits(uint64_t seed, uint32_t count) {
   std::vector<Outfit> outfits(count);
   for (uint32_t row = 0; row < count; ++row)
     for (int part = 0; part < kParts; ++part) {
-      glm::vec4& colour = outfits[row].colours[part];
+      glm::vec4& colour = outfits[row].colours[static_cast<size_t>(part)];
       colour = glm::vec4(1.0F);
       if (row == 0) continue;
       const auto pick = [&](const auto& list) -> const float* {

@@ -1,5 +1,6 @@
 // Frame: all that a renderer is given of one tick.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -27,7 +28,7 @@ inline constexpr int kParts = 16;  // material / body-part ids that an outfit ca
 
 // Colour factors by part, linear light, multiplied with the albedo; white leaves it alone.
 struct Outfit {
-  glm::vec4 colours[kParts];
+  std::array<glm::vec4, kParts> colours;
 };
 
 struct Frame {

@@ -52,7 +52,7 @@ Json json_value(const Key& key, const KeyValue& value) {
 }
 
 Json value_schema(const Key& key) {
-  const Json bounded = {{"type", "number"}, {"minimum", number(key.low)}, {"maximum", number(key.high)}};
+  Json bounded = {{"type", "number"}, {"minimum", number(key.low)}, {"maximum", number(key.high)}};
   switch (key.type) {
     case KeyType::flag: return {{"type", "boolean"}};
     case KeyType::integer: return {{"type", "integer"}, {"minimum", number(key.low)}, {"maximum", number(key.high)}};
@@ -72,7 +72,7 @@ Json value_schema(const Key& key) {
 const char* type_text(KeyType type) {
   switch (type) {
     case KeyType::flag: return "true or false";
-    case KeyType::integer: return "integer";
+    case KeyType::integer:
     case KeyType::seed: return "integer";
     case KeyType::number: return "number";
     case KeyType::text: return "text";

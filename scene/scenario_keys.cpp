@@ -61,35 +61,34 @@ std::string decimal(double value) {
 template <typename T>
 using Member = std::function<T&(Scenario&, size_t)>;
 
+// int64_t stands for every other integer and for enumerations, double for float, dvec3 for vec3.
+template <typename T>
+inline constexpr bool kAsInteger = std::is_enum_v<T> ||
+                                   (std::is_integral_v<T> && !std::is_same_v<T, bool> && !std::is_same_v<T, uint64_t>);
+
 template <typename T>
 T value_as(const KeyValue& value) {
-  if constexpr (std::is_enum_v<T>)
+  if constexpr (kAsInteger<T>)
     return static_cast<T>(std::get<int64_t>(value));
-  else if constexpr (std::is_same_v<T, bool>)
-    return std::get<bool>(value);
-  else if constexpr (std::is_same_v<T, uint64_t>)
-    return std::get<uint64_t>(value);
-  else if constexpr (std::is_integral_v<T>)
-    return static_cast<T>(std::get<int64_t>(value));
-  else if constexpr (std::is_floating_point_v<T>)
-    return static_cast<T>(std::get<double>(value));
+  else if constexpr (std::is_same_v<T, float>)
+    return static_cast<float>(std::get<double>(value));
   else if constexpr (std::is_same_v<T, glm::vec3>)
     return glm::vec3(std::get<glm::dvec3>(value));
   else
     return std::get<T>(value);
 }
 
+// The shortest decimal of the float, not its 17 digits.
+double widened(float value) { return std::stod(fmt::format("{}", value)); }
+
 template <typename T>
 KeyValue value_from(const T& member) {
-  if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, uint64_t>)
-    return member;
-  else if constexpr (std::is_enum_v<T> || std::is_integral_v<T>)
+  if constexpr (kAsInteger<T>)
     return static_cast<int64_t>(member);
   else if constexpr (std::is_same_v<T, float>)
-    return std::stod(fmt::format("{}", member));  // the shortest decimal of the float, not its 17 digits
+    return widened(member);
   else if constexpr (std::is_same_v<T, glm::vec3>)
-    return glm::dvec3{std::stod(fmt::format("{}", member.x)), std::stod(fmt::format("{}", member.y)),
-                      std::stod(fmt::format("{}", member.z))};
+    return glm::dvec3{widened(member.x), widened(member.y), widened(member.z)};
   else
     return member;
 }
