@@ -13,6 +13,7 @@ struct Capture {
   ImageF linear;  // RGBA, linear light; empty unless asked for
   ImageF depth;   // metres along the view axis (eye space), +inf where empty
   ImageU32 ids;   // agent index + 1, 0 = nothing
+  bool operator==(const Capture&) const = default;
 };
 
 struct CaptureOptions {

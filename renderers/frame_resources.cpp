@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstring>
+#include <deque>
 
 #include "core/error.h"
 #include "renderers/gl/objects.h"
@@ -23,12 +23,30 @@ constexpr uint64_t kPaletteBlock = uint64_t{128} << 20;  // bytes of one palette
 constexpr size_t kPaletteBuffers = 4;                    // in use within one frame before the first is used again
 constexpr double kGridCell = 1.0;                        // metres between the ground's lines
 
-// A buffer that grows and never shrinks.
-void reserve(gl::Context& context, gl::Buffer& buffer, size_t bytes) {
-  if (buffer.size() >= bytes) return;
+// A buffer that grows and never shrinks, and the same bytes as RGBA32F texels.
+struct TexelBuffer {
+  gl::Buffer buffer;
+  gl::Texture texels;
+};
+
+// Makes room for `bytes`; true when there is a new buffer.
+bool reserve(gl::Context& context, gl::Buffer& buffer, size_t bytes) {
+  if (buffer.size() >= bytes) return false;
   const size_t size = std::max(bytes, std::min(buffer.size() * 2, bytes + (bytes >> 1)));
   buffer = gl::Buffer();
   buffer = gl::Buffer(context, size);
+  return true;
+}
+
+constexpr size_t kTexelBytes = 16;
+
+void reserve(gl::Context& context, TexelBuffer& both, size_t bytes) {
+  const auto limit = static_cast<uint64_t>(context.limits().texel_buffer);
+  if (bytes / kTexelBytes > limit)
+    throw Error("OpenGL", fmt::format("a table of {} bytes is larger than this driver's {} texels", bytes, limit),
+                "use fewer agents");
+  if (reserve(context, both.buffer, std::max(bytes, kTexelBytes)))
+    both.texels = gl::Texture::make_buffer(context, GL_RGBA32F, both.buffer);
 }
 
 }  // namespace
@@ -37,12 +55,13 @@ struct FrameResources::State {
   gl::Context& context;
   const scene::Cast& cast;
   gl::Buffer uniforms;
-  gl::Buffer agents;
-  gl::Buffer outfits;
+  TexelBuffer agents;
+  TexelBuffer outfits;
   std::vector<gl::Buffer> banks;  // by character
-  std::vector<gl::Buffer> lists;  // one a list of this frame, so that none is overwritten while a draw may read it
+  std::deque<gl::Buffer> lists;   // one a list of this frame, so that none is overwritten while a draw may read it
   size_t lists_used = 0;
-  std::vector<gl::Buffer> palettes;
+  const gl::Buffer* current_list = nullptr;
+  std::vector<TexelBuffer> palettes;
   size_t palettes_used = 0;
   gl::Program pose;
   std::vector<uint32_t> first_agent;
@@ -63,6 +82,7 @@ struct FrameResources::State {
     buffer.write(list);
     upload_bytes += list.size() * sizeof(uint32_t);
     buffer.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_LIST);
+    current_list = &buffer;
   }
 };
 
@@ -128,19 +148,20 @@ void FrameResources::upload(const scene::Frame& frame, int width, int height) {
                         glm::uvec4(a.outfit, a.id, 0U, 0U)};
     }
   reserve(s.context, s.agents, std::max<size_t>(count, 1) * sizeof(AgentRecord));
-  s.agents.write(s.records);
+  s.agents.buffer.write(s.records);
 
   assert(!frame.outfits.empty());
   reserve(s.context, s.outfits, frame.outfits.size() * sizeof(scene::Outfit));
-  s.outfits.write(frame.outfits);
+  s.outfits.buffer.write(frame.outfits);
   s.upload_bytes = sizeof u + s.records.size() * sizeof(AgentRecord) + frame.outfits.size() * sizeof(scene::Outfit);
 }
 
 void FrameResources::bind() const {
   const State& s = *state_;
   s.uniforms.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_FRAME);
-  s.agents.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_AGENTS);
-  s.outfits.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_OUTFITS);
+  s.agents.buffer.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_AGENTS);
+  s.agents.texels.bind(CB_TEXTURE_AGENTS);
+  s.outfits.texels.bind(CB_TEXTURE_OUTFITS);
 }
 
 uint32_t FrameResources::first_agent(size_t character) const { return state_->first_agent[character]; }
@@ -162,14 +183,18 @@ void FrameResources::draw_posed(size_t character, std::span<const uint32_t> agen
   s.banks[character].bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_POSE_BANK);
   const auto joints = static_cast<uint32_t>(s.cast.banks[character]->joints());
   const uint64_t agent_bytes = uint64_t{joints} * sizeof(scene::Mat3x4);
-  const uint64_t block = std::min<uint64_t>(kPaletteBlock, static_cast<uint64_t>(s.context.limits().storage_block));
+  const gl::Limits& limits = s.context.limits();
+  const uint64_t block = std::min({kPaletteBlock, static_cast<uint64_t>(limits.storage_block),
+                                   static_cast<uint64_t>(limits.texel_buffer) * kTexelBytes});
   const uint64_t batch = std::max<uint64_t>(block / agent_bytes, 1);
   for (uint64_t first = 0; first < agents.size(); first += batch) {
     const auto count = static_cast<uint32_t>(std::min<uint64_t>(batch, agents.size() - first));
     const size_t slot = s.palettes_used++ % kPaletteBuffers;
     if (slot == s.palettes.size()) s.palettes.emplace_back();
-    reserve(s.context, s.palettes[slot], count * agent_bytes);
-    s.palettes[slot].bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_PALETTE);
+    TexelBuffer& palette = s.palettes[slot];
+    reserve(s.context, palette, count * agent_bytes);
+    palette.buffer.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_PALETTE);
+    palette.texels.bind(CB_TEXTURE_PALETTE);
     s.pose.use();
     s.pose.set(CB_LOCATION_FIRST, static_cast<uint32_t>(first));
     s.pose.set(CB_LOCATION_JOINTS, joints);
@@ -177,17 +202,23 @@ void FrameResources::draw_posed(size_t character, std::span<const uint32_t> agen
     // An earlier frame's or batch's draws may still read this buffer.
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glDispatchCompute((count * joints + 63U) / 64U, 1, 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
     draw(static_cast<uint32_t>(first), count);
   }
 }
 
 uint64_t FrameResources::bytes() const {
   const State& s = *state_;
-  uint64_t total = s.uniforms.size() + s.agents.size() + s.outfits.size();
-  for (const auto* group : {&s.banks, &s.lists, &s.palettes})
-    for (const gl::Buffer& b : *group) total += b.size();
+  uint64_t total = s.uniforms.size() + s.agents.buffer.size() + s.outfits.buffer.size();
+  for (const gl::Buffer& b : s.banks) total += b.size();
+  for (const gl::Buffer& b : s.lists) total += b.size();
+  for (const TexelBuffer& b : s.palettes) total += b.buffer.size();
   return total;
+}
+
+const gl::Buffer& FrameResources::list() const {
+  assert(state_->current_list);
+  return *state_->current_list;
 }
 
 uint64_t FrameResources::upload_bytes() const { return state_->upload_bytes; }

@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "renderers/gl/context.h"
+#include "renderers/gl/objects.h"
 #include "scene/crowd.h"
 #include "scene/frame.h"
 
@@ -61,11 +61,14 @@ class FrameResources {
   void draw_listed(size_t character, std::span<const uint32_t> agents,
                    const std::function<void(uint32_t count)>& draw) const;
   // The same with posed palettes: before each call of draw(first, count), the palettes of list positions [first, first
-  // + count) are computed on the GPU and CB_STORAGE_PALETTE is bound; the matrix of joint j of the agent at list
-  // position first + i is palette[(i * joints + j) * 3 .. + 2], camera-relative world from bind space. Several calls
-  // when the palettes of all do not fit one storage block (kPaletteBlock).
+  // + count) are computed on the GPU and CB_STORAGE_PALETTE and CB_TEXTURE_PALETTE are bound; the matrix of joint j of
+  // the agent at list position first + i is palette[(i * joints + j) * 3 .. + 2], camera-relative world from bind
+  // space. Several calls when the palettes of all do not fit one storage block (kPaletteBlock).
   void draw_posed(size_t character, std::span<const uint32_t> agents,
                   const std::function<void(uint32_t first, uint32_t count)>& draw) const;
+
+  // Within a `draw` callback: the list as a buffer of uint, for an attribute that advances once an instance.
+  const gl::Buffer& list() const;
 
   // Bytes of the buffers: banks and what a frame needs.
   uint64_t bytes() const;

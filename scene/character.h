@@ -81,11 +81,23 @@ struct Material {
                      // for loaded files (255 at most).
 };
 
+// How a texture is sampled where it is smaller than its texels; within a mip level, then between levels. `nearest` and
+// `linear` use the first level alone.
+enum class MinFilter : uint8_t {
+  linear_mipmap_linear,
+  linear_mipmap_nearest,
+  nearest_mipmap_linear,
+  nearest_mipmap_nearest,
+  linear,
+  nearest
+};
+
 struct Texture {
   Image8 image;  // RGBA, sRGB-encoded
   bool repeat_u = true, repeat_v = true;
-  bool mirrored_u = false, mirrored_v = false;  // only with repeat
-  bool nearest = false;
+  bool mirrored_u = false, mirrored_v = false;             // only with repeat
+  bool nearest = false;                                    // magnified: nearest texel, else bilinear
+  MinFilter min_filter = MinFilter::linear_mipmap_linear;  // minified
 };
 
 // A run of triangles with one material, under one node.

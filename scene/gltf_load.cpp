@@ -18,6 +18,18 @@
 namespace crowdbench::scene {
 namespace {
 
+// glTF's number (OpenGL's) of a minFilter; what a file leaves out is trilinear.
+MinFilter min_filter_of(int filter) {
+  switch (filter) {
+    case TINYGLTF_TEXTURE_FILTER_NEAREST: return MinFilter::nearest;
+    case TINYGLTF_TEXTURE_FILTER_LINEAR: return MinFilter::linear;
+    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_NEAREST: return MinFilter::nearest_mipmap_nearest;
+    case TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_NEAREST: return MinFilter::linear_mipmap_nearest;
+    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_LINEAR: return MinFilter::nearest_mipmap_linear;
+    default: return MinFilter::linear_mipmap_linear;
+  }
+}
+
 constexpr float kSameNormal = 1.0F - 1e-6F;  // cosine: faces of one plane share their vertices
 
 glm::dvec3 vec3_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
@@ -226,13 +238,15 @@ class Loader {
     int wrap_s = TINYGLTF_TEXTURE_WRAP_REPEAT;
     int wrap_t = TINYGLTF_TEXTURE_WRAP_REPEAT;
     bool nearest = false;
+    MinFilter min_filter = MinFilter::linear_mipmap_linear;
     if (in.sampler >= 0) {
       const tinygltf::Sampler& sampler = model_.samplers[index_of(in.sampler)];
       wrap_s = sampler.wrapS;
       wrap_t = sampler.wrapT;
       nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+      min_filter = min_filter_of(sampler.minFilter);
     }
-    const std::array<int, 4> key = {in.source, wrap_s, wrap_t, nearest ? 1 : 0};
+    const std::array<int, 5> key = {in.source, wrap_s, wrap_t, nearest ? 1 : 0, static_cast<int>(min_filter)};
     const auto [place, fresh] = texture_index_.emplace(key, static_cast<int>(character_.images.size()));
     if (!fresh) return place->second;
     Texture out;
@@ -242,6 +256,7 @@ class Loader {
     out.mirrored_u = wrap_s == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT;
     out.mirrored_v = wrap_t == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT;
     out.nearest = nearest;
+    out.min_filter = min_filter;
     character_.images.push_back(std::move(out));
     return place->second;
   }
@@ -797,7 +812,7 @@ class Loader {
   std::vector<bool> material_used_;
   std::vector<UvSource> base_uv_;
   std::vector<UvSource> emissive_uv_;
-  std::map<std::array<int, 4>, int> texture_index_;
+  std::map<std::array<int, 5>, int> texture_index_;
   size_t decoded_bytes_ = 0;
   int default_material_ = -1;
   bool has_colours_ = false;

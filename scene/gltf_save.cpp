@@ -16,6 +16,18 @@
 namespace crowdbench::scene {
 namespace {
 
+int min_filter_number(MinFilter filter) {
+  switch (filter) {
+    case MinFilter::nearest: return 9728;
+    case MinFilter::linear: return 9729;
+    case MinFilter::nearest_mipmap_nearest: return 9984;
+    case MinFilter::linear_mipmap_nearest: return 9985;
+    case MinFilter::nearest_mipmap_linear: return 9986;
+    case MinFilter::linear_mipmap_linear: break;
+  }
+  return 9987;
+}
+
 using nlohmann::ordered_json;
 
 constexpr int kVertexData = 34962;  // ARRAY_BUFFER
@@ -109,7 +121,7 @@ class Writer {
       doc_["images"].push_back({{"mimeType", "image/png"}, {"bufferView", view(png.data(), png.size(), 0)}});
       const auto wrap = [](bool repeat, bool mirrored) { return !repeat ? 33071 : mirrored ? 33648 : 10497; };
       doc_["samplers"].push_back({{"magFilter", texture.nearest ? 9728 : 9729},
-                                  {"minFilter", texture.nearest ? 9984 : 9987},
+                                  {"minFilter", min_filter_number(texture.min_filter)},
                                   {"wrapS", wrap(texture.repeat_u, texture.mirrored_u)},
                                   {"wrapT", wrap(texture.repeat_v, texture.mirrored_v)}});
       doc_["textures"].push_back({{"source", doc_["images"].size() - 1}, {"sampler", doc_["samplers"].size() - 1}});

@@ -357,6 +357,8 @@ std::string compute_content_hash(const Character& character) {
   for (const Texture& t : character.images) {
     hash.value(t.image.width).value(t.image.height).value(t.image.channels).values(t.image.data);
     hash.value(t.repeat_u).value(t.repeat_v).value(t.mirrored_u).value(t.mirrored_v).value(t.nearest);
+    // Only where it is not the usual one, so that the hashes of most characters are those of earlier versions.
+    if (t.min_filter != MinFilter::linear_mipmap_linear) hash.value(t.min_filter);
   }
   hash.value(character.clips.size());
   for (const Clip& clip : character.clips) {

@@ -309,6 +309,7 @@ void Context::read_capabilities(bool debug) {
   limits_.array_layers = get_integer(GL_MAX_ARRAY_TEXTURE_LAYERS);
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limits_.storage_block);
   limits_.storage_alignment = get_integer(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
+  limits_.texel_buffer = get_integer(GL_MAX_TEXTURE_BUFFER_SIZE);
   limits_.uniform_block = get_integer(GL_MAX_UNIFORM_BLOCK_SIZE);
   GLint viewport[2] = {0, 0};
   glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);

@@ -31,6 +31,7 @@ struct Limits {
   int array_layers = 0;       // layers of an array texture
   int64_t storage_block = 0;  // bytes of one shader storage block
   int storage_alignment = 1;  // bytes, of a range bound as shader storage
+  int texel_buffer = 0;       // texels of a buffer texture
   int uniform_block = 0;      // bytes of one uniform block
   int viewport_size = 0;      // pixels, the smaller side
 };

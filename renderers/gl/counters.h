@@ -54,8 +54,8 @@ struct TimerTrust {
   double wall_ns = 0;  // from an idle pipeline to a finished one
   std::string reason;  // one line, for people
 };
-// Draws for some tens of milliseconds. Trusted when the timer accounts for 0.5 to 1.1 of the wall time; llvmpipe, which
-// times its last tile only, never is.
+// Draws for some tens of milliseconds. Trusted when the timer accounts for 0.5 to 1.1 of the wall time, and never on a
+// software rasteriser: llvmpipe times some of its tiles only, and gets a simple draw right by luck.
 TimerTrust test_gpu_timer(Context& context);
 
 }  // namespace crowdbench::gl

@@ -136,6 +136,19 @@ Texture::Texture(Context& context, unsigned target, unsigned format, int width, 
   count_texture(bytes_);
 }
 
+Texture::Texture(Context& context) : Object(context, [](unsigned name) { glDeleteTextures(1, &name); }) {}
+
+Texture Texture::make_buffer(Context& context, unsigned format, const Buffer& buffer) {
+  Texture texture(context);
+  texture.format_ = format;
+  texture.levels_ = 1;
+  texture.width_ = static_cast<int>(buffer.size() / static_cast<size_t>(texel_size(format).bytes));
+  texture.height_ = texture.layers_ = 1;
+  glCreateTextures(GL_TEXTURE_BUFFER, 1, &texture.name_);
+  glTextureBuffer(texture.name_, format, buffer.name());
+  return texture;
+}
+
 Texture Texture::make_2d(Context& context, unsigned format, int width, int height, int levels) {
   return {context, GL_TEXTURE_2D, format, width, height, 1, levels};
 }
@@ -208,6 +221,15 @@ void VertexArray::add_stream(unsigned location, const Buffer& buffer, int compon
   glEnableVertexArrayAttrib(name_, location);
   glVertexArrayAttribFormat(name_, location, components, GL_FLOAT, GL_FALSE, 0);
   glVertexArrayAttribBinding(name_, location, location);
+}
+
+void VertexArray::set_instance_stream(unsigned location, const Buffer& buffer, size_t offset) const {
+  assert(location > 0);
+  glVertexArrayVertexBuffer(name_, location, buffer.name(), static_cast<GLintptr>(offset), sizeof(uint32_t));
+  glEnableVertexArrayAttrib(name_, location);
+  glVertexArrayAttribIFormat(name_, location, 1, GL_UNSIGNED_INT, 0);
+  glVertexArrayAttribBinding(name_, location, location);
+  glVertexArrayBindingDivisor(name_, location, 1);
 }
 
 void VertexArray::bind() const { glBindVertexArray(name_); }

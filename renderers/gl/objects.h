@@ -88,6 +88,9 @@ class Texture : public Object {
   // levels 0: a whole mip chain down to 1x1. format is a sized internal format, GL_RGBA8 for example.
   static Texture make_2d(Context& context, unsigned format, int width, int height, int levels = 1);
   static Texture make_array(Context& context, unsigned format, int width, int height, int layers, int levels = 0);
+  // A buffer seen as a row of texels (texelFetch of a samplerBuffer); counts no bytes of its own. The buffer must
+  // outlive this.
+  static Texture make_buffer(Context& context, unsigned format, const Buffer& buffer);
   int width() const { return width_; }
   int height() const { return height_; }
   int layers() const { return layers_; }
@@ -105,6 +108,7 @@ class Texture : public Object {
   void bind(unsigned unit) const;
 
  private:
+  explicit Texture(Context& context);
   Texture(Context& context, unsigned target, unsigned format, int width, int height, int layers, int levels);
   unsigned format_ = 0;
   int width_ = 0, height_ = 0, layers_ = 0, levels_ = 0;
@@ -154,6 +158,8 @@ class VertexArray : public Object {
               const Buffer* indices);
   // A float attribute from a buffer of its own, tightly packed at `stride`; the buffer must outlive this.
   void add_stream(unsigned location, const Buffer& buffer, int components, int stride) const;
+  // An attribute of one uint an instance, tightly packed from byte `offset` of the buffer.
+  void set_instance_stream(unsigned location, const Buffer& buffer, size_t offset) const;
   void bind() const;
 };
 

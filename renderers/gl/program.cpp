@@ -30,14 +30,18 @@ bool read_shader_file(std::string_view path, std::string& text) {
   return false;
 }
 
+// Line n of file f is given to the driver as line f * kLinesPerFile + n.
+constexpr size_t kLinesPerFile = 100000;
+
 struct Assembler {
   const Defines& defines;
   ReadShader read;
   ShaderText out;
   std::vector<std::string> open;  // the chain of files being pasted
 
-  // #line N F says that the *next* line is line N of file F.
-  void mark(size_t line, size_t file) { out.text += fmt::format("#line {} {}\n", line, file); }
+  // Says which line the *next* one is. The file goes into the number, because Mesa forgets the source string's number
+  // for errors within expressions.
+  void mark(size_t line, size_t file) { out.text += fmt::format("#line {}\n", file * kLinesPerFile + line); }
 
   void paste(const std::string& path, const std::string& from) {
     if (std::find(open.begin(), open.end(), path) != open.end())
@@ -140,11 +144,12 @@ std::string map_log(const std::string& log, const std::vector<std::string>& file
   auto at = log.cbegin();
   for (std::sregex_iterator match(log.begin(), log.end(), place), end; match != end; ++match) {
     const std::smatch& m = *match;
-    const size_t file = std::strtoul(m[2].str().c_str(), nullptr, 10);
-    const std::string line = m[3].matched ? m[3].str() : m[4].str();
+    const size_t number = std::strtoul((m[3].matched ? m[3].str() : m[4].str()).c_str(), nullptr, 10);
+    const size_t file = number / kLinesPerFile;
+    const size_t line = number % kLinesPerFile;
     out.append(at, m[0].first);
     out += m[1].str();
-    out += file < files.size() ? fmt::format("{}:{}", files[file], line) : fmt::format("{}:{}", m[2].str(), line);
+    out += file < files.size() ? fmt::format("{}:{}", files[file], line) : fmt::format("{}:{}", m[2].str(), number);
     at = m[0].second;
   }
   out.append(at, log.cend());

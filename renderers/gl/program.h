@@ -16,7 +16,7 @@ using Defines = std::vector<std::pair<std::string, std::string>>;
 // Shader text with its includes pasted in, and what a driver's line numbers mean.
 struct ShaderText {
   std::string text;
-  std::vector<std::string> files;  // "N" in a driver's "N:line" message is files[N]
+  std::vector<std::string> files;  // a driver's line number N is line N % 100000 of files[N / 100000]
 };
 
 // Loads shader files by their path below the repository, "renderers/mesh/mesh.vert". They are compiled into the binary;
@@ -26,7 +26,7 @@ ShaderText load_shader(std::string_view path, const Defines& defines = {});
 // The same with a reader of the caller's (tests); returns false for an unknown path.
 using ReadShader = bool (*)(std::string_view path, std::string& text);
 ShaderText assemble_shader(std::string_view path, const Defines& defines, ReadShader read);
-// Rewrites "0:12(3): error" and "0(12) : error" of a driver's log to "renderers/mesh/mesh.vert:12: error".
+// Rewrites "0:100012(3): error" and "0(100012) : error" of a driver's log to "renderers/mesh/mesh.vert:12: error".
 std::string map_log(const std::string& log, const std::vector<std::string>& files);
 
 class Program : public Object {

@@ -15,15 +15,17 @@
 namespace crowdbench::renderers {
 namespace {
 
-// `MaterialRecord` of mesh.frag, std430.
+// Two texels of mesh.frag's `materials`.
 struct MaterialRecord {
-  glm::vec4 base_colour;
-  glm::vec4 emissive;
-  glm::uvec4 part_flags;
+  float base_colour[3];
+  uint32_t part_flags_layer;
+  float emissive[3];
+  float emissive_layer;
 };
 
-// A material's index shares 32 bits with the agent's (kMaxFrameAgents).
+// A material's index shares 32 bits with the outfit's, and is kept exactly in a float.
 constexpr size_t kMaxMaterials = 4096;
+constexpr size_t kMaxLayers = 4096;
 
 // One character's mesh on the GPU.
 struct CharacterMesh {
@@ -31,14 +33,27 @@ struct CharacterMesh {
   gl::VertexArray vertex_array;
   std::vector<gl::Texture> textures;  // one a MeshData::arrays entry
   std::vector<gl::Sampler> samplers;
+  gl::Texture material_texels;
   std::vector<MeshGroup> groups;
   uint32_t joints = 0;
   uint64_t triangles = 0;
-  bool has_colours = false, has_emissive_uvs = false;
+  bool has_colours = false, has_emissive_uvs = false, has_emissive = false;
 };
 
 unsigned wrap_mode(bool repeat, bool mirrored) {
   return !repeat ? GL_CLAMP_TO_EDGE : mirrored ? GL_MIRRORED_REPEAT : GL_REPEAT;
+}
+
+unsigned min_filter(scene::MinFilter filter) {
+  switch (filter) {
+    case scene::MinFilter::nearest: return GL_NEAREST;
+    case scene::MinFilter::linear: return GL_LINEAR;
+    case scene::MinFilter::nearest_mipmap_nearest: return GL_NEAREST_MIPMAP_NEAREST;
+    case scene::MinFilter::linear_mipmap_nearest: return GL_LINEAR_MIPMAP_NEAREST;
+    case scene::MinFilter::nearest_mipmap_linear: return GL_NEAREST_MIPMAP_LINEAR;
+    case scene::MinFilter::linear_mipmap_linear: break;
+  }
+  return GL_LINEAR_MIPMAP_LINEAR;
 }
 
 CharacterMesh upload(gl::Context& context, const scene::Character& character, const scene::PoseBank& bank,
@@ -46,6 +61,9 @@ CharacterMesh upload(gl::Context& context, const scene::Character& character, co
   if (character.materials.size() > kMaxMaterials)
     throw Error(character.name, fmt::format("{} materials; {} is the most", character.materials.size(), kMaxMaterials),
                 "merge materials");
+  if (character.images.size() > kMaxLayers)
+    throw Error(character.name, fmt::format("{} images; {} is the most", character.images.size(), kMaxLayers),
+                "merge images");
   MeshData data = make_mesh_data(character);
   if (static_pose) bake_static_pose(data, character, bank.palette(bank.sample(0, 0.0)));
 
@@ -87,11 +105,16 @@ CharacterMesh upload(gl::Context& context, const scene::Character& character, co
     if (material.unlit) flags |= CB_MATERIAL_UNLIT;
     if (material.base_colour_image >= 0) flags |= CB_MATERIAL_TEXTURE;
     if (material.emissive_image >= 0) flags |= CB_MATERIAL_EMISSIVE_TEXTURE;
-    materials.push_back({material.base_colour, glm::vec4(material.emissive, 0.0F),
-                         glm::uvec4(material.part, flags, static_cast<uint32_t>(data.material_layer[m]),
-                                    static_cast<uint32_t>(data.material_emissive_layer[m]))});
+    const glm::vec4& base = material.base_colour;
+    const glm::vec3& glow = material.emissive;
+    out.has_emissive = out.has_emissive || glow != glm::vec3(0.0F);
+    materials.push_back({{base.r, base.g, base.b},
+                         material.part | flags << 8U | static_cast<uint32_t>(data.material_layer[m]) << 16U,
+                         {glow.r, glow.g, glow.b},
+                         static_cast<float>(data.material_emissive_layer[m])});
   }
   out.materials = gl::Buffer(context, materials);
+  out.material_texels = gl::Texture::make_buffer(context, GL_RGBA32F, out.materials);
 
   for (const MeshTextureArray& array : data.arrays) {
     gl::Texture texture = gl::Texture::make_array(context, GL_SRGB8_ALPHA8, array.width, array.height,
@@ -104,10 +127,8 @@ CharacterMesh upload(gl::Context& context, const scene::Character& character, co
     gl::SamplerOptions sampling;
     sampling.wrap_s = wrap_mode(array.sampling.repeat_u, array.sampling.mirrored_u);
     sampling.wrap_t = wrap_mode(array.sampling.repeat_v, array.sampling.mirrored_v);
-    if (array.sampling.nearest) {
-      sampling.min_filter = GL_NEAREST_MIPMAP_LINEAR;
-      sampling.mag_filter = GL_NEAREST;
-    }
+    sampling.min_filter = min_filter(array.sampling.min_filter);
+    if (array.sampling.nearest) sampling.mag_filter = GL_NEAREST;
     out.samplers.emplace_back(context, sampling);
   }
   return out;
@@ -115,7 +136,7 @@ CharacterMesh upload(gl::Context& context, const scene::Character& character, co
 
 // What a compiled variant of the program depends on.
 struct Variant {
-  bool ids, colours, emissive_uvs, textures, emissive_textures, double_sided;
+  bool ids, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided;
   auto operator<=>(const Variant&) const = default;
 };
 
@@ -135,10 +156,12 @@ class MeshRepresentation : public Representation {
       const CharacterMesh& mesh = meshes_[c];
       if (mesh.groups.empty()) continue;
       if (floor_)
-        resources.draw_listed(c, agents[c], [&](uint32_t count) { draw_groups(mesh, pass, 0, count); });
+        resources.draw_listed(c, agents[c],
+                              [&](uint32_t count) { draw_groups(mesh, pass, resources.list(), 0, count); });
       else
-        resources.draw_posed(c, agents[c],
-                             [&](uint32_t first, uint32_t count) { draw_groups(mesh, pass, first, count); });
+        resources.draw_posed(c, agents[c], [&](uint32_t first, uint32_t count) {
+          draw_groups(mesh, pass, resources.list(), first, count);
+        });
     }
     glDisable(GL_CULL_FACE);
     for (const unsigned unit : {CB_TEXTURE_BASE_COLOUR, CB_TEXTURE_EMISSIVE}) glBindSampler(unit, 0);
@@ -168,6 +191,7 @@ class MeshRepresentation : public Representation {
       define(capture_, "CB_CAPTURE");
       define(v.ids, "CB_IDS");
       define(v.colours, "CB_COLOURS");
+      define(v.emissive, "CB_EMISSIVE");
       define(v.emissive_uvs, "CB_EMISSIVE_UVS");
       define(v.textures, "CB_TEXTURES");
       define(v.emissive_textures, "CB_EMISSIVE_TEXTURES");
@@ -179,14 +203,16 @@ class MeshRepresentation : public Representation {
     return found->second;
   }
 
-  void draw_groups(const CharacterMesh& mesh, const Pass& pass, uint32_t first, uint32_t count) {
+  void draw_groups(const CharacterMesh& mesh, const Pass& pass, const gl::Buffer& list, uint32_t first,
+                   uint32_t count) {
+    mesh.vertex_array.set_instance_stream(CB_ATTRIBUTE_AGENT, list, first * sizeof(uint32_t));
     mesh.vertex_array.bind();
-    mesh.materials.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_MATERIALS);
+    mesh.material_texels.bind(CB_TEXTURE_MATERIALS);
     for (const MeshGroup& group : mesh.groups) {
-      const gl::Program& p = program({pass.ids, mesh.has_colours, mesh.has_emissive_uvs && group.emissive_array >= 0,
-                                      group.base_array >= 0, group.emissive_array >= 0, group.double_sided});
+      const gl::Program& p =
+          program({pass.ids, mesh.has_colours, mesh.has_emissive, mesh.has_emissive_uvs && group.emissive_array >= 0,
+                   group.base_array >= 0, group.emissive_array >= 0, group.double_sided});
       p.use();
-      p.set(CB_LOCATION_FIRST, first);
       if (!floor_) p.set(CB_LOCATION_JOINTS, mesh.joints);
       const auto bind_array = [&](int array, unsigned unit) {
         if (array < 0) return;

@@ -7,12 +7,9 @@
 #include "renderers/shaders/output.glsl"
 #endif
 
-struct MaterialRecord {
-  vec4 base_colour;    // linear factor
-  vec4 emissive;       // linear factor; w unused
-  uvec4 part_flags;    // part, CB_MATERIAL_* flags, layer of the base colour, layer of the emissive image
-};
-layout(std430, binding = CB_STORAGE_MATERIALS) readonly restrict buffer Materials { MaterialRecord materials[]; };
+// Two texels a material: linear base colour and, as bits, part | flags << 8 | layer << 16; linear emissive colour and
+// the layer of its image.
+layout(binding = CB_TEXTURE_MATERIALS) uniform samplerBuffer materials;
 #ifdef CB_TEXTURES
 layout(binding = CB_TEXTURE_BASE_COLOUR) uniform sampler2DArray base_colour_images;
 #endif
@@ -22,7 +19,10 @@ layout(binding = CB_TEXTURE_EMISSIVE) uniform sampler2DArray emissive_images;
 
 layout(location = 0) in vec4 v_normal_u;
 layout(location = 1) in float v_v;
-layout(location = 2) flat in uint v_agent_material;
+layout(location = 2) flat in uint v_outfit_material;
+#ifdef CB_IDS
+layout(location = 5) flat in uint v_id;
+#endif
 #ifdef CB_COLOURS
 layout(location = 3) in vec3 v_colour;
 #endif
@@ -31,15 +31,22 @@ layout(location = 4) in vec2 v_emissive_uv;
 #endif
 
 void main() {
-  uint agent = v_agent_material & 0xfffffu;
-  MaterialRecord material = materials[v_agent_material >> 20u];
-  uint flags = material.part_flags.y;
-  vec3 albedo = material.base_colour.rgb;
-  vec3 emissive = material.emissive.rgb;
+  int material = int(v_outfit_material >> 16u) * 2;
+  vec4 texel0 = texelFetch(materials, material);
+  uint bits = floatBitsToUint(texel0.w);
+  uint part = bits & 0xffu;
+  uint flags = bits >> 8u;
+  vec3 albedo = texel0.rgb;
+#ifdef CB_EMISSIVE
+  vec4 texel1 = texelFetch(materials, material + 1);
+  vec3 emissive = texel1.rgb;
+#else
+  vec3 emissive = vec3(0.0);
+#endif
   vec2 uv = vec2(v_normal_u.w, v_v);
 #ifdef CB_TEXTURES
   // Sampled outside the branch: derivatives must not depend on a neighbour's material.
-  vec3 texel = texture(base_colour_images, vec3(uv, float(material.part_flags.z))).rgb;
+  vec3 texel = texture(base_colour_images, vec3(uv, float(bits >> 16u))).rgb;
   if ((flags & CB_MATERIAL_TEXTURE) != 0u) albedo *= texel;
 #endif
 #ifdef CB_COLOURS
@@ -51,7 +58,7 @@ void main() {
 #else
   vec2 emissive_uv = uv;
 #endif
-  vec3 glow = texture(emissive_images, vec3(emissive_uv, float(material.part_flags.w))).rgb;
+  vec3 glow = texture(emissive_images, vec3(emissive_uv, texel1.w)).rgb;
   if ((flags & CB_MATERIAL_EMISSIVE_TEXTURE) != 0u) emissive *= glow;
 #endif
   vec3 normal = v_normal_u.xyz;
@@ -59,10 +66,13 @@ void main() {
   if (!gl_FrontFacing) normal = -normal;
 #endif
 #ifdef CB_CAPTURE
-  write_capture(albedo, normal, material.part_flags.x, (flags & CB_MATERIAL_UNLIT) != 0u);
+  write_capture(albedo, normal, part, (flags & CB_MATERIAL_UNLIT) != 0u);
 #else
-  uvec2 identity = agents[agent].identity.xy;
-  write_output(shade(albedo, normal, material.part_flags.x, identity.x, (flags & CB_MATERIAL_UNLIT) != 0u, emissive),
-               identity.y);
+#ifdef CB_IDS
+  uint id = v_id;
+#else
+  uint id = 0u;
+#endif
+  write_output(shade(albedo, normal, part, v_outfit_material & 0xffffu, (flags & CB_MATERIAL_UNLIT) != 0u, emissive), id);
 #endif
 }

@@ -8,7 +8,7 @@ layout(location = CB_ATTRIBUTE_UV) in vec2 in_uv;
 #ifndef CB_STATIC
 layout(location = CB_ATTRIBUTE_JOINTS) in uvec4 in_joints;
 layout(location = CB_ATTRIBUTE_WEIGHTS) in vec4 in_weights;
-layout(std430, binding = CB_STORAGE_PALETTE) readonly restrict buffer Palette { vec4 palette[]; };
+#include "renderers/shaders/palette.glsl"
 layout(location = CB_LOCATION_JOINTS) uniform uint joints;
 #endif
 #ifdef CB_COLOURS
@@ -19,42 +19,51 @@ layout(location = 3) out vec3 v_colour;
 layout(location = CB_ATTRIBUTE_EMISSIVE_UV) in vec2 in_emissive_uv;
 layout(location = 4) out vec2 v_emissive_uv;
 #endif
-layout(location = CB_LOCATION_FIRST) uniform uint first;
+layout(location = CB_ATTRIBUTE_AGENT) in uint in_agent;
 #ifdef CB_CAPTURE
 #include "renderers/tiles/capture.glsl"
 #endif
 
 layout(location = 0) out vec4 v_normal_u;  // world normal, not unit; u. Few outputs: each costs every triangle's set-up
 layout(location = 1) out float v_v;
-layout(location = 2) flat out uint v_agent_material;  // agent in the low 20 bits, material above
+layout(location = 2) flat out uint v_outfit_material;  // outfit in the low 16 bits, material above
+#ifdef CB_IDS
+layout(location = 5) flat out uint v_id;
+#endif
+
+#ifdef CB_FEEDBACK
+out vec3 f_world;  // captured by the skinning test
+#endif
 
 void main() {
-  uint agent = list[first + uint(gl_InstanceID)];
   vec3 world;
   vec3 normal;
 #ifdef CB_STATIC
-  AgentRecord record = agents[agent];
-  vec2 heading = record.heading_blend.xy;
-  world = record.position_scale.xyz + record.position_scale.w * turn(in_position.xyz, heading);
+  vec4 position_scale = agent_position_scale(in_agent);
+  vec2 heading = agent_heading_blend(in_agent).xy;
+  world = position_scale.xyz + position_scale.w * turn(in_position.xyz, heading);
   normal = turn(in_normal.xyz, heading);
 #else
   uint base = uint(gl_InstanceID) * joints * 3u;
   uvec4 at = base + in_joints * 3u;
   vec4 w = in_weights;
-  vec4 row0 = w.x * palette[at.x] + w.y * palette[at.y] + w.z * palette[at.z] + w.w * palette[at.w];
-  vec4 row1 = w.x * palette[at.x + 1u] + w.y * palette[at.y + 1u] + w.z * palette[at.z + 1u] + w.w * palette[at.w + 1u];
-  vec4 row2 = w.x * palette[at.x + 2u] + w.y * palette[at.y + 2u] + w.z * palette[at.z + 2u] + w.w * palette[at.w + 2u];
+  vec4 row0 = w.x * palette_row(at.x) + w.y * palette_row(at.y) + w.z * palette_row(at.z) + w.w * palette_row(at.w);
+  vec4 row1 = w.x * palette_row(at.x + 1u) + w.y * palette_row(at.y + 1u) + w.z * palette_row(at.z + 1u) + w.w * palette_row(at.w + 1u);
+  vec4 row2 = w.x * palette_row(at.x + 2u) + w.y * palette_row(at.y + 2u) + w.z * palette_row(at.z + 2u) + w.w * palette_row(at.w + 2u);
   vec4 p = vec4(in_position.xyz, 1.0);
   world = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
   normal = vec3(dot(row0.xyz, in_normal.xyz), dot(row1.xyz, in_normal.xyz), dot(row2.xyz, in_normal.xyz));
 #endif
-#ifdef CB_FEEDBACK
-  v_normal_u = vec4(world, 0.0);
-#else
   v_normal_u = vec4(normal, in_uv.x);
+#ifdef CB_FEEDBACK
+  f_world = world;
 #endif
   v_v = in_uv.y;
-  v_agent_material = agent | uint(in_position.w) << 20u;
+  uvec2 identity = agent_identity(in_agent);
+  v_outfit_material = identity.x | uint(in_position.w) << 16u;
+#ifdef CB_IDS
+  v_id = identity.y;
+#endif
 #ifdef CB_COLOURS
   v_colour = in_colour.rgb;
 #endif
@@ -62,7 +71,7 @@ void main() {
   v_emissive_uv = in_emissive_uv;
 #endif
 #ifdef CB_CAPTURE
-  CaptureView view = capture_views[agent];
+  CaptureView view = capture_views[in_agent];
   gl_Position = capture_position(view, world);
   v_normal_u.xyz = capture_normal(view, normal);
 #else

@@ -12,9 +12,9 @@
 namespace crowdbench::renderers {
 namespace {
 
-using ArrayKey = std::tuple<int, int, bool, bool, bool, bool, bool>;
+using ArrayKey = std::tuple<int, int, bool, bool, bool, bool, bool, scene::MinFilter>;
 ArrayKey key_of(const scene::Texture& t) {
-  return {t.image.width, t.image.height, t.repeat_u, t.repeat_v, t.mirrored_u, t.mirrored_v, t.nearest};
+  return {t.image.width, t.image.height, t.repeat_u, t.repeat_v, t.mirrored_u, t.mirrored_v, t.nearest, t.min_filter};
 }
 
 // Array and layer of every image that a material uses as base colour or as emissive colour.

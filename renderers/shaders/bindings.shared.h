@@ -7,11 +7,9 @@
 
 // Shader storage blocks 0 to 7 are common, 8 and above belong to a representation.
 #define CB_STORAGE_AGENTS 0     // AgentRecord[]: all agents of the frame, character after character
-#define CB_STORAGE_OUTFITS 1    // vec4[]: kParts colours an outfit
 #define CB_STORAGE_LIST 2       // uint[]: positions in AGENTS of the agents to draw
 #define CB_STORAGE_PALETTE 3    // vec4[]: posed joints of the listed agents, three rows a joint, list-major
 #define CB_STORAGE_POSE_BANK 4  // vec4[]: one character's bank, three rows a joint, sample-major
-#define CB_STORAGE_MATERIALS 8  // MaterialRecord[] of the character being drawn
 #define CB_STORAGE_CAPTURE 9    // CaptureView[]: one orthographic view an agent, for bakes
 #define CB_STORAGE_TILES 10     // tiles of the character being drawn: where they lie (flat)
 #define CB_STORAGE_OUTLINES 11  // corners of the tiles' outlines (flat)
@@ -20,6 +18,12 @@
 // Texture units.
 #define CB_TEXTURE_BASE_COLOUR 0
 #define CB_TEXTURE_EMISSIVE 1
+#define CB_TEXTURE_MATERIALS 2  // texels of the character being drawn (mesh)
+// Buffers as texels: where many lanes read different places, llvmpipe fetches a texel several times faster than a storage
+// block's element, and GPUs do not mind.
+#define CB_TEXTURE_AGENTS 13   // AGENTS, four RGBA32F texels an agent
+#define CB_TEXTURE_OUTFITS 14  // kParts RGBA32F texels an outfit
+#define CB_TEXTURE_PALETTE 15  // PALETTE, three RGBA32F texels a joint
 
 // Uniform locations.
 #define CB_LOCATION_FIRST 0   // uint: position in LIST (and in PALETTE) of the first instance
@@ -34,11 +38,12 @@
 #define CB_ATTRIBUTE_WEIGHTS 4
 #define CB_ATTRIBUTE_COLOUR 5
 #define CB_ATTRIBUTE_EMISSIVE_UV 6
+#define CB_ATTRIBUTE_AGENT 7  // uint, one an instance: the agent's position in AGENTS, from LIST
 
 // Body parts that an outfit colours (scene::kParts).
 #define CB_PARTS 16
 
-// MaterialRecord::flags.
+// Flags of a material (mesh.frag).
 #define CB_MATERIAL_UNLIT 1u
 #define CB_MATERIAL_TEXTURE 2u
 #define CB_MATERIAL_EMISSIVE_TEXTURE 4u

@@ -22,6 +22,12 @@ struct AgentRecord {
 layout(std430, binding = CB_STORAGE_AGENTS) readonly restrict buffer Agents { AgentRecord agents[]; };
 layout(std430, binding = CB_STORAGE_LIST) readonly restrict buffer List { uint list[]; };
 
+layout(binding = CB_TEXTURE_AGENTS) uniform samplerBuffer agent_texels;
+vec4 agent_position_scale(uint agent) { return texelFetch(agent_texels, int(agent) * 4); }
+vec4 agent_heading_blend(uint agent) { return texelFetch(agent_texels, int(agent) * 4 + 1); }
+// Outfit and id.
+uvec2 agent_identity(uint agent) { return floatBitsToUint(texelFetch(agent_texels, int(agent) * 4 + 3).xy); }
+
 // A model-space vector turned by the agent's heading: +Z goes to (sin, 0, cos).
 vec3 turn(vec3 v, vec2 heading) {
   return vec3(heading.y * v.x + heading.x * v.z, v.y, heading.y * v.z - heading.x * v.x);

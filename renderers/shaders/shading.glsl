@@ -2,11 +2,11 @@
 // Linear light throughout; the sRGB curve comes at the very end, in output_colour().
 #include "renderers/shaders/frame.glsl"
 
-layout(std430, binding = CB_STORAGE_OUTFITS) readonly restrict buffer Outfits { vec4 outfits[]; };
+layout(binding = CB_TEXTURE_OUTFITS) uniform samplerBuffer outfits;
 
 // The outfit's colour factor for a body part; parts beyond CB_PARTS keep their own colour.
 vec3 outfit_colour(uint part, uint outfit) {
-  return part < uint(CB_PARTS) ? outfits[outfit * uint(CB_PARTS) + part].rgb : vec3(1.0);
+  return part < uint(CB_PARTS) ? texelFetch(outfits, int(outfit) * CB_PARTS + int(part)).rgb : vec3(1.0);
 }
 
 // albedo: linear, before the outfit. lambert: cosine between the normal and the light, 0 where the light is behind.

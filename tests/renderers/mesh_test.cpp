@@ -1,9 +1,20 @@
+#include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
+#include "core/colour.h"
+#include "core/error.h"
 #include "core/image_io.h"
 #include "gl_test_support.h"
+#include "renderers/frame_resources.h"
+#include "renderers/gl/counters.h"
+#include "renderers/gl/program.h"
+#include "renderers/mesh/mesh_data.h"
+#include "renderers/shaders/bindings.shared.h"
+#include "scene/mannequin.h"
+#include "scene/pose.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -17,22 +28,39 @@ using testing::GlTest;
 
 class MeshGl : public GlTest {};
 
-std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec) {
+std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec = "mesh") {
   return make_representation({.context = context(), .cast = cast}, parse_spec(spec));
 }
+
+Capture draw(const scene::Cast& cast, const scene::Frame& frame, const CaptureOptions& options = {},
+             const std::string& spec = "mesh") {
+  Renderer renderer(context(), cast);
+  const auto representation = make(cast, spec);
+  return renderer.capture(frame, *representation, options);
+}
+
+// The vertical field of view that makes one metre at depth 1 as long as `focal` pixels.
+double fov_deg(int height, double focal) {
+  return 2.0 * std::atan(height / 2.0 / focal) * 180.0 / 3.14159265358979323846;
+}
+
+size_t covered(const Capture& c) {
+  size_t n = 0;
+  for (const uint32_t id : c.ids.data) n += id != 0 ? 1U : 0U;
+  return n;
+}
+
+scene::Material& material(scene::Character& character) { return character.materials.front(); }
 
 // A card 1 m wide and 0.5 m high at 4 m: with a focal length of f pixels a metre covers f / 4 pixels.
 TEST_F(MeshGl, CardCoversExactlyItsPixelsAtItsDepth) {
   const int size = 200;
   const double f = 400.0;  // pixels: 100 pixels a metre at 4 m
-  const double fov = 2.0 * std::atan(size / 2.0 / f) * 180.0 / 3.14159265358979323846;
+  const double fov = fov_deg(size, f);
   const scene::Cast cast = cast_of(card(1.0F, 0.5F));
   scene::Frame frame = frame_of_one(4.0, 0.25, size, size, fov);
   add_agent(frame, cast, {0, 0, 0}, 7);
-  Renderer renderer(context(), cast);
-  const auto mesh = make(cast, "mesh");
-  const Capture c = renderer.capture(frame, *mesh);
-  if (const char* dir = std::getenv("CROWDBENCH_TEST_OUT")) write_png(std::string(dir) + "/card.png", c.colour);
+  const Capture c = draw(cast, frame);
   // 100 x 50 pixels in the middle: columns 50..149, rows 75..124.
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) {
@@ -45,6 +73,329 @@ TEST_F(MeshGl, CardCoversExactlyItsPixelsAtItsDepth) {
         ASSERT_EQ(c.colour.at(x, y)[0], 128);
       }
     }
+}
+
+TEST_F(MeshGl, DepthIsInMetresWithAFiniteFarPlaneToo) {
+  const scene::Cast cast = cast_of(card(4.0F, 4.0F));
+  for (const double far : {0.0, 12.0, 1000.0}) {
+    scene::Frame frame = frame_of_one(7.0, 2.0, 32, 32);
+    frame.camera.far = far;
+    add_agent(frame, cast, {0, 0, 0}, 1);
+    EXPECT_NEAR(draw(cast, frame).depth.at(16, 16)[0], 7.0F, 1e-4F) << far;
+  }
+}
+
+// Positions as the vertex shader sees them, against linear blend skinning in double on the CPU. What may differ: 16-bit
+// weights (0.5/65535 each, on levers below 1 m), float matrices and the float agent transform.
+TEST_F(MeshGl, SkinsAsTheCpuDoes) {
+  const scene::Character character = scene::make_mannequin({.triangles = 2200});
+  const int clip = character.placement.default_clip;
+  ASSERT_GE(clip, 0);
+  const scene::Cast cast = cast_of(character);
+  ASSERT_EQ(cast.banks[0]->clips()[0].clip, 0);
+  const scene::PoseBank& bank = *cast.banks[0];
+  const MeshData data = make_mesh_data(character);
+  const gl::Buffer vertices(context(), data.vertices);
+  const gl::Attribute attributes[] = {
+      {CB_ATTRIBUTE_POSITION, 4, GL_FLOAT, false, false, offsetof(MeshVertex, position)},
+      {CB_ATTRIBUTE_NORMAL, 4, GL_INT_2_10_10_10_REV, true, false, offsetof(MeshVertex, normal)},
+      {CB_ATTRIBUTE_UV, 2, GL_FLOAT, false, false, offsetof(MeshVertex, uv)},
+      {CB_ATTRIBUTE_JOINTS, 4, GL_UNSIGNED_SHORT, false, true, offsetof(MeshVertex, joints)},
+      {CB_ATTRIBUTE_WEIGHTS, 4, GL_UNSIGNED_SHORT, true, false, offsetof(MeshVertex, weights)},
+  };
+  const gl::VertexArray array(context(), vertices, sizeof(MeshVertex), attributes, nullptr);
+  const gl::Program program(context(), {"renderers/mesh/mesh.vert", "renderers/mesh/mesh.frag"}, {{"CB_FEEDBACK", ""}},
+                            {"f_world"});
+  const auto count = static_cast<GLsizei>(data.vertices.size());
+  const gl::Buffer feedback(context(), data.vertices.size() * sizeof(glm::vec3));
+
+  const uint32_t samples = bank.clips()[0].samples;
+  double worst_on_sample = 0;
+  double worst_between = 0;
+  for (const double phase : {0.0, 7.0 / samples, 13.0 / samples, 2.37 / samples, 0.999}) {
+    const glm::dvec3 place(3.0, 0.0, -8.0);
+    const double turns = 0.15;
+    const float scale = 1.1F;
+    scene::Frame frame = frame_of_one(2.0, 1.5, 64, 64);
+    // The second of two agents, so that instance and palette offsets count.
+    add_agent(frame, cast, {0, 0, 0}, 1, 0.5);
+    add_agent(frame, cast, place, 2, phase, static_cast<float>(turns), scale);
+    FrameResources resources(context(), cast);
+    resources.upload(frame, 64, 64);
+    const Target target(context(), 64, 64, {});  // nothing is rasterised, yet a draw wants a complete frame buffer
+    target.bind();
+    const uint32_t second[] = {1};
+    resources.draw_posed(0, second, [&](uint32_t first, uint32_t instances) {
+      array.set_instance_stream(CB_ATTRIBUTE_AGENT, resources.list(), first * sizeof(uint32_t));
+      array.bind();
+      program.use();
+      program.set(CB_LOCATION_JOINTS, static_cast<uint32_t>(bank.joints()));
+      glEnable(GL_RASTERIZER_DISCARD);
+      feedback.bind(GL_TRANSFORM_FEEDBACK_BUFFER, 0);
+      glBeginTransformFeedback(GL_POINTS);
+      glDrawArraysInstanced(GL_POINTS, 0, count, static_cast<GLsizei>(instances));
+      glEndTransformFeedback();
+      glDisable(GL_RASTERIZER_DISCARD);
+    });
+    std::vector<glm::vec3> got(data.vertices.size());
+    feedback.read(got.data(), got.size() * sizeof(glm::vec3));
+
+    const bool on_sample = std::abs(phase * samples - std::round(phase * samples)) < 1e-9;
+    std::vector<glm::dmat4> palette;
+    if (on_sample) {
+      palette = scene::model_matrices(character, 0, phase);
+    } else {
+      for (const scene::Mat3x4& m : bank.palette(bank.sample(0, phase)))
+        palette.push_back(glm::transpose(glm::dmat4(m.rows[0], m.rows[1], m.rows[2], glm::dvec4(0, 0, 0, 1))));
+    }
+    const std::vector<glm::dvec3> posed = scene::skin_positions(character.mesh, palette);
+    const double s = std::sin(turns * 2 * 3.14159265358979323846);
+    const double c = std::cos(turns * 2 * 3.14159265358979323846);
+    double& worst = on_sample ? worst_on_sample : worst_between;
+    for (size_t v = 0; v < got.size(); ++v) {
+      const glm::dvec3 p = posed[data.source_vertex[v]] * static_cast<double>(scale);
+      const glm::dvec3 want = glm::dvec3(c * p.x + s * p.z, p.y, c * p.z - s * p.x) + place - frame.origin;
+      worst = std::max(worst, glm::length(glm::dvec3(got[v]) - want));
+    }
+  }
+  std::printf("worst vertex: %.2e m on a bank sample, %.2e m between\n", worst_on_sample, worst_between);
+  EXPECT_LT(worst_on_sample, 1e-5);
+  EXPECT_LT(worst_between, 1e-5);
+}
+
+// The upper of two boxes has turned by a quarter about X and, with the agent turned by a quarter, lies along world +X.
+TEST_F(MeshGl, OneBoneTurnsItsBox) {
+  const scene::Cast cast = cast_of(testing::two_bones());
+  const int size = 240;
+  const double f = 390;  // the nearest faces lie 3.9 m away: 100 pixels a metre
+  scene::Frame frame = frame_of_one(4.0, 1.0, size, size, fov_deg(size, f));
+  add_agent(frame, cast, {0, 0, 0}, 3, 0.5, 0.25F);
+  const Capture c = draw(cast, frame);
+  const auto id = [&](double x, double y) {
+    return c.ids.at(static_cast<int>(std::floor(120 + 100 * x)),
+                    static_cast<int>(std::floor(120 - 100 * (y - 1.0))))[0];
+  };
+  // The upper box: x from 0 to 0.8, y from 0.9 to 1.1. The lower one: x from -0.1 to 0.1, y up to 1.
+  for (const double x : {0.015, 0.4, 0.785})
+    for (const double y : {0.915, 1.0, 1.085}) EXPECT_EQ(id(x, y), 3U) << x << ", " << y;
+  EXPECT_EQ(id(0.815, 1.0), 0U);
+  EXPECT_EQ(id(0.4, 1.115), 0U);
+  EXPECT_EQ(id(0.4, 0.885), 0U);
+  EXPECT_EQ(id(0.0, 1.3), 0U) << "where it stood before it turned";
+  EXPECT_EQ(id(-0.3, 1.0), 0U) << "where it would lie had it turned the other way";
+  EXPECT_EQ(id(0.0, 0.5), 3U);
+  EXPECT_NEAR(c.depth.at(160, 120)[0], 3.9F, 1e-4F);
+}
+
+TEST_F(MeshGl, BackFacesAreCulledUnlessDoubleSided) {
+  scene::Character one = card(1.0F, 1.0F);
+  scene::Frame frame = frame_of_one(4.0, 0.5, 64, 64);
+  const scene::Cast single = cast_of(one);
+  material(one).double_sided = true;
+  const scene::Cast both = cast_of(one);
+  add_agent(frame, single, {0, 0, 0}, 1, 0, 0.0F);
+  const Capture front = draw(single, frame);
+  EXPECT_EQ(draw(both, frame), front);
+  frame.agents[0].clear();
+  add_agent(frame, single, {0, 0, 0}, 1, 0, 0.5F);  // its back
+  EXPECT_EQ(covered(draw(single, frame)), 0U);
+  // Its normal is flipped towards the eye, so its back is as bright as its front.
+  const Capture back = draw(both, frame);
+  EXPECT_EQ(covered(back), covered(front));
+  EXPECT_EQ(back.colour.at(32, 32)[0], front.colour.at(32, 32)[0]);
+}
+
+TEST_F(MeshGl, MirroredPrimitivesKeepTheirFront) {
+  scene::Character character = card(1.0F, 1.0F);
+  character.skeleton.nodes[0].scale = {-1, 1, 1};
+  scene::Frame frame = frame_of_one(4.0, 0.5, 64, 64);
+  const scene::Cast unaware = cast_of(character);
+  character.mesh.primitives[0].mirrored = true;
+  const scene::Cast aware = cast_of(character);
+  add_agent(frame, aware, {0, 0, 0}, 1);
+  EXPECT_EQ(covered(draw(unaware, frame)), 0U) << "the matrix alone shows the back";
+  EXPECT_GT(covered(draw(aware, frame)), 100U);
+}
+
+// A third of a pixel's width is covered: the mean is taken in linear light.
+TEST_F(MeshGl, SupersamplingAveragesInLinearLight) {
+  scene::Character character = card(2.0F, 4.0F);
+  material(character).unlit = true;
+  const scene::Cast cast = cast_of(character);
+  const int size = 30;
+  // 10 pixels a metre at 4 m; the card's right edge lies at x = 1 m - 2/3 pixel.
+  scene::Frame frame = frame_of_one(4.0, 2.0, size, size, fov_deg(size, 40));
+  add_agent(frame, cast, {-2.0 / 30.0, 0, 0}, 1);
+  const Capture c = draw(cast, frame, {.supersample = 3, .linear = true});
+  const double background = static_cast<double>(frame.background.r);
+  const double mean = (1.0 + 2.0 * background) / 3.0;
+  EXPECT_NEAR(c.linear.at(24, 15)[0], mean, 1e-6);
+  EXPECT_EQ(c.colour.at(24, 15)[0], linear_to_srgb8(mean));
+  EXPECT_EQ(c.colour.at(23, 15)[0], 255);
+  EXPECT_EQ(c.colour.at(25, 15)[0], 128);
+  // Id and depth are the centre sample's, which is not covered.
+  EXPECT_EQ(c.ids.at(23, 15)[0], 1U);
+  EXPECT_EQ(c.ids.at(24, 15)[0], 0U);
+  EXPECT_TRUE(std::isinf(c.depth.at(24, 15)[0]));
+  const auto mesh = make(cast);
+  Renderer renderer(context(), cast);
+  EXPECT_THROW((void)renderer.capture(frame, *mesh, {.supersample = 2}), Error);
+  EXPECT_THROW((void)renderer.capture(frame, *mesh, {.supersample = 1001}), Error);
+}
+
+// Every 8-bit code, through the outfit's factor of an unlit white card.
+TEST_F(MeshGl, EncodesSrgbWithinOneCode) {
+  scene::Character character = card(1.0F, 1.0F);
+  material(character).unlit = true;
+  const scene::Cast cast = cast_of(character);
+  const int size = 160;
+  scene::Frame frame = frame_of_one(10.0, 8.0, size, size, fov_deg(size, 100));  // 10 pixels a metre
+  for (uint32_t code = 0; code < 256; ++code) {
+    scene::Outfit outfit;
+    for (glm::vec4& c : outfit.colours) c = glm::vec4(static_cast<float>(srgb_to_linear(code / 255.0)));
+    frame.outfits.push_back(outfit);
+    add_agent(frame, cast, {static_cast<double>(code % 16) - 7.5, static_cast<double>(code / 16), 0}, code + 1);
+    frame.agents[0].back().outfit = code + 1;
+  }
+  const Capture c = draw(cast, frame, {.linear = true});
+  int worst = 0;
+  for (int code = 0; code < 256; ++code) {
+    const int x = 5 + 10 * (code % 16);
+    const int y = size - 5 - 10 * (code / 16);
+    ASSERT_EQ(c.ids.at(x, y)[0], static_cast<uint32_t>(code) + 1);
+    worst = std::max(worst, std::abs(c.colour.at(x, y)[0] - code));
+    ASSERT_NEAR(c.linear.at(x, y)[0], srgb_to_linear(code / 255.0), 1e-6);
+  }
+  EXPECT_LE(worst, 1);
+}
+
+TEST_F(MeshGl, LightUnlitAndEmissiveAreAsStated) {
+  const auto value = [](const scene::Material& m) {
+    scene::Character character = card(1.0F, 1.0F);
+    character.materials.front() = m;
+    const scene::Cast cast = cast_of(character);
+    scene::Frame frame = frame_of_one(4.0, 0.5, 16, 16, 10);
+    add_agent(frame, cast, {0, 0, 0}, 1);
+    return draw(cast, frame, {.linear = true}).linear.at(8, 8)[0];
+  };
+  scene::Material m;
+  m.base_colour = glm::vec4(0.5F);
+  // The card faces +Z, where the light's direction (0.4, 0.8, 0.45) / 0.9798 has 0.45928.
+  const double z = 0.45 / std::sqrt(0.4 * 0.4 + 0.8 * 0.8 + 0.45 * 0.45);
+  EXPECT_NEAR(value(m), 0.5 * (0.25 + 0.75 * z), 1e-4);
+  m.emissive = glm::vec3(0.125F);
+  EXPECT_NEAR(value(m), 0.5 * (0.25 + 0.75 * z) + 0.125, 1e-4);
+  m.unlit = true;
+  EXPECT_NEAR(value(m), 0.5, 1e-6);
+}
+
+TEST_F(MeshGl, ColoursAreTheSameWithAndWithoutIds) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 500}));
+  scene::Frame frame = frame_of_one(5.0, 1.0, 200, 200);
+  frame.ground = true;
+  for (uint32_t i = 0; i < 5; ++i)
+    add_agent(frame, cast, {i - 2.0, 0, -0.5 * i}, i + 1, 0.17 * i, 0.2F * static_cast<float>(i));
+  Renderer renderer(context(), cast);
+  const auto mesh = make(cast);
+  const Target plain(context(), 200, 200, {});
+  renderer.draw(frame, *mesh, plain);
+  const Capture without = plain.read();
+  const Capture with = renderer.capture(frame, *mesh);
+  EXPECT_EQ(with.colour, without.colour);
+  EXPECT_EQ(with.depth, without.depth);
+  EXPECT_TRUE(without.ids.empty());
+  EXPECT_GT(covered(with), 1000U);
+}
+
+// The vertex cache order holds vertex shading to 1.1 of the vertices that are indexed.
+TEST_F(MeshGl, VertexInvocationsStayNearTheVertices) {
+  const scene::Character character = scene::make_mannequin({.triangles = 5000});
+  const scene::Cast cast = cast_of(character);
+  const MeshData data = make_mesh_data(character);
+  scene::Frame frame = frame_of_one(9.0, 1.0, 64, 64);
+  const uint32_t agents = 8;
+  for (uint32_t i = 0; i < agents; ++i) add_agent(frame, cast, {i - 4.0, 0, 0}, i + 1);
+  Renderer renderer(context(), cast);
+  for (const char* spec : {"mesh", "mesh:floor=1"}) {
+    const auto mesh = make(cast, spec);
+    const Target target(context(), 64, 64, {});
+    renderer.draw(frame, *mesh, target);
+    gl::PipelineCounter counter(context());
+    counter.begin();
+    renderer.draw(frame, *mesh, target);
+    counter.end();
+    const gl::PipelineCounts counts = counter.result();
+    if (!counts.vertex_invocations) GTEST_SKIP() << "this driver has no pipeline statistics";
+    const double share =
+        static_cast<double>(*counts.vertex_invocations) / static_cast<double>(agents * data.vertices.size());
+    std::printf("%s: %zu vertices, %.3f vertex invocations each\n", spec, data.vertices.size(), share);
+    EXPECT_LE(share, 1.1);
+    EXPECT_GE(share, 1.0);
+    EXPECT_EQ(mesh->triangles(0), character.triangles());
+    ASSERT_TRUE(counts.samples_passed);
+    EXPECT_GT(*counts.samples_passed, 100U);
+  }
+}
+
+// The same scene 100 km from the origin is the same picture: doubles never reach the GPU. Every coordinate is a
+// multiple of 1/1024, so that the differences are exact.
+TEST_F(MeshGl, FarFromTheOriginNothingMoves) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 500}));
+  Capture near;
+  for (const double offset : {0.0, 1e5, -1e5}) {
+    scene::Frame frame = frame_of_one(4.25, 1.5, 160, 120);
+    frame.ground = true;
+    frame.camera.eye += glm::dvec3(offset, 0, offset);
+    frame.camera.target += glm::dvec3(offset, 0, offset);
+    frame.origin = frame.camera.eye;
+    for (uint32_t i = 0; i < 3; ++i)
+      add_agent(frame, cast, {offset + 0.75 * i - 0.5, 0, offset - 0.25 * i}, i + 1, 0.2 * i);
+    const Capture c = draw(cast, frame);
+    if (offset == 0.0) {
+      near = c;
+      EXPECT_GT(covered(c), 1000U);
+      continue;
+    }
+    EXPECT_EQ(c.colour, near.colour) << offset;
+    EXPECT_EQ(c.ids, near.ids) << offset;
+    EXPECT_EQ(c.depth, near.depth) << offset;
+  }
+}
+
+// The floor draws the pose of phase 0, so at phase 0 both pictures are the same but for rounding at silhouettes.
+TEST_F(MeshGl, FloorDrawsTheSameFigureAtPhaseZero) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
+  scene::Frame frame = frame_of_one(4.0, 0.9, 300, 300);
+  add_agent(frame, cast, {0, 0, 0}, 1, 0.0, 0.1F, 1.05F);
+  const Capture a = draw(cast, frame);
+  const Capture b = draw(cast, frame, {}, "mesh:floor=1");
+  size_t differ = 0;
+  for (size_t i = 0; i < a.ids.data.size(); ++i) differ += a.ids.data[i] != b.ids.data[i] ? 1U : 0U;
+  EXPECT_GT(covered(a), 5000U);
+  EXPECT_LE(differ, covered(a) / 500);
+}
+
+TEST_F(MeshGl, NormalsPackWithinATenthOfADegree) {
+  for (int i = 0; i < 500; ++i) {
+    const double a = i * 0.37;
+    const double b = i * 0.91;
+    const glm::vec3 n(static_cast<float>(std::sin(a) * std::cos(b)), static_cast<float>(std::cos(a)),
+                      static_cast<float>(std::sin(a) * std::sin(b)));
+    const glm::vec3 back = glm::normalize(unpack_normal(pack_normal(n)));
+    EXPECT_LT(std::acos(std::min(1.0F, glm::dot(n, back))) * 57.2958F, 0.12F);
+  }
+}
+
+TEST_F(MeshGl, GroundIsDrawnWithoutAnId) {
+  const scene::Cast cast = cast_of(card(0.1F, 0.1F));
+  scene::Frame frame = frame_of_one(4.0, 1.5, 120, 90);
+  frame.ground = true;
+  const Capture c = draw(cast, frame);
+  EXPECT_EQ(covered(c), 0U);
+  // Straight below the horizon's middle at pixel row y the ground lies at depth 1.5 f / (y - 45).
+  const double f = 45.0 / std::tan(20.0 * 3.14159265358979323846 / 180);
+  for (const int y : {60, 75, 89}) EXPECT_NEAR(c.depth.at(60, y)[0], 1.5 * f / (y + 0.5 - 45.0), 1e-3) << y;
+  EXPECT_TRUE(std::isinf(c.depth.at(60, 30)[0]));
 }
 
 }  // namespace

@@ -1,0 +1,232 @@
+// What every registered representation must keep, whatever it is made of. A new one is tested by its line in the
+// registry.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "gl_test_support.h"
+#include "renderers/frame_resources.h"
+#include "scene/mannequin.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+using testing::add_agent;
+using testing::cast_of;
+using testing::context;
+using testing::frame_of_one;
+
+// How a type is asked for: with its defaults, and made of mesh and flat where it is made of two.
+std::string spec_of(const RepresentationType& type) {
+  return type.parts == 0 ? type.name : type.name + "(mesh,flat,distance=9)";
+}
+
+std::vector<std::string> specs() {
+  std::vector<std::string> out;
+  for (const RepresentationType& type : representation_types()) {
+    out.push_back(spec_of(type));
+    if (type.parts == 0) out.push_back(type.name + ":floor=1");
+  }
+  return out;
+}
+
+// Agents about 120 pixels tall, with ids that are neither consecutive nor small.
+constexpr uint32_t kIds[] = {5, 9, 70000};
+constexpr int kWidth = 400;
+constexpr int kHeight = 200;
+// Bounds, stated: the share of the mesh's silhouettes that both cover (an impostor shows the nearest stored view, up to
+// 11 degrees off), the ratio of covered pixels, and metres of depth (half a figure's width beyond its own surface).
+constexpr double kLeastOverlap = 0.70;
+constexpr double kCoverageFactor = 1.25;
+constexpr float kDepthSlack = 0.6F;
+
+scene::Frame make_frame(const scene::Cast& cast, double phase) {
+  scene::Frame frame = frame_of_one(8.0, 1.5, kWidth, kHeight, 20.0);
+  for (int i = 0; i < 3; ++i)
+    add_agent(frame, cast, {1.9 * (i - 1), 0, -1.0 * (i - 1)}, kIds[i], phase + 0.3 * i,
+              0.13F + 0.3F * static_cast<float>(i));
+  return frame;
+}
+
+const scene::Cast& cast() {
+  static const scene::Cast one = cast_of(scene::make_mannequin({.triangles = 2200}), 10.0);
+  return one;
+}
+
+class ContractGl : public testing::GlTest, public ::testing::WithParamInterface<std::string> {
+ protected:
+  static void SetUpTestSuite() {
+    // Bakes of the tests stay out of the user's cache, and are kept from one test to the next.
+    const auto folder = std::filesystem::path(::testing::TempDir()) / "crowdbench_contract_cache";
+    setenv("CROWDBENCH_CACHE_DIR", folder.c_str(), 1);
+  }
+  static void TearDownTestSuite() {
+    shared_.clear();
+    mesh_.reset();
+    unsetenv("CROWDBENCH_CACHE_DIR");
+  }
+  // One representation a spec, made once: a bake takes seconds.
+  Representation& representation() {
+    auto& one = shared_[GetParam()];
+    if (!one) one = make();
+    return *one;
+  }
+  std::unique_ptr<Representation> make() const {
+    return make_representation({.context = context(), .cast = cast(), .progress = false}, parse_spec(GetParam()));
+  }
+  static const Capture& mesh(double phase) {
+    static std::map<double, Capture> made;
+    auto found = made.find(phase);
+    if (found == made.end()) {
+      if (!mesh_) mesh_ = make_representation({.context = context(), .cast = cast()}, parse_spec("mesh"));
+      Renderer renderer(context(), cast());
+      found = made.emplace(phase, renderer.capture(make_frame(cast(), phase), *mesh_)).first;
+    }
+    return found->second;
+  }
+
+  static std::map<std::string, std::unique_ptr<Representation>> shared_;
+  static std::unique_ptr<Representation> mesh_;
+};
+std::map<std::string, std::unique_ptr<Representation>> ContractGl::shared_;
+std::unique_ptr<Representation> ContractGl::mesh_;
+
+bool is_floor(const std::string& spec) { return spec.find("floor=1") != std::string::npos; }
+
+TEST_P(ContractGl, CoversWhatTheMeshCovers) {
+  // A floor may draw another pose; phase 0 is the mesh floor's.
+  if (is_floor(GetParam())) GTEST_SKIP() << "a floor is no picture of the crowd";
+  Renderer renderer(context(), cast());
+  for (const double phase : {0.0, 0.4}) {
+    const Capture test = renderer.capture(make_frame(cast(), phase), representation());
+    const Capture& reference = mesh(phase);
+    for (const uint32_t id : kIds) {
+      size_t both = 0;
+      size_t either = 0;
+      size_t ours = 0;
+      size_t theirs = 0;
+      float near = 1e9F;
+      float far = 0;
+      for (size_t i = 0; i < test.ids.data.size(); ++i) {
+        const bool a = test.ids.data[i] == id;
+        const bool b = reference.ids.data[i] == id;
+        both += a && b ? 1U : 0U;
+        either += a || b ? 1U : 0U;
+        ours += a ? 1U : 0U;
+        theirs += b ? 1U : 0U;
+        if (b) {
+          near = std::min(near, reference.depth.data[i]);
+          far = std::max(far, reference.depth.data[i]);
+        }
+      }
+      ASSERT_GT(theirs, 800U);
+      EXPECT_GE(static_cast<double>(both) / static_cast<double>(either), kLeastOverlap) << id;
+      EXPECT_LE(ours, kCoverageFactor * theirs) << id;
+      EXPECT_GE(ours, theirs / kCoverageFactor) << id;
+      for (size_t i = 0; i < test.ids.data.size(); ++i) {
+        if (test.ids.data[i] != id) continue;
+        ASSERT_GE(test.depth.data[i], near - kDepthSlack) << id;
+        ASSERT_LE(test.depth.data[i], far + kDepthSlack) << id;
+      }
+    }
+  }
+}
+
+TEST_P(ContractGl, IdsAndDepthsAreThoseOfDrawnAgents) {
+  Renderer renderer(context(), cast());
+  const Capture c = renderer.capture(make_frame(cast(), 0.0), representation());
+  std::set<uint32_t> seen;
+  for (size_t i = 0; i < c.ids.data.size(); ++i) {
+    if (c.ids.data[i] != 0) seen.insert(c.ids.data[i]);
+    ASSERT_EQ(std::isfinite(c.depth.data[i]), c.ids.data[i] != 0) << "depth is finite exactly where an agent is";
+    if (c.ids.data[i] == 0) {
+      ASSERT_EQ(c.colour.data[4 * i], 128) << "the background shows exactly where no agent is";
+    }
+  }
+  EXPECT_EQ(seen, (std::set<uint32_t>{5, 9, 70000}));
+}
+
+TEST_P(ContractGl, DrawsOnlyTheListedAgents) {
+  Renderer renderer(context(), cast());
+  const scene::Frame frame = make_frame(cast(), 0.0);
+  const Target target(context(), kWidth, kHeight, {.ids = true});
+  const auto draw = [&](const AgentLists& lists) {
+    // An empty frame clears the target and leaves the state that draw() starts from.
+    scene::Frame empty = frame;
+    for (auto& agents : empty.agents) agents.clear();
+    renderer.draw(empty, representation(), target);
+    renderer.resources().upload(frame, kWidth, kHeight);
+    representation().draw(frame, renderer.resources(), lists, target.pass());
+    std::set<uint32_t> seen;
+    for (const uint32_t id : target.read().ids.data)
+      if (id != 0) seen.insert(id);
+    return seen;
+  };
+  EXPECT_EQ(draw({{}}), (std::set<uint32_t>{}));
+  EXPECT_EQ(draw({{1}}), (std::set<uint32_t>{9}));
+  EXPECT_EQ(draw({{0, 2}}), (std::set<uint32_t>{5, 70000}));
+}
+
+TEST_P(ContractGl, MovesAndRepeats) {
+  Renderer renderer(context(), cast());
+  const Capture a = renderer.capture(make_frame(cast(), 0.0), representation());
+  const Capture b = renderer.capture(make_frame(cast(), 0.35), representation());
+  const Capture again = renderer.capture(make_frame(cast(), 0.0), representation());
+  EXPECT_EQ(a, again) << "the same frame gives the same bytes, whatever came between";
+  if (!is_floor(GetParam())) {
+    EXPECT_NE(a.colour, b.colour) << "two ticks differ";
+  }
+}
+
+TEST_P(ContractGl, ColoursAreTheSameWithAndWithoutIds) {
+  Renderer renderer(context(), cast());
+  const scene::Frame frame = make_frame(cast(), 0.2);
+  const Capture with = renderer.capture(frame, representation());
+  const Target plain(context(), kWidth, kHeight, {});
+  renderer.draw(frame, representation(), plain);
+  const Capture without = plain.read();
+  EXPECT_EQ(with.colour, without.colour);
+  EXPECT_EQ(with.depth, without.depth);
+}
+
+TEST_P(ContractGl, AnEmptyFrameIsBackground) {
+  Renderer renderer(context(), cast());
+  scene::Frame frame = make_frame(cast(), 0.0);
+  frame.agents[0].clear();
+  const Capture c = renderer.capture(frame, representation());
+  for (size_t i = 0; i < c.ids.data.size(); ++i) {
+    ASSERT_EQ(c.ids.data[i], 0U);
+    ASSERT_EQ(c.colour.data[4 * i], 128);
+  }
+}
+
+TEST_P(ContractGl, FootprintIsWhatWasAllocated) {
+  context().make_current();
+  const gl::Allocated before = context().allocated();
+  const std::unique_ptr<Representation> one = make();
+  {
+    Renderer renderer(context(), cast());
+    (void)renderer.capture(make_frame(cast(), 0.0), *one);
+  }  // the renderer's own buffers are gone
+  const gl::Allocated after = context().allocated();
+  const Footprint footprint = one->footprint();
+  EXPECT_EQ(footprint.texture_bytes, after.texture_bytes - before.texture_bytes);
+  EXPECT_EQ(footprint.buffer_bytes, after.buffer_bytes - before.buffer_bytes);
+  EXPECT_GT(footprint.gpu_bytes(), 0U);
+  EXPECT_GT(one->triangles(0), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registered, ContractGl, ::testing::ValuesIn(specs()),
+                         [](const ::testing::TestParamInfo<std::string>& param) {
+                           std::string name;
+                           for (const char c : param.param)
+                             name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace crowdbench::renderers

@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "renderers/representation.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+const std::vector<RepresentationType>& table() {
+  static const std::vector<RepresentationType> types = {
+      {"mesh", "", {}, {}},
+      {"relief", "", {{"search", "linear|cone", "linear", ""}, {"steps", "N+M", "16+7", ""}}, {}},
+      {"hybrid", "", {{"distance", "0..1000", "20", ""}}, {}, 2},
+  };
+  return types;
+}
+
+struct Good {
+  const char* text;
+  const char* canonical;
+};
+
+TEST(Spec, CanonicalText) {
+  const Good good[] = {
+      {"mesh", "mesh"},
+      {"mesh:floor=0", "mesh"},
+      {"mesh:floor=1", "mesh:floor=1"},
+      {"relief:steps=8+5,search=cone", "relief:search=cone,steps=8+5"},
+      {"relief:search=linear,steps=16+7", "relief"},
+      {"relief:steps=4+3,floor=1", "relief:steps=4+3,floor=1"},
+      {"hybrid(mesh,relief)", "hybrid(mesh,relief)"},
+      {"hybrid(mesh,relief,distance=12.5)", "hybrid(mesh,relief,distance=12.5)"},
+      // The key is known to the part before it, so it is the part's.
+      {"hybrid(mesh,relief:search=cone,steps=8+5,distance=9)",
+       "hybrid(mesh,(relief:search=cone,steps=8+5),distance=9)"},
+      {"hybrid(mesh,(relief:search=cone),distance=9)", "hybrid(mesh,(relief:search=cone),distance=9)"},
+      // Both know `floor`: the open part takes it, a closed one leaves it to the hybrid.
+      {"hybrid(mesh,relief:steps=8+5,floor=1)", "hybrid(mesh,(relief:steps=8+5,floor=1))"},
+      {"hybrid(mesh,(relief:steps=8+5),floor=1)", "hybrid(mesh,(relief:steps=8+5),floor=1)"},
+      {"hybrid(mesh,relief,floor=1)", "hybrid(mesh,relief,floor=1)"},
+      {"hybrid(mesh,hybrid(relief:steps=1+1,mesh,distance=5),distance=3)",
+       "hybrid(mesh,hybrid((relief:steps=1+1),mesh,distance=5),distance=3)"},
+  };
+  for (const Good& g : good) {
+    SCOPED_TRACE(g.text);
+    const Spec spec = parse_spec(g.text, table());
+    const std::string text = canonical_text(spec, table());
+    EXPECT_EQ(text, g.canonical);
+    EXPECT_EQ(canonical_text(parse_spec(text, table()), table()), text) << "the canonical text is its own";
+  }
+}
+
+TEST(Spec, OptionsAreKeptInOrder) {
+  const Spec spec = parse_spec("hybrid(mesh,relief:steps=8+5,search=cone,distance=9)", table());
+  EXPECT_EQ(spec.name, "hybrid");
+  ASSERT_EQ(spec.parts.size(), 2U);
+  EXPECT_EQ(spec.parts[0].name, "mesh");
+  const std::vector<std::pair<std::string, std::string>> relief = {{"steps", "8+5"}, {"search", "cone"}};
+  EXPECT_EQ(spec.parts[1].options, relief);
+  const std::vector<std::pair<std::string, std::string>> own = {{"distance", "9"}};
+  EXPECT_EQ(spec.options, own);
+}
+
+struct Bad {
+  const char* text;
+  const char* says;
+};
+
+TEST(Spec, RefusalsSayWhat) {
+  const Bad bad[] = {
+      {"", "a name is missing"},
+      {"messh", "did you mean 'mesh'"},
+      {"zzzzzzzz", "there is no representation"},
+      {"relief:", "is no key=value"},
+      {"relief:steps", "is no key=value"},
+      {"relief:steps=", "has no value"},
+      {"relief:=4", "is no key=value"},
+      {"relief:step=4", "did you mean 'steps'"},
+      {"relief:steps=1+1,steps=2+2", "is given twice"},
+      {"relief:steps=1+1,", "is no key=value"},
+      {"relief,steps=1", "is left over"},
+      {"mesh()", "a name is missing"},
+      {"mesh(mesh)", "takes no parts"},
+      {"hybrid", "takes 2 parts"},
+      {"hybrid(mesh)", "takes 2 parts"},
+      {"hybrid(mesh,mesh,mesh)", "takes 2 parts"},
+      {"hybrid(mesh,mesh", "')' is missing"},
+      {"hybrid(mesh,(mesh", "')' is missing"},
+      {"hybrid(mesh,mesh))", "is left over"},
+      {"hybrid(mesh,distance=3,mesh)", "a part follows an option"},
+      {"hybrid(mesh,mesh,steps=3)", "there is no option 'steps'"},
+      {"hybrid(mesh,(relief:steps=1+1,distance=4))", "there is no option 'distance'"},
+      {"hybrid(mesh,hybrid(mesh,hybrid(mesh,hybrid(mesh,hybrid(mesh,hybrid(mesh,mesh))))))", "go too deep"},
+      {"mesh\n", "there is no representation"},
+  };
+  for (const Bad& b : bad) {
+    SCOPED_TRACE(b.text);
+    try {
+      (void)parse_spec(b.text, table());
+      ADD_FAILURE() << "was accepted";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(b.says), std::string::npos) << e.what();
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << "one line";
+    }
+  }
+  EXPECT_THROW((void)parse_spec(std::string(5000, 'm'), table()), Error);
+}
+
+TEST(Spec, ReaderGivesDefaultsAndRefusesOutOfRange) {
+  const RepresentationType type = {
+      "x", "", {{"n", "1..8", "4", ""}, {"r", "0..1", "0.5", ""}, {"w", "a|b", "b", ""}}, {}};
+  const OptionReader defaults(type, Spec{"x", {}, {}});
+  EXPECT_EQ(defaults.integer("n", 1, 8), 4);
+  EXPECT_EQ(defaults.number("r", 0, 1), 0.5);
+  EXPECT_EQ(defaults.choice("w", {"a", "b"}), 1U);
+  EXPECT_FALSE(defaults.flag("floor"));
+  const auto reader = [&](const char* key, const char* value) {
+    return OptionReader(type, Spec{"x", {{key, value}}, {}});
+  };
+  EXPECT_EQ(reader("n", "8").integer("n", 1, 8), 8);
+  EXPECT_THROW((void)reader("n", "9").integer("n", 1, 8), Error);
+  EXPECT_THROW((void)reader("n", "4x").integer("n", 1, 8), Error);
+  EXPECT_THROW((void)reader("n", "99999999999999999999").integer("n", 1, 8), Error);
+  EXPECT_THROW((void)reader("r", "nan").number("r", 0, 1), Error);
+  EXPECT_THROW((void)reader("r", "1.01").number("r", 0, 1), Error);
+  EXPECT_THROW((void)reader("w", "c").choice("w", {"a", "b"}), Error);
+  EXPECT_THROW((void)reader("floor", "yes").flag("floor"), Error);
+}
+
+TEST(Spec, EveryTypeDocumentsItself) {
+  for (const RepresentationType& type : representation_types()) {
+    SCOPED_TRACE(type.name);
+    EXPECT_FALSE(type.summary.empty());
+    EXPECT_EQ(type.summary.find('\n'), std::string::npos);
+    EXPECT_TRUE(type.make);
+    for (const OptionDoc& o : option_docs(type)) {
+      EXPECT_FALSE(o.values.empty()) << o.key;
+      EXPECT_FALSE(o.default_value.empty()) << o.key;
+      EXPECT_FALSE(o.meaning.empty()) << o.key;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::renderers
