@@ -29,6 +29,7 @@ struct Options {
 // What the number keys offer: what was asked for, else the scenario's own and every other that needs no options.
 std::vector<renderers::Spec> offered(const std::vector<std::string>& asked, const scene::Scenario& scenario) {
   std::vector<renderers::Spec> specs;
+  specs.reserve(asked.size());
   for (const std::string& text : asked) specs.push_back(renderers::parse_spec(text));
   if (!specs.empty()) return specs;
   specs.push_back(renderers::parse_spec(scenario.representation));
@@ -73,6 +74,7 @@ int run_view(const Options& options) {
   chosen.scenario.ground = !options.no_ground;
   const std::vector<renderers::Spec> specs = offered(options.representations, chosen.scenario);
   std::vector<std::string> names;
+  names.reserve(specs.size());
   for (const renderers::Spec& spec : specs) names.push_back(spec.text());
 
   gl::Window window(chosen.scenario.width, chosen.scenario.height, "crowdbench");  // first: no display is said at once
