@@ -129,7 +129,6 @@ class Sweep {
 
   static void put_solved(MeasurementRow& row, const scene::Solved& solved) {
     row.achieved_occupancy = solved.achieved;
-    if (solved.touched_px > 0) row.touched_px = solved.touched_px;
     row.agents_wholly = solved.agents_wholly;
     row.agents_partly = solved.agents_partly;
     row.agents_off = solved.agents_off;
@@ -190,6 +189,7 @@ class Sweep {
       renderers::Capture picture;
       std::optional<size_t> floor;  // place among the variants
       gl::PipelineCounts counts;
+      uint64_t touched_px = 0;
     };
     std::vector<Entry> entries;
     std::vector<Variant> variants;
@@ -202,6 +202,7 @@ class Sweep {
                            : check_pictures(entry.picture, contender(s).capture(kSecondTick), contender(s).is_floor(),
                                             reference_check);
       entry.counts = contender(s).count(0);
+      entry.touched_px = contender(s).touched_px(0);
       variants.push_back(contender(s).variant());
       entries.push_back(std::move(entry));
       throw_if_interrupted();
@@ -242,6 +243,7 @@ class Sweep {
       put_solved(row, solved);
       put_times(row, results[e], kBootstrapSeed);
       row.covered_px = entry.check.covered_px;
+      row.touched_px = entry.touched_px;
       row.moved_px = entry.check.moved_px;
       row.reference_px = reference_check.covered_px;
       if (!entry.check.fault.empty()) {

@@ -52,6 +52,14 @@ renderers::Capture Contender::capture(uint64_t tick) {
   return stage_.renderer().capture(stage_.frame(tick), *representation_);
 }
 
+uint64_t Contender::touched_px(uint64_t tick) {
+  const renderers::Target target(stage_.context(), target_.width(), target_.height(), renderers::Pass{.touched = true});
+  stage_.renderer().draw(stage_.frame(tick), *representation_, target);
+  const renderers::Capture capture = target.read();
+  return static_cast<uint64_t>(
+      std::count_if(capture.depth.data.begin(), capture.depth.data.end(), [](float d) { return std::isfinite(d); }));
+}
+
 gl::PipelineCounts Contender::count(uint64_t tick) {
   gl::PipelineCounter counter(stage_.context());
   const scene::Frame& frame = stage_.frame(tick);

@@ -53,6 +53,8 @@ class Contender {
   Variant variant();
   // An untimed frame with ids.
   renderers::Capture capture(uint64_t tick);
+  // Pixels that any fragment of an untimed frame reaches, discarded or not (the boxes and polygons, not the figures).
+  uint64_t touched_px(uint64_t tick);
   // Pipeline statistics of one untimed frame.
   gl::PipelineCounts count(uint64_t tick);
 

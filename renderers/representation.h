@@ -80,6 +80,9 @@ using AgentLists = std::vector<std::vector<uint32_t>>;
 struct Pass {
   bool ids = false;     // second colour attachment, R32UI: agent index + 1
   bool linear = false;  // colour attachment 0 is linear float, else sRGB-encoded 8-bit
+  // Depth is written wherever a fragment arrives, also where it is discarded later (shaders define CB_TOUCHED): the
+  // pixels that a draw touches. Its colours, ids and depths are of no other use.
+  bool touched = false;
   auto operator<=>(const Pass&) const = default;
 };
 

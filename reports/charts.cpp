@@ -27,6 +27,7 @@ Json frame(int height) {
              {{"labelFontSize", 12},
               {"titleFontSize", 12},
               {"titleFontWeight", 600},
+              {"titlePadding", 10},
               {"labelColor", kInk},
               {"titleColor", kInk},
               {"gridColor", kGrid},
@@ -56,7 +57,8 @@ std::vector<double> nice_ticks(double least, double greatest) {
 
 Json log_axis(const std::string& title, const std::vector<double>& ticks) {
   // "~r" writes 0.05, 20 and 1000 as they are.
-  return {{"title", title}, {"values", ticks}, {"format", ",~r"}, {"grid", true}, {"labelOverlap", "greedy"}};
+  return {{"title", title}, {"values", ticks},          {"format", ",~r"},
+          {"grid", true},   {"labelOverlap", "greedy"}, {"minExtent", 38}};
 }
 
 Json agents_x(const Scene& scene) {

@@ -171,6 +171,7 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
     const std::string& metric = run.headline;
     add("# {}, {} × {} pixels, scenario “{}”\n\n", cell(scene.character), scene.width, scene.height,
         cell(run.scenario_name));
+    if (const auto notice = void_notice(scene)) add("**{}**\n\n", cell(*notice));
     for (const std::string& sentence : answer(scene)) add("{}\n\n", cell(sentence));
     if (run.software)
       out +=

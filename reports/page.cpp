@@ -95,6 +95,9 @@ class Page {
     for (const Tile& tile : tiles(scene))
       add("<div><b>{}</b><span>{}</span></div>\n", html_escape(tile.figure), html_escape(tile.meaning));
     html_ += "</div>\n";
+    if (const auto notice = void_notice(scene))
+      add("<div class=\"banner\">{} <span>The pictures and the differences stand.</span></div>\n",
+          html_escape(*notice));
     html_ += "<div class=\"answer\">\n";
     for (const std::string& sentence : sentences) add("<p>{}</p>\n", html_escape(sentence));
     html_ += "</div>\n";
@@ -419,7 +422,7 @@ class Page {
       for (const double occupancy : scene.occupancies)
         for (const uint32_t agents : scene.agents)
           if (const RatioRow* ratio = scene.ratio("floor", name, agents, occupancy, metric); ratio != nullptr) {
-            const bool poor = name == scene.reference && ratio->ratio > 1.4;
+            const bool poor = name == scene.reference && ratio->ratio > kReferenceFloorBound;
             fmt::format_to(
                 std::back_inserter(body),
                 "<tr><td class=\"l\">{}</td><td>{}</td><td>{}</td><td{}>{}</td><td class=\"i\">{} to {}</td></tr>\n",

@@ -29,6 +29,26 @@ std::string view_text(const Scene& scene, double occupancy) {
              : fmt::format("in a {} \u00d7 {} picture", scene.width, scene.height);
 }
 
+// The speed of the largest crowd that both were timed with.
+const RatioRow* largest_ratio(const Scene& scene, const std::string& name, double occupancy) {
+  for (auto agents = scene.agents.rbegin(); agents != scene.agents.rend(); ++agents) {
+    const MeasurementRow* row = scene.find(name, *agents, occupancy);
+    if (row == nullptr || !is_timed(*row)) continue;
+    const RatioRow* ratio = scene.ratio("speed", name, *agents, occupancy, scene.run->headline);
+    if (ratio != nullptr) return ratio;
+  }
+  return nullptr;
+}
+
+// One size says enough in a summary: the one nearest 64 pixels.
+const ScoreByHeight* nearest_height(const std::vector<ScoreByHeight>& scores, const std::string& name) {
+  const ScoreByHeight* nearest = nullptr;
+  const auto distance = [](const ScoreByHeight& score) { return std::abs(std::log(score.height_px / 64)); };
+  for (const ScoreByHeight& score : scores)
+    if (score.representation == name && (nearest == nullptr || distance(score) < distance(*nearest))) nearest = &score;
+  return nearest;
+}
+
 }  // namespace
 
 const MeasurementRow* Scene::find(const std::string& representation, uint32_t agent_count, double occupancy) const {
@@ -215,58 +235,58 @@ std::vector<ScoreByHeight> scores_by_height(const Scene& scene, const std::strin
 }
 
 std::vector<std::string> answer(const Scene& scene) {
-  std::vector<std::string> sentences;
+  std::vector<std::string> paragraphs;
   const std::string& metric = scene.run->headline;
   const auto lines = crossovers_of(scene, metric);
   for (const std::string& name : scene.representations) {
     if (name == scene.reference) continue;
-    std::string text;
     for (const double occupancy : scene.occupancies) {
-      // The largest crowd that both were timed with.
-      const RatioRow* best = nullptr;
-      for (auto agents = scene.agents.rbegin(); agents != scene.agents.rend() && best == nullptr; ++agents) {
-        const MeasurementRow* row = scene.find(name, *agents, occupancy);
-        if (row != nullptr && is_timed(*row)) best = scene.ratio("speed", name, *agents, occupancy, metric);
-      }
+      const RatioRow* best = largest_ratio(scene, name, occupancy);
       if (best == nullptr) continue;
       const bool faster = best->ratio >= 1;
-      text += fmt::format("{}{} {}, {} is {} times as {} as {} (95 % interval {} to {}, {} interleaved pairs).",
-                          text.empty() ? "With " : " With ", agents_text(best->of.agents), view_text(scene, occupancy),
-                          name, factor_text(faster ? best->ratio : 1 / best->ratio), faster ? "fast" : "slow",
-                          scene.reference, factor_text(faster ? best->low : 1 / best->high),
-                          factor_text(faster ? best->high : 1 / best->low), best->pairs);
+      std::string text =
+          fmt::format("With {} {}, {} is {} times as {} as {} (95 % interval {} to {}, {} interleaved pairs).",
+                      agents_text(best->of.agents), view_text(scene, occupancy), name,
+                      factor_text(faster ? best->ratio : 1 / best->ratio), faster ? "fast" : "slow", scene.reference,
+                      factor_text(faster ? best->low : 1 / best->high),
+                      factor_text(faster ? best->high : 1 / best->low), best->pairs);
       for (const CrossoverLine& line : lines) {
         if (line.occupancy != occupancy || line.first != scene.reference || line.second != name) continue;
         if (line.agents)
-          text += fmt::format(" {} becomes the cheaper one at about {}.", line.cheaper_beyond,
-                              agents_text(static_cast<uint64_t>(std::llround(*line.agents))));
+          text += fmt::format(" From about {} on, {} is the cheaper one.",
+                              agents_text(static_cast<uint64_t>(std::llround(*line.agents))), line.cheaper_beyond);
         else
-          text += fmt::format(" {} is the cheaper one over the whole range, {} to {}.", line.cheaper_beyond,
+          text += fmt::format(" Of the two, {} is the cheaper one over the whole range, {} to {}.", line.cheaper_beyond,
                               count_text(line.from), agents_text(line.to));
       }
+      paragraphs.push_back(text);
     }
     const auto overlap = scores_by_height(scene, "silhouette_iou");
-    const auto similarity = scores_by_height(scene, "ssim");
-    for (const ScoreByHeight& at : overlap) {
-      // One size says enough here: the one nearest 64 pixels. The table has the rest.
-      const auto nearest = std::min_element(overlap.begin(), overlap.end(), [&](const auto& a, const auto& b) {
-        const auto distance = [&](const ScoreByHeight& s) {
-          return s.representation == name ? std::abs(std::log(s.height_px / 64.0)) : 1e9;
-        };
-        return distance(a) < distance(b);
-      });
-      if (at.representation != name || &at != &*nearest) continue;
-      text += fmt::format(
-          " Seen {:.0f} pixels tall, its silhouette overlaps that of {} by {} on average (intersection over union)",
-          at.height_px, scene.reference, percent_text(at.mean));
-      for (const ScoreByHeight& s : similarity)
-        if (s.representation == name && s.height_px == at.height_px)
-          text += fmt::format("; its SSIM is {:.3f}", s.mean);
-      text += ".";
-    }
-    if (!text.empty()) sentences.push_back(text);
+    const ScoreByHeight* shown = nearest_height(overlap, name);
+    if (shown == nullptr) continue;
+    std::string text = fmt::format(
+        "Seen {:.0f} pixels tall, the silhouette of {} overlaps that of {} by {} on average over {} views "
+        "(intersection "
+        "over union; {} in the worst view)",
+        shown->height_px, name, scene.reference, percent_text(shown->mean), shown->views, percent_text(shown->least));
+    for (const ScoreByHeight& s : scores_by_height(scene, "ssim"))
+      if (s.representation == name && s.height_px == shown->height_px) text += fmt::format("; SSIM is {:.3f}", s.mean);
+    paragraphs.push_back(text + ".");
   }
-  return sentences;
+  return paragraphs;
+}
+
+std::optional<std::string> void_notice(const Scene& scene) {
+  const RatioRow* worst = nullptr;
+  for (const RatioRow* row : scene.ratios)
+    if (row->kind == "floor" && row->of.representation == scene.reference && row->metric == scene.run->headline &&
+        (worst == nullptr || row->ratio > worst->ratio))
+      worst = row;
+  if (worst == nullptr || worst->ratio <= kReferenceFloorBound) return std::nullopt;
+  return fmt::format(
+      "Figures of speed are void: {} took up to {} times its own floor (the same draw with a static pose), more than "
+      "{}.",
+      scene.reference, factor_text(worst->ratio), kReferenceFloorBound);
 }
 
 std::vector<Tile> tiles(const Scene& scene) {
@@ -276,14 +296,10 @@ std::vector<Tile> tiles(const Scene& scene) {
   const std::string& metric = scene.run->headline;
   const double occupancy = scene.occupancies.front();
   const std::string at = occupancy > 0 ? " at " + percent_text(occupancy) + " occupancy" : std::string();
-  for (auto agents = scene.agents.rbegin(); agents != scene.agents.rend(); ++agents) {
-    const MeasurementRow* row = scene.find(name, *agents, occupancy);
-    const RatioRow* ratio = scene.ratio("speed", name, *agents, occupancy, metric);
-    if (row == nullptr || ratio == nullptr || !is_timed(*row)) continue;
+  if (const RatioRow* ratio = largest_ratio(scene, name, occupancy); ratio != nullptr)
     all.push_back({factor_text(ratio->ratio) + "×",
-                   fmt::format("the speed of {} with {}{}", scene.reference, agents_text(*agents), at)});
-    break;
-  }
+                   fmt::format("the speed of {} with {}{}{}", scene.reference, agents_text(ratio->of.agents), at,
+                               void_notice(scene) ? " (void, see below)" : "")});
   for (const CrossoverLine& line : crossovers_of(scene, metric))
     if (line.occupancy == occupancy && line.first == scene.reference && line.second == name && line.agents) {
       all.push_back({fmt::format("{:.0f} agents", *line.agents),
@@ -291,11 +307,7 @@ std::vector<Tile> tiles(const Scene& scene) {
       break;
     }
   const auto overlap = scores_by_height(scene, "silhouette_iou");
-  const ScoreByHeight* nearest = nullptr;
-  for (const ScoreByHeight& score : overlap)
-    if (score.representation == name &&
-        (nearest == nullptr || std::abs(std::log(score.height_px / 64)) < std::abs(std::log(nearest->height_px / 64))))
-      nearest = &score;
+  const ScoreByHeight* nearest = nearest_height(overlap, name);
   if (nearest != nullptr)
     all.push_back(
         {percent_text(nearest->mean), fmt::format("of the silhouette right, {:.0f} pixels tall (intersection over "

@@ -75,8 +75,13 @@ struct Tile {
 };
 std::vector<Tile> tiles(const Scene& scene);
 
-// The answer, in a few sentences without markup: what it costs, from where on it pays, what it gets wrong.
+// The answer, in a few paragraphs without markup: what it costs, from where on it pays, what it gets wrong.
 std::vector<std::string> answer(const Scene& scene);
+
+// Every figure of speed is a ratio to the reference, which is held to its own floor: above this many times the floor,
+// figures are void. The worst point's line of text; std::nullopt when none is above, or none was measured.
+constexpr double kReferenceFloorBound = 1.4;
+std::optional<std::string> void_notice(const Scene& scene);
 
 // "1,000", "12.3 ms", "4.2 MiB", "15 %", "12.5x": for people.
 std::string count_text(uint64_t count);

@@ -9,6 +9,7 @@
 #include "bench/scene_options.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "reports/exports.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -21,6 +22,7 @@ struct Options {
   std::string out = "results.sqlite";
   SweepRequest request;
   bool no_floors = false;
+  bool json = false;
   int bake_budget_mib = 512;
 };
 
@@ -79,7 +81,13 @@ int run_bench(const Options& options) {
       throw;
     }
   }
-  fmt::print("{}", sweep_table(read_store(options.out, false, false), run));
+  const StoreContents contents = read_store(options.out, false, false);
+  if (options.json) {
+    fmt::print("{}", reports::results_json(contents));
+    for (const std::string& remark : summary.remarks) fmt::print(stderr, "{}\n", remark);
+    return summary.invalid == 0 ? 0 : 1;
+  }
+  fmt::print("{}", sweep_table(contents, run));
   for (const std::string& remark : summary.remarks) fmt::print("{}\n", remark);
   fmt::print("{} points measured, {} taken from the file; {}\n", summary.measured, summary.held, options.out);
   return summary.invalid == 0 ? 0 : 1;
@@ -137,6 +145,7 @@ void add_bench(CLI::App& app, Run& run) {
   command->add_option("--out", options->out, "result file; continued when it exists")
       ->type_name("FILE.sqlite")
       ->capture_default_str();
+  command->add_flag("--json", options->json, "print every row of the result file as JSON instead of the table");
   command->callback([options, &run] { run = [options] { return run_bench(*options); }; });
 }
 

@@ -297,7 +297,7 @@ class FlatRepresentation : public Representation {
 
  private:
   struct Variant {
-    bool ids;
+    bool ids, touched;
     int corners;
     auto operator<=>(const Variant&) const = default;
   };
@@ -365,11 +365,12 @@ class FlatRepresentation : public Representation {
   }
 
   const gl::Program& program(const Pass& pass, int corners) {
-    const Variant v{pass.ids, corners};
+    const Variant v{pass.ids, pass.touched, corners};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
       if (v.ids) defines.emplace_back("CB_IDS", "");
+      if (v.touched) defines.emplace_back("CB_TOUCHED", "");
       if (floor_) defines.emplace_back("CB_FLOOR", "");
       found =
           programs_.emplace(v, gl::Program(context_, {"renderers/flat/flat.vert", "renderers/flat/flat.frag"}, defines))

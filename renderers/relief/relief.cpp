@@ -477,6 +477,7 @@ class Relief final : public Representation {
     if (found == tier.draw.end()) {
       gl::Defines all = defines(tier);
       if (pass.ids) all.emplace_back("CB_IDS", "");
+      if (pass.touched) all.emplace_back("CB_TOUCHED", "");
       found = tier.draw
                   .emplace(pass,
                            gl::Program(context_, {"renderers/relief/relief.vert", "renderers/relief/relief.frag"}, all))

@@ -82,6 +82,7 @@ TEST_F(SweepGl, MeasuresEveryPointOnceAndContinuesAFile) {
     EXPECT_EQ(row.covered_px, row.reference_px);
     EXPECT_NEAR(static_cast<double>(row.covered_px.value_or(0)) / (96 * 72), *row.achieved_occupancy, 1e-9);
     EXPECT_GT(row.moved_px.value_or(0), 0U);
+    EXPECT_EQ(row.touched_px, row.covered_px);  // a mesh discards nothing
     EXPECT_EQ(row.triangles_per_agent, cast_.characters[0]->triangles());
     EXPECT_GT(row.texture_bytes.value_or(0), 0U);
   }
@@ -120,6 +121,21 @@ TEST_F(SweepGl, AnOccupancyOutOfReachIsARowWithItsReason) {
   EXPECT_LT(all.measurements[0].achieved_occupancy.value_or(1), 0.99);
   ASSERT_EQ(summary.remarks.size(), 1U);
   EXPECT_NE(summary.remarks[0].find("1 agent at 100 %: skipped"), std::string::npos) << summary.remarks[0];
+}
+
+// A convex polygon around a figure touches more than the figure, and all of it.
+TEST_F(SweepGl, AnImpostorTouchesMoreThanItCovers) {
+  scene::Scenario scenario = request_.scenario;
+  scenario.crowd.agents = 4;
+  scenario.occupancy = 0.15;
+  const scene::Solved solved = solve_scene(*context_, scenario, cast_);
+  Stage stage(*context_, cast_);
+  stage.show(solved.scenario, solved.crowd, solved.camera);
+  Contender flat(stage, renderers::parse_spec("flat:views=sphere-8x3,texels=32,frames=2"), scenario.width, scenario.height,
+                 uint64_t{64} << 20);
+  const ImageCheck check = check_pictures(flat.capture(0), flat.capture(15), false, std::nullopt);
+  EXPECT_GT(flat.touched_px(0), check.covered_px * 11 / 10);
+  EXPECT_LT(flat.touched_px(0), check.covered_px * 4);
 }
 
 TEST_F(SweepGl, WhatWasFinishedBeforeAnInterruptionIsKept) {

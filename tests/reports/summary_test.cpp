@@ -99,16 +99,34 @@ TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   const StoreContents contents = made_up_contents();
   const auto scenes = scenes_of(contents);
   const auto sentences = answer(scenes[0]);
-  ASSERT_EQ(sentences.size(), 1U);
-  const std::string& text = sentences[0];
-  EXPECT_NE(text.find("With 1,000 agents covering 15 % of a 640 × 480 picture, flat is 50.0 times as fast as mesh "
-                      "(95 % interval 48.5 to 52.0, 24 interleaved pairs)."),
-            std::string::npos)
-      << text;
-  EXPECT_NE(text.find("With 250 agents covering 90 %"), std::string::npos) << text;
-  EXPECT_NE(text.find("flat becomes the cheaper one at about 10 agents."), std::string::npos) << text;
-  EXPECT_NE(text.find("Seen 64 pixels tall, its silhouette overlaps that of mesh by 88.5 %"), std::string::npos)
-      << text;
+  ASSERT_EQ(sentences.size(), 3U);  // two occupancies and the difference
+  EXPECT_EQ(sentences[0],
+            "With 1,000 agents covering 15 % of a 640 × 480 picture, flat is 50.0 times as fast as mesh (95 % interval "
+            "48.5 to 52.0, 24 interleaved pairs). From about 10 agents on, flat is the cheaper one.");
+  EXPECT_TRUE(sentences[1].starts_with("With 250 agents covering 90 %")) << sentences[1];
+  EXPECT_EQ(sentences[2],
+            "Seen 64 pixels tall, the silhouette of flat overlaps that of mesh by 88.5 % on average over 3 views "
+            "(intersection over union; 84 % in the worst view); SSIM is 0.835.");
+  const auto glance = tiles(scenes[0]);
+  ASSERT_EQ(glance.size(), 4U);
+  EXPECT_EQ(glance[0].figure, "50.0×");
+  EXPECT_EQ(glance[1].figure, "10 agents");
+  EXPECT_EQ(glance[2].figure, "88.5 %");
+  EXPECT_EQ(glance[3].figure, "170.7 MiB");
+}
+
+TEST(Summary, AReferenceFarAboveItsFloorVoidsTheFigures) {
+  StoreContents contents = made_up_contents();
+  EXPECT_FALSE(void_notice(scenes_of(contents)[0]).has_value());  // 1.12
+  for (RatioRow& row : contents.ratios)
+    if (row.kind == "floor" && row.of.representation == "flat") row.ratio = 3;  // another's floor voids nothing
+  EXPECT_FALSE(void_notice(scenes_of(contents)[0]).has_value());
+  for (RatioRow& row : contents.ratios)
+    if (row.kind == "floor" && row.of.representation == "mesh" && row.of.agents == 100) row.ratio = 1.41;
+  const auto scenes = scenes_of(contents);
+  ASSERT_TRUE(void_notice(scenes[0]).has_value());
+  EXPECT_NE(void_notice(scenes[0])->find("1.41 times its own floor"), std::string::npos);
+  EXPECT_NE(tiles(scenes[0])[0].meaning.find("void"), std::string::npos);
 }
 
 TEST(Summary, NumbersForPeople) {
