@@ -12,7 +12,8 @@ if(CROWDBENCH_SANITIZE)
                          -fno-omit-frame-pointer
                          # GCC 12 sees uninitialised members in the standard library's <regex> when it instruments.
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  target_link_options(crowdbench_flags INTERFACE -fsanitize=address,undefined)
+  target_link_options(crowdbench_flags INTERFACE -fsanitize=address,undefined -Wl,--export-dynamic-symbol=dlclose)
+  target_sources(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR}/cmake/keep_loaded.cpp)
 endif()
 if(CROWDBENCH_FUZZ)
   target_compile_options(crowdbench_flags INTERFACE -fsanitize=fuzzer-no-link)
