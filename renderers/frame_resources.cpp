@@ -19,9 +19,8 @@ static_assert(CB_PARTS == scene::kParts);
 static_assert(sizeof(AgentRecord) == 64);
 static_assert(sizeof(FrameUniforms) == 3 * 64 + 6 * 16);
 
-constexpr uint64_t kPaletteBlock = uint64_t{128} << 20;  // bytes of one palette buffer, at most
-constexpr size_t kPaletteBuffers = 4;                    // in use within one frame before the first is used again
-constexpr double kGridCell = 1.0;                        // metres between the ground's lines
+constexpr size_t kPaletteBuffers = 4;  // in use within one frame before the first is used again
+constexpr double kGridCell = 1.0;      // metres between the ground's lines
 
 // A buffer that grows and never shrinks, and the same bytes as RGBA32F texels.
 struct TexelBuffer {
@@ -68,6 +67,7 @@ struct FrameResources::State {
   std::vector<AgentRecord> records;
   std::vector<uint32_t> list;
   uint64_t upload_bytes = 0;
+  uint64_t palette_block = 0;
 
   explicit State(gl::Context& context_, const scene::Cast& cast_) : context(context_), cast(cast_) {}
 
@@ -86,9 +86,10 @@ struct FrameResources::State {
   }
 };
 
-FrameResources::FrameResources(gl::Context& context, const scene::Cast& cast)
+FrameResources::FrameResources(gl::Context& context, const scene::Cast& cast, uint64_t palette_block)
     : state_(std::make_unique<State>(context, cast)) {
   State& s = *state_;
+  s.palette_block = palette_block;
   context.make_current();
   s.uniforms = gl::Buffer(context, sizeof(FrameUniforms));
   for (const auto& bank : cast.banks) {
@@ -127,8 +128,8 @@ void FrameResources::upload(const scene::Frame& frame, int width, int height) {
             static_cast<float>(std::tan(frame.camera.fov_y / 2)), static_cast<float>(aspect)};
   u.background = frame.background;
   const auto within_cell = [](double x) { return static_cast<float>(x - std::floor(x / kGridCell) * kGridCell); };
-  u.ground_origin = {within_cell(frame.origin.x), static_cast<float>(frame.origin.y), within_cell(frame.origin.z),
-                     0.0F};
+  u.ground_origin = {within_cell(frame.origin.x), static_cast<float>(frame.origin.y - frame.ground_height),
+                     within_cell(frame.origin.z), 0.0F};
   s.uniforms.write(&u, sizeof u);
 
   size_t count = 0;
@@ -184,7 +185,7 @@ void FrameResources::draw_posed(size_t character, std::span<const uint32_t> agen
   const auto joints = static_cast<uint32_t>(s.cast.banks[character]->joints());
   const uint64_t agent_bytes = uint64_t{joints} * sizeof(scene::Mat3x4);
   const gl::Limits& limits = s.context.limits();
-  const uint64_t block = std::min({kPaletteBlock, static_cast<uint64_t>(limits.storage_block),
+  const uint64_t block = std::min({s.palette_block, static_cast<uint64_t>(limits.storage_block),
                                    static_cast<uint64_t>(limits.texel_buffer) * kTexelBytes});
   const uint64_t batch = std::max<uint64_t>(block / agent_bytes, 1);
   for (uint64_t first = 0; first < agents.size(); first += batch) {

@@ -37,11 +37,15 @@ struct AgentRecord {
 // the rasteriser.
 inline constexpr uint32_t kMaxFrameAgents = 1U << 20U;
 
+// Bytes of one palette buffer, at most.
+inline constexpr uint64_t kPaletteBlock = uint64_t{128} << 20;
+
 class FrameResources {
  public:
-  // Uploads the pose banks of the cast. `context` and `cast` must outlive this. Throws Error when a bank is larger than
-  // the driver's storage block.
-  FrameResources(gl::Context& context, const scene::Cast& cast);
+  // Uploads the pose banks of the cast. `context` and `cast` must outlive this. Palettes are computed in batches of at
+  // most `palette_block` bytes (one agent at least), fewer where the driver's limits ask for it. Throws Error when a
+  // bank is larger than the driver's storage block.
+  FrameResources(gl::Context& context, const scene::Cast& cast, uint64_t palette_block = kPaletteBlock);
   ~FrameResources();
   FrameResources(const FrameResources&) = delete;
   FrameResources& operator=(const FrameResources&) = delete;

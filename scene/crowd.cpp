@@ -448,6 +448,7 @@ Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd,
   frame.light = scenario.light;
   frame.background = glm::vec4(scenario.background, 1.0F);
   frame.ground = scenario.ground;
+  frame.ground_height = scenario.crowd.centre.y;
   frame.outfits = crowd.palette;
   frame.agents.resize(cast.banks.size());
 

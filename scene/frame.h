@@ -38,7 +38,8 @@ struct Frame {
   int height = 480;
   Light light;
   glm::vec4 background{0.2158605F, 0.2158605F, 0.2158605F, 1.0F};  // linear; the default is sRGB (128,128,128)
-  bool ground = false;                                             // draw the grey grid at y = 0
+  bool ground = false;                                             // draw the grey grid
+  double ground_height = 0;                                        // metres, world y: where it lies
   std::vector<Outfit> outfits;                                     // at least one; row 0 is white
   // agents[c] are those of character type c (the order of the scene's characters), sorted by agent index.
   std::vector<std::vector<FrameAgent>> agents;

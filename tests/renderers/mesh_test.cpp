@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "core/colour.h"
 #include "core/error.h"
@@ -386,6 +387,59 @@ TEST_F(MeshGl, NormalsPackWithinATenthOfADegree) {
   }
 }
 
+// Two character types in one frame: each list draws its own type, with its own agents' ids and places.
+TEST_F(MeshGl, SeveralCharacterTypesKeepTheirAgentsApart) {
+  scene::Cast cast = cast_of(card(0.5F, 0.5F));
+  const scene::Cast tall = cast_of(card(0.25F, 1.0F));
+  cast.characters.push_back(tall.characters[0]);
+  cast.banks.push_back(tall.banks[0]);
+  cast.shares = {0.5, 0.5};
+  const int size = 100;
+  scene::Frame frame = frame_of_one(4.0, 0.5, size, size, fov_deg(size, 160));  // 40 pixels a metre
+  add_agent(frame, cast, {-0.75, 0, 0}, 11);
+  add_agent(frame, cast, {0, 0, 0}, 12);
+  std::swap(frame.agents[0], frame.agents.emplace_back());
+  add_agent(frame, cast, {0.75, 0, 0}, 13);
+  ASSERT_EQ(frame.agents[0].size(), 1U);  // one square card, two tall ones
+  ASSERT_EQ(frame.agents[1].size(), 2U);
+  const Capture c = draw(cast, frame);
+  std::map<uint32_t, size_t> pixels;
+  for (const uint32_t id : c.ids.data) ++pixels[id];
+  EXPECT_EQ(pixels[11], 10U * 40U);
+  EXPECT_EQ(pixels[12], 10U * 40U);
+  EXPECT_EQ(pixels[13], 20U * 20U);
+  EXPECT_EQ(c.ids.at(80, 60)[0], 13U);
+}
+
+// Palettes that do not fit one buffer are computed and drawn in batches; the picture is the same.
+TEST_F(MeshGl, BatchesOfPalettesChangeNothing) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 500}));
+  scene::Frame frame = frame_of_one(9.0, 1.5, 200, 120);
+  AgentLists lists(1);
+  for (uint32_t i = 0; i < 11; ++i) {
+    add_agent(frame, cast, {0.6 * i - 3.0, 0, -0.3 * (i % 3)}, i + 1, 0.13 * i, 0.1F * static_cast<float>(i));
+    lists[0].push_back(i);
+  }
+  Renderer renderer(context(), cast);
+  const auto mesh = make(cast);
+  const Capture whole = renderer.capture(frame, *mesh);
+  scene::Frame empty = frame;
+  empty.agents[0].clear();
+  const uint64_t agent_bytes = static_cast<uint64_t>(cast.banks[0]->joints()) * sizeof(scene::Mat3x4);
+  for (const uint64_t block : {uint64_t{1}, agent_bytes * 3}) {
+    FrameResources resources(context(), cast, block);
+    resources.upload(frame, frame.width, frame.height);
+    const Target target(context(), frame.width, frame.height, {.ids = true});
+    renderer.draw(empty, *mesh, target);
+    int batches = 0;
+    resources.draw_posed(0, lists[0], [&](uint32_t, uint32_t) { ++batches; });
+    EXPECT_EQ(batches, block == 1 ? 11 : 4);
+    resources.upload(frame, frame.width, frame.height);
+    mesh->draw(frame, resources, lists, target.pass());
+    EXPECT_EQ(target.read(), whole);
+  }
+}
+
 TEST_F(MeshGl, GroundIsDrawnWithoutAnId) {
   const scene::Cast cast = cast_of(card(0.1F, 0.1F));
   scene::Frame frame = frame_of_one(4.0, 1.5, 120, 90);
@@ -396,6 +450,9 @@ TEST_F(MeshGl, GroundIsDrawnWithoutAnId) {
   const double f = 45.0 / std::tan(20.0 * 3.14159265358979323846 / 180);
   for (const int y : {60, 75, 89}) EXPECT_NEAR(c.depth.at(60, y)[0], 1.5 * f / (y + 0.5 - 45.0), 1e-3) << y;
   EXPECT_TRUE(std::isinf(c.depth.at(60, 30)[0]));
+  frame.ground_height = 0.5;
+  const Capture higher = draw(cast, frame);
+  EXPECT_NEAR(higher.depth.at(60, 75)[0], 1.0 * f / (75.5 - 45.0), 1e-3);
 }
 
 }  // namespace

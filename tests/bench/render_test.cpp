@@ -1,0 +1,143 @@
+// The driver's `render` from outside: the same bytes whatever the thread count, the EGL platform and the run; one line
+// and status 2 for what a user gets wrong.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/files.h"
+#include "core/image_io.h"
+
+namespace crowdbench::bench {
+namespace {
+
+struct Outcome {
+  int status = -1;
+  std::string text;  // stdout and stderr together
+};
+
+Outcome run(const std::string& environment, const std::string& arguments) {
+  const std::string command =
+      environment + " '" + (program_directory() / "crowdbench").string() + "' " + arguments + " 2>&1";
+  Outcome out;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return out;
+  std::array<char, 4096> buffer{};
+  while (const size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) out.text.append(buffer.data(), n);
+  const int status = pclose(pipe);
+  out.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return out;
+}
+
+class RenderGl : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(program_directory() / "crowdbench")) GTEST_SKIP() << "the driver is not built";
+    folder_ = std::filesystem::path(::testing::TempDir()) / "crowdbench_render_test";
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::filesystem::path folder_;
+};
+
+TEST_F(RenderGl, BytesDoNotDependOnThreadsPlatformOrRun) {
+  const std::string common =
+      "render --character mannequin:triangles=500 --agents 30 --seed 7 --size 200x150 --tick 12 --out ";
+  const struct {
+    const char* name;
+    const char* environment;
+    const char* arguments;
+  } variants[] = {
+      {"a.png", "", ""},
+      {"again.png", "", ""},
+      {"one_thread.png", "LP_NUM_THREADS=0", ""},
+      {"two_threads.png", "LP_NUM_THREADS=2", ""},
+      {"surfaceless.png", "", " --device surfaceless"},
+      {"narrow.png", "LP_NATIVE_VECTOR_WIDTH=128", ""},
+  };
+  std::vector<uint8_t> first;
+  for (const auto& v : variants) {
+    const Outcome outcome = run(v.environment, common + "'" + file(v.name) + "'" + v.arguments);
+    ASSERT_EQ(outcome.status, 0) << v.name << ": " << outcome.text;
+    const std::vector<uint8_t> bytes = read_file(file(v.name));
+    if (first.empty()) first = bytes;
+    EXPECT_EQ(bytes, first) << v.name;
+  }
+  const Image8 picture = decode_png(first, "a.png");
+  EXPECT_EQ(picture.width, 200);
+  EXPECT_EQ(picture.height, 150);
+  size_t drawn = 0;
+  for (size_t i = 0; i < picture.pixels(); ++i) drawn += picture.data[3 * i] != 128 || picture.data[3 * i + 1] != 128;
+  EXPECT_GT(drawn, 500U) << "something was drawn";
+  const std::string text(first.begin(), first.end());
+  for (const char* key : {"scenario", "seed", "backend", "version"})
+    EXPECT_NE(text.find(std::string("tEXt") + key), std::string::npos) << key;
+  EXPECT_EQ(text.find(folder_.string()), std::string::npos) << "no path of this machine";
+}
+
+TEST_F(RenderGl, SingleWritesAMaskThatAgreesWithTheIds) {
+  const Outcome outcome =
+      run("",
+          "render --single --character mannequin:triangles=500 --clip none --height as_is --eye 0,1,5 --target 0,1,0 "
+          "--size 120x160 --background '#204060' --out '" +
+              file("x.png") + "' --mask '" + file("m.png") + "'");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  const Image8 colour = decode_png(read_file(file("x.png")), "x.png");
+  const Image8 mask = decode_png(read_file(file("m.png")), "m.png");
+  ASSERT_EQ(mask.channels, 1);
+  size_t inside = 0;
+  for (size_t i = 0; i < mask.pixels(); ++i) {
+    ASSERT_TRUE(mask.data[i] == 0 || mask.data[i] == 255);
+    inside += mask.data[i] == 255 ? 1U : 0U;
+    if (mask.data[i] == 0) {
+      ASSERT_EQ(colour.data[3 * i], 0x20);
+      ASSERT_EQ(colour.data[3 * i + 1], 0x40);
+      ASSERT_EQ(colour.data[3 * i + 2], 0x60);
+    }
+  }
+  EXPECT_GT(inside, 500U);
+}
+
+TEST_F(RenderGl, WhatAUserGetsWrongIsOneLineAndStatusTwo) {
+  const struct {
+    const char* arguments;
+    const char* says;
+  } wrong[] = {
+      {"render", "no picture is asked for"},
+      {"render --out x.png --size 12", "'12' is no size"},
+      {"render --out x.png --size 0x4", "is no size"},
+      {"render --out x.png --representation messh", "did you mean 'mesh'"},
+      {"render --out x.png --device 77", "there is no EGL device 77"},
+      {"render --out x.png --single --background red", "'#rrggbb'"},
+      {"render --out x.png --single --eye 1,2", "is no point"},
+      {"render --out x.png --single --height -1", "is no height"},
+      {"render --out x.png --single --fov-y-deg 180", "field of view"},
+      {"render --out x.png --single --clip no_such_clip", "no_such_clip"},
+      {"render --out x.png --supersample 2", "odd"},
+      {"render nowhere.toml --out x.png", "nowhere.toml"},
+      {"render --out /proc/nowhere/x.png --agents 1 --size 8x8", "/proc/nowhere"},
+  };
+  for (const auto& w : wrong) {
+    SCOPED_TRACE(w.arguments);
+    const Outcome outcome = run("cd '" + folder_.string() + "';", w.arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.text;
+    EXPECT_NE(outcome.text.find(w.says), std::string::npos) << outcome.text;
+    size_t lines = 0;
+    size_t begin = 0;
+    while (begin < outcome.text.size()) {
+      const size_t end = std::min(outcome.text.find('\n', begin), outcome.text.size());
+      // The line that names the renderer is no complaint.
+      if (outcome.text.compare(begin, 22, "crowdbench: drawing on") != 0) ++lines;
+      begin = end + 1;
+    }
+    EXPECT_EQ(lines, 1U) << outcome.text;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "x.png")) << "nothing half-written";
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
