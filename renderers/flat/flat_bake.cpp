@@ -112,7 +112,8 @@ uint64_t predicted_bytes(const Plan& plan, int levels) {
     for (const auto* tiles : {&plan.moving_tiles, &plan.still_tiles})
       for (const CaptureTile& t : *tiles) {
         const auto side = [&](int texels) {
-          return static_cast<uint64_t>((texels + (1 << level) - 1) / (1 << level) + 2 * kTileGutter);
+          return (static_cast<uint64_t>(texels) + (uint64_t{1} << level) - 1) / (uint64_t{1} << level) +
+                 2 * uint64_t{kTileGutter};
         };
         bytes += side(t.rect.width) * side(t.rect.height) * 8;
       }

@@ -139,7 +139,7 @@ Attempt open_display(EGLDisplay display, bool debug) {
   const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, want);
   if (context == EGL_NO_CONTEXT) return failed("eglCreateContext (OpenGL 4.5 core)");
   if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
-    const Attempt result = failed("eglMakeCurrent");
+    Attempt result = failed("eglMakeCurrent");
     eglDestroyContext(display, context);
     return result;
   }

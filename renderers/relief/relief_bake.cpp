@@ -37,7 +37,7 @@ class LinearPyramid {
   }
 
   // footprint: texels of level 0 that one sample spans.
-  glm::vec3 sample(glm::dvec2 uv, double footprint) const {
+  glm::vec3 sample(const glm::dvec2& uv, double footprint) const {
     const double wanted = footprint > 1.0 ? std::log2(footprint) : 0.0;
     const auto level = std::min(static_cast<size_t>(wanted + 0.5), levels_.size() - 1);
     const Level& l = levels_[level];
@@ -339,7 +339,7 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   for (size_t i = 0; i < model.boxes.size(); ++i) {
     ReliefBox& box = model.boxes[i];
     if (options.by_area)
-      while (box.texels > 16 && bounds[i].longest <= texel * (box.texels / 2)) box.texels /= 2;
+      while (box.texels > 16 && bounds[i].longest <= texel * 0.5 * box.texels) box.texels /= 2;
     box.first = texels;
     texels += ReliefModel::box_texels(box);
   }
