@@ -98,11 +98,11 @@ TimerTrust test_gpu_timer(Context& context) {
   const double share = out.gpu_ns / out.wall_ns;
   const bool accounts = share >= 0.5 && share <= 1.1;
   out.trusted = accounts && !context.is_software();
-  out.reason = fmt::format("the timer accounts for {:.3f} of a draw's {:.2f} ms of wall time{}", share,
-                           out.wall_ns * 1e-6,
-                           context.is_software() ? "; a software rasteriser's timer is never trusted"
-                           : accounts            ? ""
-                                                 : "; 0.5 to 1.1 would be trusted");
+  out.reason =
+      fmt::format("the timer accounts for {:.3f} of a draw's {:.2f} ms of wall time{}", share, out.wall_ns * 1e-6,
+                  context.is_software() ? "; a software rasteriser's timer is never trusted"
+                  : accounts            ? ""
+                                        : "; 0.5 to 1.1 would be trusted");
   return out;
 }
 

@@ -19,8 +19,8 @@
 #define CB_TEXTURE_BASE_COLOUR 0
 #define CB_TEXTURE_EMISSIVE 1
 #define CB_TEXTURE_MATERIALS 2  // texels of the character being drawn (mesh)
-// Buffers as texels: where many lanes read different places, llvmpipe fetches a texel several times faster than a storage
-// block's element, and GPUs do not mind.
+// Buffers as texels: where many lanes read different places, llvmpipe fetches a texel several times faster than a
+// storage block's element, and GPUs do not mind.
 #define CB_TEXTURE_AGENTS 13   // AGENTS, four RGBA32F texels an agent
 #define CB_TEXTURE_OUTFITS 14  // kParts RGBA32F texels an outfit
 #define CB_TEXTURE_PALETTE 15  // PALETTE, three RGBA32F texels a joint

@@ -131,8 +131,8 @@ TEST_F(SweepGl, AnImpostorTouchesMoreThanItCovers) {
   const scene::Solved solved = solve_scene(*context_, scenario, cast_);
   Stage stage(*context_, cast_);
   stage.show(solved.scenario, solved.crowd, solved.camera);
-  Contender flat(stage, renderers::parse_spec("flat:views=sphere-8x3,texels=32,frames=2"), scenario.width, scenario.height,
-                 uint64_t{64} << 20);
+  Contender flat(stage, renderers::parse_spec("flat:views=sphere-8x3,texels=32,frames=2"), scenario.width,
+                 scenario.height, uint64_t{64} << 20);
   const ImageCheck check = check_pictures(flat.capture(0), flat.capture(15), false, std::nullopt);
   EXPECT_GT(flat.touched_px(0), check.covered_px * 11 / 10);
   EXPECT_LT(flat.touched_px(0), check.covered_px * 4);
