@@ -75,7 +75,7 @@ double strip_area(const FlatLevel& level, size_t first) {
 
 TableHeader make_header(const FlatBake& bake, const ViewGrid& grid) {
   TableHeader header{};
-  header.centre = {bake.centre[0], bake.centre[1], bake.centre[2], 0.0F};
+  header.centre = {bake.centre[0], bake.centre[1], bake.centre[2], bake.radius};
   const int along = grid.kind == GridKind::sphere ? grid.azimuths : grid.n;
   header.grid = {static_cast<int>(grid.kind), along, grid.elevations, grid.mirrored ? 1 : 0};
   const double turn = 2 * std::numbers::pi;
@@ -158,8 +158,8 @@ void check_limits(const gl::Context& context, const FlatBake& bake, const std::s
 
 class FlatRepresentation : public Representation {
  public:
-  FlatRepresentation(const MakeContext& make, const FlatBakeOptions& options, bool floor)
-      : context_(make.context), floor_(floor), grid_(options.grid) {
+  FlatRepresentation(const MakeContext& make, const FlatBakeOptions& options, bool nailboard, bool floor)
+      : context_(make.context), nailboard_(nailboard), floor_(floor), grid_(options.grid) {
     const auto start = std::chrono::steady_clock::now();
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
     uint64_t left = make.bake_budget;
@@ -371,6 +371,7 @@ class FlatRepresentation : public Representation {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
       if (v.ids) defines.emplace_back("CB_IDS", "");
       if (v.touched) defines.emplace_back("CB_TOUCHED", "");
+      if (nailboard_) defines.emplace_back("CB_NAILBOARD", "");
       if (floor_) defines.emplace_back("CB_FLOOR", "");
       found =
           programs_.emplace(v, gl::Program(context_, {"renderers/flat/flat.vert", "renderers/flat/flat.frag"}, defines))
@@ -380,7 +381,7 @@ class FlatRepresentation : public Representation {
   }
 
   gl::Context& context_;
-  bool floor_;
+  bool nailboard_, floor_;
   ViewGrid grid_;
   double seconds_ = 0;
   std::vector<CharacterTiles> characters_;
@@ -405,7 +406,8 @@ const RepresentationType flat_type = {
      {"quad", "trimmed|square", "trimmed", "what is drawn: the outline of each tile, or the whole captured square"},
      {"plane", "fitted|facing", "fitted",
       "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through the centre"},
-     {"corners", "4..8", "8", "of the outlines of large tiles; small ones have four"}},
+     {"corners", "4..8", "8", "of the outlines of large tiles; small ones have four"},
+     {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(flat_type, spec);
       FlatBakeOptions options;
@@ -416,7 +418,8 @@ const RepresentationType flat_type = {
       options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
       options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
       options.corners = static_cast<int>(reader.integer("corners", 4, 8));
-      return std::make_unique<FlatRepresentation>(context, options, reader.flag("floor"));
+      return std::make_unique<FlatRepresentation>(context, options, reader.choice("depth", {"flat", "nailboard"}) == 1,
+                                                  reader.flag("floor"));
     }};
 
 }  // namespace crowdbench::renderers

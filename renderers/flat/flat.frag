@@ -14,17 +14,31 @@ layout(location = 3) flat in uint v_id;
 #else
 const uint v_id = 0u;
 #endif
+#ifdef CB_NAILBOARD
+layout(location = 4) in float v_depth;
+layout(location = 5) flat in float v_depth_range;
+layout(location = 6) flat in float v_texel_height;
+#endif
 
 void main() {
   vec4 albedo = texture(albedo_map, v_texel);
   if (albedo.a < 0.5) discard;
   vec4 surface = texture(surface_map, v_texel);
+  vec2 n = (surface.rg * 255.0 - 128.0) / 127.0;
+  float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
+#ifdef CB_NAILBOARD
+  // The point of the capture plane moved along the view's axis by the stored depth, through the projection in force.
+  // Within a texel the surface slopes as its normal says; silhouettes would slope without end.
+  vec2 within = fract(v_texel.xy * vec2(textureSize(surface_map, 0).xy)) - 0.5;
+  float height = (surface.a * 255.0 - 128.0) / 127.0 - v_texel_height * dot(n, within) / max(n_z, 0.35);
+  float depth = max(v_depth + v_depth_range * height, frame.lens.x);
+  gl_FragDepth = frame.projection[3][2] / depth - frame.projection[2][2];
+#endif
 #ifdef CB_FLOOR
   write_output(albedo.rgb + surface.rgb, v_id);
 #else
   uint part = uint(surface.b * 255.0 + 0.5);
-  vec2 n = (surface.rg * 255.0 - 128.0) / 127.0;
-  float lambert = max(0.0, dot(vec3(n, sqrt(max(0.0, 1.0 - dot(n, n)))), v_light));
+  float lambert = max(0.0, dot(vec3(n, n_z), v_light));
   write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit, part > 0x7fu, vec3(0.0)), v_id);
 #endif
 }

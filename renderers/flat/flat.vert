@@ -11,7 +11,7 @@ struct Level {
   uvec4 first;  // of the level's tiles, of its outlines' corners
 };
 layout(std430, binding = CB_STORAGE_VIEWS) readonly restrict buffer Table {
-  vec4 centre;      // capture centre, model space, metres
+  vec4 centre;      // capture centre, model space, metres; w: what the ends of the stored depth stand for, metres
   ivec4 grid;       // as pick_view takes them
   vec4 span;
   uvec4 counts;     // views
@@ -28,6 +28,11 @@ layout(location = 1) flat out vec3 v_light;         // towards the light, in the
 layout(location = 2) flat out uint v_outfit;
 #ifdef CB_IDS
 layout(location = 3) flat out uint v_id;
+#endif
+#ifdef CB_NAILBOARD
+layout(location = 4) out float v_depth;             // eye-space depth of the capture plane, metres
+layout(location = 5) flat out float v_depth_range;  // added to it at the end of the stored depth
+layout(location = 6) flat out float v_texel_height; // of a surface that rises by a texel over a texel, as stored
 #endif
 
 void main() {
@@ -58,16 +63,22 @@ void main() {
   vec4 place = tiles[2u * (l.first.x + tile)];
   vec4 plane = tiles[2u * (l.first.x + tile) + 1u];
   vec2 metres = p * l.scale.x;
-  vec3 point = right * (side * metres.x) + up * metres.y +
-               cross(right, up) * (plane.x * metres.x + plane.y * metres.y + plane.z);
-  vec3 world = centre + scale * turn(point, heading);
+  vec3 to_eye = cross(right, up);
+  vec3 on_capture = right * (side * metres.x) + up * metres.y;
+  vec3 world = centre + scale * turn(on_capture + to_eye * (plane.x * metres.x + plane.y * metres.y + plane.z), heading);
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 
   v_texel = vec3((p + place.xy) * l.scale.yz, place.z);
   vec3 light = turn(frame.light_direction.xyz, back);
-  v_light = vec3(dot(light, right) * side, dot(light, up), dot(light, cross(right, up)));
+  v_light = vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye));
   v_outfit = agent.identity.x;
 #ifdef CB_IDS
   v_id = agent.identity.y;
+#endif
+#ifdef CB_NAILBOARD
+  vec3 backward = transpose(frame.view_from_world)[2].xyz;
+  v_depth = -dot(backward, centre + scale * turn(on_capture, heading));
+  v_texel_height = l.scale.x / table.centre.w;
+  v_depth_range = -dot(backward, turn(to_eye, heading)) * scale * table.centre.w;
 #endif
 }

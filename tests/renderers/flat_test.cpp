@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -236,6 +237,97 @@ TEST_F(FlatGl, FeetStayWhereTheyStandFromAbove) {
     EXPECT_LE(slide(*fitted, azimuth, elevation), allowed) << azimuth << ", " << elevation;
     EXPECT_GT(slide(*facing, azimuth, elevation), allowed) << "a plane across the view leans, and this test can see it";
   }
+}
+
+// Two walkers in each other's way, side by side and `apart` metres from each other, both seen exactly from a stored
+// view (their headings make up for standing beside the axis) turned by `off` degrees; 120 pixels tall at 30 degrees.
+scene::Frame interpenetrating(double azimuth_a, double azimuth_b, double elevation, double apart, double off) {
+  scene::Frame frame = frame_from(0, elevation * kDegrees, 0, middle_of(walker()), 0, 30);
+  frame.agents[0].clear();
+  const double level = std::hypot(frame.camera.eye.x, frame.camera.eye.z);
+  const double turned = std::asin(apart / 2 / level) / (2 * std::numbers::pi);
+  const double back = level * (1 - std::cos(2 * std::numbers::pi * turned));  // as far from the eye as the centre is
+  for (const auto& [side, azimuth, phase, id] : {std::tuple{-1, azimuth_a, 0.0, 1U}, {1, azimuth_b, 0.5, 2U}}) {
+    const double heading = -side * turned - (azimuth + off) / 360;
+    add_agent(frame, walker(), {side * apart / 2, 0, back}, id, phase,
+              static_cast<float>(heading - std::floor(heading)));
+  }
+  return frame;
+}
+
+// Share of the pixels covered in both pictures that show the same agent.
+double same_ids(const Capture& a, const Capture& b) {
+  int same = 0;
+  int both = 0;
+  for (size_t i = 0; i < a.ids.data.size(); ++i) {
+    if (a.ids.data[i] == 0 || b.ids.data[i] == 0) continue;
+    ++both;
+    same += a.ids.data[i] == b.ids.data[i];
+  }
+  return static_cast<double>(same) / both;
+}
+
+TEST_F(FlatGl, NailboardsOfInterpenetratingAgentsShowTheIdsOfTheirMeshes) {
+  const auto mesh = make(walker(), "mesh");
+  const std::string bake = "flat:views=sphere-16x8,frames=2,texels=128";
+  const auto nailboard = make(walker(), bake + ",depth=nailboard");
+  const auto flat = make(walker(), bake);
+  Renderer renderer(context(), walker());
+  struct Sums {
+    double least = 1, mean = 0;
+    int cases = 0;
+    void add(double v) {
+      least = std::min(least, v);
+      mean += v;
+      ++cases;
+    }
+  };
+  for (const double off : {0.0, 11.25}) {  // of 22.5 degrees between stored views
+    Sums with;
+    Sums without;
+    for (const double elevation : {0.0, 90.0 / 7})
+      for (const double azimuth : {0.0, 45.0, 90.0, 180.0, 292.5})
+        for (const double between : {0.0, 90.0})
+          for (const double apart : {0.12, 0.3}) {
+            const auto frame = interpenetrating(azimuth, azimuth + between, elevation, apart, off);
+            const Capture reference = renderer.capture(frame, *mesh);
+            with.add(same_ids(reference, renderer.capture(frame, *nailboard)));
+            without.add(same_ids(reference, renderer.capture(frame, *flat)));
+          }
+    with.mean /= with.cases;
+    without.mean /= without.cases;
+    fmt::print("{}: same ids, nailboard mean {:.4f} least {:.4f}; flat depth mean {:.4f} least {:.4f}\n",
+               off == 0 ? "stored views" : "half-way between views", with.mean, with.least, without.mean,
+               without.least);
+    if (off == 0) {
+      EXPECT_GE(with.least, 0.97);
+      EXPECT_LT(without.least, 0.9) << "planes cannot show bodies that pass through each other";
+    } else {
+      EXPECT_GT(with.mean, without.mean);
+    }
+  }
+}
+
+TEST_F(FlatGl, NailboardDepthIsTheMeshesWithinATexel) {
+  const auto mesh = make(walker(), "mesh");
+  const auto nailboard = make(walker(), "flat:views=sphere-6x4,frames=2,texels=128,depth=nailboard");
+  Renderer renderer(context(), walker());
+  for (const double far : {0.0, 100.0})  // both forms of the projection
+    for (const auto& [azimuth, elevation] : {std::pair{0.0, 0.0}, {60.0, 30.0}, {240.0, 60.0}}) {
+      auto frame = frame_from(azimuth * kDegrees, elevation * kDegrees, 0.5, middle_of(walker()), 0, 3);
+      frame.camera.far = far;
+      const Capture a = renderer.capture(frame, *mesh);
+      const Capture b = renderer.capture(frame, *nailboard);
+      std::vector<double> errors;
+      for (size_t i = 0; i < a.ids.data.size(); ++i)
+        if (a.ids.data[i] != 0 && b.ids.data[i] != 0)
+          errors.push_back(std::abs(static_cast<double>(a.depth.data[i]) - static_cast<double>(b.depth.data[i])));
+      ASSERT_GT(errors.size(), 1000U);
+      std::sort(errors.begin(), errors.end());
+      // The plane alone is up to 0.2 m off.
+      EXPECT_LT(errors[errors.size() / 2], nailboard->texel_metres(0)) << azimuth << ", " << elevation;
+      EXPECT_LT(errors[errors.size() * 9 / 10], 3 * nailboard->texel_metres(0)) << azimuth << ", " << elevation;
+    }
 }
 
 TEST_F(FlatGl, ACardIsShadedAsTheMeshShadesIt) {
