@@ -107,7 +107,7 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   out.texel = bake.texel;
   const TableHeader header = make_header(bake, grid);
   std::vector<uint8_t> table(sizeof header + bake.views * 2 * sizeof(glm::vec4));
-  std::memcpy(table.data(), &header, sizeof header);
+  std::memcpy(table.data(), static_cast<const void*>(&header), sizeof header);
   for (uint32_t v = 0; v < bake.views; ++v) {
     const ViewBasis basis = grid.basis(static_cast<int>(v));
     const std::array<float, 8> axes = {
