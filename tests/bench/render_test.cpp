@@ -1,41 +1,25 @@
 // The driver's `render` from outside: the same bytes whatever the thread count, the EGL platform and the run; one line
 // and status 2 for what a user gets wrong.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 #include "core/files.h"
 #include "core/image_io.h"
+#include "tests/support/driver.h"
 
 namespace crowdbench::bench {
 namespace {
 
-struct Outcome {
-  int status = -1;
-  std::string text;  // stdout and stderr together
+using support::Outcome;
+const auto run = [](const std::string& prefix, const std::string& arguments) {
+  return support::run_driver(prefix, arguments);
 };
-
-Outcome run(const std::string& environment, const std::string& arguments) {
-  const std::string command =
-      environment + " '" + (program_directory() / "crowdbench").string() + "' " + arguments + " 2>&1";
-  Outcome out;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return out;
-  std::array<char, 4096> buffer{};
-  while (const size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) out.text.append(buffer.data(), n);
-  const int status = pclose(pipe);
-  out.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return out;
-}
 
 class RenderGl : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(program_directory() / "crowdbench")) GTEST_SKIP() << "the driver is not built";
+    if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
     folder_ = std::filesystem::path(::testing::TempDir()) / "crowdbench_render_test";
     std::filesystem::create_directories(folder_);
   }
