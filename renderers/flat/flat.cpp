@@ -22,6 +22,7 @@
 #include "renderers/gl/objects.h"
 #include "renderers/gl/program.h"
 #include "renderers/shaders/bindings.shared.h"
+#include "renderers/tiles/level_order.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -39,9 +40,6 @@ struct TableHeader {
   LevelRecord levels[CB_FLAT_LEVELS];
   glm::uvec4 clips[CB_FLAT_CLIPS];
 };
-
-// A level is drawn where its texels are at most this many pixels; coarser ones would blur, finer ones alias.
-constexpr double kPixelsPerTexel = std::numbers::sqrt2;
 
 // Agents drawn by one call: bounds the index buffer.
 constexpr uint32_t kBatch = 8192;
@@ -76,14 +74,9 @@ double strip_area(const FlatLevel& level, size_t first) {
 TableHeader make_header(const FlatBake& bake, const ViewGrid& grid) {
   TableHeader header{};
   header.centre = {bake.centre[0], bake.centre[1], bake.centre[2], bake.radius};
-  const int along = grid.kind == GridKind::sphere ? grid.azimuths : grid.n;
-  header.grid = {static_cast<int>(grid.kind), along, grid.elevations, grid.mirrored ? 1 : 0};
-  const double turn = 2 * std::numbers::pi;
-  const double azimuth_step = grid.mirrored ? turn / 2 / (grid.azimuths - 1) : turn / grid.azimuths;
-  const double elevation_step = grid.elevations > 1 ? (turn / 4 - grid.el_min) / (grid.elevations - 1) : 1.0;
-  const double low = grid.kind == GridKind::hemi ? 0.0 : grid.el_min;
-  header.span = {static_cast<float>(azimuth_step), static_cast<float>(grid.el_min), static_cast<float>(elevation_step),
-                 static_cast<float>(std::tan(low))};
+  const ViewGridUniforms uniforms = view_grid_uniforms(grid);
+  header.grid = uniforms.grid;
+  header.span = uniforms.span;
   header.counts = {bake.views, 0U, 0U, 0U};
   uint32_t tile = 0;
   uint32_t corner = 0;
@@ -222,16 +215,14 @@ class FlatRepresentation : public Representation {
     for (size_t c = 0; c < characters_.size(); ++c) {
       if (agents[c].empty()) continue;
       const CharacterTiles& tiles = characters_[c];
-      sort_agents(frame, tiles, frame.agents[c], agents[c]);
+      order_.sort(frame, frame.agents[c], agents[c], tiles.centre, tiles.texel, static_cast<int>(tiles.levels.size()));
       tiles.table.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_VIEWS);
       tiles.tiles.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_TILES);
       tiles.outlines.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_OUTLINES);
       for (size_t l = 0; l < tiles.levels.size(); ++l) {
-        const auto first = level_first_[l];
-        const auto count = level_first_[l + 1] - first;
         const CharacterTiles::Level& level = tiles.levels[l];
-        if (count == 0 || !level.albedo) continue;
-        resources.draw_listed(c, std::span(sorted_).subspan(first, count), [&](uint32_t n) {
+        if (!level.albedo) continue;
+        resources.draw_listed(c, order_.at_level(static_cast<int>(l)), [&](uint32_t n) {
           level.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
           level.surface.bind(CB_FLAT_TEXTURE_SURFACE);
           const gl::Program& p = program(pass, level.corners);
@@ -252,7 +243,7 @@ class FlatRepresentation : public Representation {
       out.disk_bytes += c.disk_bytes;
     }
     for (const auto& [corners, polygons] : polygons_) out.buffer_bytes += polygons.indices.size();
-    out.upload_bytes_per_frame = uploaded_;
+    out.upload_bytes_per_frame = order_.agents() * sizeof(uint32_t);
     return out;
   }
 
@@ -306,41 +297,6 @@ class FlatRepresentation : public Representation {
     gl::VertexArray vertex_array;
   };
 
-  // Chooses every agent's level by the size of its texels on the screen and orders them by level, and from front to
-  // back within one, so that what is hidden is refused by the depth test before it is shaded. Counting sort: the order
-  // of agents whose depths differ by less than 1.5 percent is that of their indices.
-  void sort_agents(const scene::Frame& frame, const CharacterTiles& tiles, const std::vector<scene::FrameAgent>& all,
-                   const std::vector<uint32_t>& chosen) {
-    const glm::vec3 forward = -glm::vec3(glm::transpose(scene::view_rotation(frame.camera))[2]);
-    // Pixels a metre at depth 1, times the texel: texel pixels = this * scale / depth.
-    const auto pixels = static_cast<float>(tiles.texel * frame.height / (2 * std::tan(frame.camera.fov_y / 2)));
-    const auto levels = static_cast<uint32_t>(tiles.levels.size());
-    constexpr uint32_t kBuckets = 2048;
-    constexpr uint32_t kShift = 17;  // keeps the exponent and six bits of the mantissa
-    constexpr uint32_t kLowest = std::bit_cast<uint32_t>(0x1p-10F) >> kShift;
-    counts_.assign(levels * kBuckets + 1, 0);
-    keys_.resize(chosen.size());
-    for (size_t i = 0; i < chosen.size(); ++i) {
-      const scene::FrameAgent& a = all[chosen[i]];
-      const glm::vec3 centre =
-          a.position + a.scale * glm::vec3(a.heading.y * tiles.centre.x + a.heading.x * tiles.centre.z, tiles.centre.y,
-                                           a.heading.y * tiles.centre.z - a.heading.x * tiles.centre.x);
-      const float depth = std::max(glm::dot(centre, forward), 0x1p-10F);
-      const float coarser = static_cast<float>(kPixelsPerTexel) * depth / (pixels * a.scale);
-      const int level = static_cast<int>(std::bit_cast<uint32_t>(coarser) >> 23) - 127;  // floor(log2)
-      const auto l = static_cast<uint32_t>(std::clamp(level, 0, static_cast<int>(levels) - 1));
-      const uint32_t bucket = std::min((std::bit_cast<uint32_t>(depth) >> kShift) - kLowest, kBuckets - 1);
-      keys_[i] = l * kBuckets + bucket;
-      ++counts_[keys_[i] + 1];
-    }
-    for (size_t k = 1; k < counts_.size(); ++k) counts_[k] += counts_[k - 1];
-    level_first_.resize(levels + 1);
-    for (uint32_t l = 0; l <= levels; ++l) level_first_[l] = counts_[l * kBuckets];
-    sorted_.resize(chosen.size());
-    for (size_t i = 0; i < chosen.size(); ++i) sorted_[counts_[keys_[i]]++] = chosen[i];
-    uploaded_ = chosen.size() * sizeof(uint32_t);
-  }
-
   void draw_polygons(int corners, uint32_t agents) {
     Polygons& polygons = polygons_[corners];
     const uint32_t batch = std::min(agents, kBatch);
@@ -389,8 +345,7 @@ class FlatRepresentation : public Representation {
   std::map<Variant, gl::Program> programs_;
   std::map<int, Polygons> polygons_;  // by corners
   // Of the frame being drawn.
-  std::vector<uint32_t> keys_, counts_, level_first_, sorted_;
-  uint64_t uploaded_ = 0;
+  LevelOrder order_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "renderers/tiles/plane.h"
 #include "renderers/tiles/tile.h"
 #include "renderers/tiles/tile_capture.h"
 #include "renderers/views/view_grid.h"
@@ -64,23 +65,6 @@ struct FlatBake {
   std::vector<FlatLevel> levels;
   uint64_t texture_bytes() const;
 };
-
-// Mean and covariance of a posed surface, by area: front and back alike, so that what is fitted to them runs through
-// the middle of the body.
-struct SurfaceMoments {
-  glm::dvec3 mean{0.0};
-  glm::dmat3 covariance{0.0};
-};
-// positions: of all vertices; indices: triangles.
-SurfaceMoments surface_moments(const std::vector<glm::vec3>& positions, const std::vector<uint32_t>& indices);
-
-// The plane over a view's capture plane that lies nearest to the body: the least-squares regression of the height
-// towards the eye on x and y. Seen from the view itself it looks as the capture plane does; seen from beside it the
-// figure stays where it stands instead of leaning with the plane. Metres; slopes are held within 2.
-struct TilePlane {
-  double slope_x = 0, slope_y = 0, height = 0;
-};
-TilePlane fit_plane(const SurfaceMoments& moments, const glm::dvec3& centre, const ViewBasis& basis);
 
 // Everything that a bake's bytes depend on.
 std::string flat_cache_key(const scene::Character& character, const scene::PoseBank& bank,

@@ -221,6 +221,17 @@ ViewGrid parse_view_grid(const std::string& text, double el_min, const std::stri
   return grid;
 }
 
+ViewGridUniforms view_grid_uniforms(const ViewGrid& grid) {
+  const double turn = 2 * std::numbers::pi;
+  const double azimuth_step = grid.mirrored ? turn / 2 / (grid.azimuths - 1) : turn / grid.azimuths;
+  const double elevation_step = grid.elevations > 1 ? (turn / 4 - grid.el_min) / (grid.elevations - 1) : 1.0;
+  const double low = grid.kind == GridKind::hemi ? 0.0 : grid.el_min;
+  return {{static_cast<int>(grid.kind), grid.kind == GridKind::sphere ? grid.azimuths : grid.n, grid.elevations,
+           grid.mirrored ? 1 : 0},
+          {static_cast<float>(azimuth_step), static_cast<float>(grid.el_min), static_cast<float>(elevation_step),
+           static_cast<float>(std::tan(low))}};
+}
+
 double view_error(const ViewGrid& grid, const glm::dvec3& to_eye) {
   const ViewPick picked = grid.pick(to_eye);
   glm::dvec3 view = grid.basis(picked.view).to_eye;

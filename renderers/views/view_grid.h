@@ -50,6 +50,13 @@ struct ViewGrid {
 // 1..129 elevations, 1..64 for n (hemi: 2..128).
 ViewGrid parse_view_grid(const std::string& text, double el_min, const std::string& where);
 
+// What pick_view of view_grid.glsl takes.
+struct ViewGridUniforms {
+  glm::ivec4 grid;
+  glm::vec4 span;
+};
+ViewGridUniforms view_grid_uniforms(const ViewGrid& grid);
+
 // Angle in radians between a direction (raised to el_min) and the direction of the view picked for it, as the mirrored
 // flag places it.
 double view_error(const ViewGrid& grid, const glm::dvec3& to_eye);
