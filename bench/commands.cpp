@@ -15,6 +15,7 @@ void add_all_commands(CLI::App& app, Run& run) {
       add_pose,
       add_compare,
       add_quality,
+      add_switch_distance,
       add_ratio,
       add_bench,
       add_pair,

@@ -28,6 +28,7 @@ void add_ratio(CLI::App& app, Run& run);
 void add_render(CLI::App& app, Run& run);
 void add_report(CLI::App& app, Run& run);
 void add_schema(CLI::App& app, Run& run);
+void add_switch_distance(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
 
 void add_all_commands(CLI::App& app, Run& run);

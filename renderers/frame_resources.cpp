@@ -53,7 +53,8 @@ void reserve(gl::Context& context, TexelBuffer& both, size_t bytes) {
 struct FrameResources::State {
   gl::Context& context;
   const scene::Cast& cast;
-  gl::Buffer uniforms;
+  gl::Buffer uniforms, dither_uniforms;
+  DitherRange dither;
   TexelBuffer agents;
   TexelBuffer outfits;
   std::vector<gl::Buffer> banks;  // by character
@@ -70,6 +71,16 @@ struct FrameResources::State {
   uint64_t palette_block = 0;
 
   explicit State(gl::Context& context_, const scene::Cast& cast_) : context(context_), cast(cast_) {}
+
+  void write_records(const scene::Frame& frame) {
+    records.clear();
+    for (const auto& all : frame.agents)
+      for (const scene::FrameAgent& a : all)
+        records.push_back({glm::vec4(a.position, a.scale), glm::vec4(a.heading, a.pose.blend, a.phase),
+                           glm::uvec4(a.pose.a, a.pose.b, static_cast<uint32_t>(a.bank_clip), 0U),
+                           glm::uvec4(a.outfit, a.id, 0U, 0U)});
+    agents.buffer.write(records);
+  }
 
   // Uploads a list as positions in the agents' storage and binds it.
   void upload_list(size_t character, std::span<const uint32_t> chosen) {
@@ -92,6 +103,7 @@ FrameResources::FrameResources(gl::Context& context, const scene::Cast& cast, ui
   s.palette_block = palette_block;
   context.make_current();
   s.uniforms = gl::Buffer(context, sizeof(FrameUniforms));
+  s.dither_uniforms = gl::Buffer(context, sizeof(glm::vec4));
   for (const auto& bank : cast.banks) {
     const auto& matrices = bank->matrices();
     const size_t bytes = matrices.size() * sizeof(scene::Mat3x4);
@@ -140,16 +152,9 @@ void FrameResources::upload(const scene::Frame& frame, int width, int height) {
   if (count > kMaxFrameAgents)
     throw Error("agents", fmt::format("{} agents in one frame; {} is the most", count, kMaxFrameAgents),
                 "lower the number of agents");
-  s.records.resize(count);
-  size_t i = 0;
-  for (const auto& agents : frame.agents)
-    for (const scene::FrameAgent& a : agents) {
-      s.records[i++] = {glm::vec4(a.position, a.scale), glm::vec4(a.heading, a.pose.blend, a.phase),
-                        glm::uvec4(a.pose.a, a.pose.b, static_cast<uint32_t>(a.bank_clip), 0U),
-                        glm::uvec4(a.outfit, a.id, 0U, 0U)};
-    }
   reserve(s.context, s.agents, std::max<size_t>(count, 1) * sizeof(AgentRecord));
-  s.agents.buffer.write(s.records);
+  s.write_records(frame);
+  set_dither({});
 
   assert(!frame.outfits.empty());
   reserve(s.context, s.outfits, frame.outfits.size() * sizeof(scene::Outfit));
@@ -160,10 +165,28 @@ void FrameResources::upload(const scene::Frame& frame, int width, int height) {
 void FrameResources::bind() const {
   const State& s = *state_;
   s.uniforms.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_FRAME);
+  s.dither_uniforms.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_DITHER);
   s.agents.buffer.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_AGENTS);
   s.agents.texels.bind(CB_TEXTURE_AGENTS);
   s.outfits.texels.bind(CB_TEXTURE_OUTFITS);
 }
+
+void FrameResources::update_agents(const scene::Frame& frame) const {
+  State& s = *state_;
+  const size_t before = s.records.size();
+  s.write_records(frame);
+  assert(s.records.size() == before);
+  (void)before;
+  s.upload_bytes += s.records.size() * sizeof(AgentRecord);
+}
+
+void FrameResources::set_dither(const DitherRange& range) const {
+  state_->dither = range;
+  const glm::vec4 both(range.low, range.high, 0.0F, 0.0F);
+  state_->dither_uniforms.write(&both, sizeof both);
+}
+
+const FrameResources::DitherRange& FrameResources::dither() const { return state_->dither; }
 
 uint32_t FrameResources::first_agent(size_t character) const { return state_->first_agent[character]; }
 
@@ -210,7 +233,7 @@ void FrameResources::draw_posed(size_t character, std::span<const uint32_t> agen
 
 uint64_t FrameResources::bytes() const {
   const State& s = *state_;
-  uint64_t total = s.uniforms.size() + s.agents.buffer.size() + s.outfits.buffer.size();
+  uint64_t total = s.uniforms.size() + s.dither_uniforms.size() + s.agents.buffer.size() + s.outfits.buffer.size();
   for (const gl::Buffer& b : s.banks) total += b.size();
   for (const gl::Buffer& b : s.lists) total += b.size();
   for (const TexelBuffer& b : s.palettes) total += b.buffer.size();

@@ -56,6 +56,17 @@ class FrameResources {
   // Binds the uniform block, the agents and the outfits at their places in shaders/bindings.shared.h.
   void bind() const;
 
+  // The agents' records anew from a frame of the same agents, some of which show another pose; holds until upload().
+  void update_agents(const scene::Frame& frame) const;
+
+  // Passes with `dithered` draw the pixels whose threshold in (0, 1) lies in [low, high); upload() sets [0, 1).
+  struct DitherRange {
+    float low = 0;
+    float high = 1;
+  };
+  void set_dither(const DitherRange& range) const;
+  const DitherRange& dither() const;
+
   // Position in the agents' storage of the first agent of a character.
   uint32_t first_agent(size_t character) const;
 

@@ -83,6 +83,13 @@ struct Pass {
   // Depth is written wherever a fragment arrives, also where it is discarded later (shaders define CB_TOUCHED): the
   // pixels that a draw touches. Its colours, ids and depths are of no other use.
   bool touched = false;
+  // Instead of a picture, R and G of the colours are the place, in texels of level 0, at which the fragment reads its
+  // map, and B is the level read: for measuring how many pixels a texel covers. With `linear`, and only from a
+  // representation that shows_texels().
+  bool texels = false;
+  // Only pixels whose threshold lies in the range last given to FrameResources::set_dither are drawn (shaders define
+  // CB_DITHER): the two sides of a cross-fade.
+  bool dithered = false;
   auto operator<=>(const Pass&) const = default;
 };
 
@@ -99,6 +106,15 @@ class Representation {
   virtual uint64_t triangles(size_t character) const = 0;
   // Metres that one texel of character c covers at scale 1, for switching by pixels a texel; 0: it has no such texels.
   virtual double texel_metres(size_t /*character*/) const { return 0; }
+  // Whether it draws Pass::texels.
+  virtual bool shows_texels() const { return false; }
+  // The phase of the stored frame that stands for a phase in [0, 1) of a clip of the bank; the phase itself where every
+  // phase is drawn.
+  virtual double shown_phase(size_t /*character*/, int /*bank_clip*/, double phase) const { return phase; }
+  // Representations whose picture of a tick depends on the ticks before it: `advance` shows them a frame that is not
+  // drawn. Everybody else is a function of the frame.
+  virtual bool has_history() const { return false; }
+  virtual void advance(const scene::Frame& /*frame*/) {}
 };
 
 struct MakeContext {

@@ -441,6 +441,7 @@ Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& vi
 Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd, const Camera& camera, uint64_t tick,
                  bool cull) {
   Frame frame;
+  frame.tick = tick;
   frame.origin = camera.eye;
   frame.camera = camera;
   frame.width = scenario.width;

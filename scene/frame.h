@@ -32,6 +32,7 @@ struct Outfit {
 };
 
 struct Frame {
+  uint64_t tick = 0;       // of the scenario
   glm::dvec3 origin{0.0};  // the eye in world space; everything else is relative to it
   Camera camera;
   int width = 640;

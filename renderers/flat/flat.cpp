@@ -58,6 +58,7 @@ struct CharacterTiles {
   bool cached = false;
   uint64_t tiles_baked = 0;
   uint32_t frames = 0, views = 0;
+  std::vector<FlatClip> clips;
   double covered = 0, drawn = 0;  // texels of level 0 over all tiles: silhouettes, and the outlines around them
 };
 
@@ -98,6 +99,7 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   CharacterTiles out;
   out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
   out.texel = bake.texel;
+  out.clips = bake.clips;
   const TableHeader header = make_header(bake, grid);
   std::vector<uint8_t> table(sizeof header + bake.views * 2 * sizeof(glm::vec4));
   std::memcpy(table.data(), static_cast<const void*>(&header), sizeof header);
@@ -285,10 +287,18 @@ class FlatRepresentation : public Representation {
   }
 
   double texel_metres(size_t character) const override { return characters_[character].texel; }
+  bool shows_texels() const override { return true; }
+
+  // As flat.vert picks it.
+  double shown_phase(size_t character, int bank_clip, double phase) const override {
+    const auto frames = static_cast<float>(characters_[character].clips[static_cast<size_t>(bank_clip)].frames);
+    const float step = std::floor(static_cast<float>(phase) * frames + 0.5F);
+    return step >= frames ? 0.0 : static_cast<double>(step / frames);
+  }
 
  private:
   struct Variant {
-    bool ids, touched;
+    bool ids, touched, texels, dithered;
     int corners;
     auto operator<=>(const Variant&) const = default;
   };
@@ -321,13 +331,15 @@ class FlatRepresentation : public Representation {
   }
 
   const gl::Program& program(const Pass& pass, int corners) {
-    const Variant v{pass.ids, pass.touched, corners};
+    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
       if (v.ids) defines.emplace_back("CB_IDS", "");
       if (v.touched) defines.emplace_back("CB_TOUCHED", "");
       if (nailboard_) defines.emplace_back("CB_NAILBOARD", "");
+      if (v.texels) defines.emplace_back("CB_TEXELS", "");
+      if (v.dithered) defines.emplace_back("CB_DITHER", "");
       if (floor_) defines.emplace_back("CB_FLOOR", "");
       found =
           programs_.emplace(v, gl::Program(context_, {"renderers/flat/flat.vert", "renderers/flat/flat.frag"}, defines))

@@ -6,6 +6,8 @@
 layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered
 layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;  // nearest: ids must not be mixed
 
+layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
+
 layout(location = 0) in vec3 v_texel;
 layout(location = 1) flat in vec3 v_light;
 layout(location = 2) flat in uint v_outfit;
@@ -34,7 +36,10 @@ void main() {
   float depth = max(v_depth + v_depth_range * height, frame.lens.x);
   gl_FragDepth = frame.projection[3][2] / depth - frame.projection[2][2];
 #endif
-#ifdef CB_FLOOR
+#if defined(CB_TEXELS)
+  vec2 texel = v_texel.xy * vec2(textureSize(albedo_map, 0).xy);
+  write_output(vec3(texel * exp2(float(level)), float(level)), v_id);
+#elif defined(CB_FLOOR)
   write_output(albedo.rgb + surface.rgb, v_id);
 #else
   uint part = uint(surface.b * 255.0 + 0.5);

@@ -136,7 +136,7 @@ CharacterMesh upload(gl::Context& context, const scene::Character& character, co
 
 // What a compiled variant of the program depends on.
 struct Variant {
-  bool ids, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided;
+  bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided;
   auto operator<=>(const Variant&) const = default;
 };
 
@@ -190,6 +190,7 @@ class MeshRepresentation : public Representation {
       define(floor_, "CB_STATIC");
       define(capture_, "CB_CAPTURE");
       define(v.ids, "CB_IDS");
+      define(v.dithered, "CB_DITHER");
       define(v.colours, "CB_COLOURS");
       define(v.emissive, "CB_EMISSIVE");
       define(v.emissive_uvs, "CB_EMISSIVE_UVS");
@@ -209,9 +210,9 @@ class MeshRepresentation : public Representation {
     mesh.vertex_array.bind();
     mesh.material_texels.bind(CB_TEXTURE_MATERIALS);
     for (const MeshGroup& group : mesh.groups) {
-      const gl::Program& p =
-          program({pass.ids, mesh.has_colours, mesh.has_emissive, mesh.has_emissive_uvs && group.emissive_array >= 0,
-                   group.base_array >= 0, group.emissive_array >= 0, group.double_sided});
+      const gl::Program& p = program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
+                                      mesh.has_emissive_uvs && group.emissive_array >= 0, group.base_array >= 0,
+                                      group.emissive_array >= 0, group.double_sided});
       p.use();
       if (!floor_) p.set(CB_LOCATION_JOINTS, mesh.joints);
       const auto bind_array = [&](int array, unsigned unit) {

@@ -478,6 +478,7 @@ class Relief final : public Representation {
       gl::Defines all = defines(tier);
       if (pass.ids) all.emplace_back("CB_IDS", "");
       if (pass.touched) all.emplace_back("CB_TOUCHED", "");
+      if (pass.dithered) all.emplace_back("CB_DITHER", "");
       found = tier.draw
                   .emplace(pass,
                            gl::Program(context_, {"renderers/relief/relief.vert", "renderers/relief/relief.frag"}, all))

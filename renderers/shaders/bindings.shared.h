@@ -3,7 +3,8 @@
 #define CROWDBENCH_BINDINGS_SHARED_H
 
 // Uniform blocks.
-#define CB_UNIFORM_FRAME 0  // FrameUniforms (frame.glsl, frame_resources.h)
+#define CB_UNIFORM_FRAME 0   // FrameUniforms (frame.glsl, frame_resources.h)
+#define CB_UNIFORM_DITHER 1  // vec4: least and first excluded threshold of a dithered pass (output.glsl)
 
 // Shader storage blocks 0 to 7 are common, 8 and above belong to a representation.
 #define CB_STORAGE_AGENTS 0     // AgentRecord[]: all agents of the frame, character after character

@@ -10,6 +10,7 @@
 
 #include "gl_test_support.h"
 #include "renderers/frame_resources.h"
+#include "renderers/shaders/dither.shared.h"
 #include "scene/mannequin.h"
 
 namespace crowdbench::renderers {
@@ -191,6 +192,44 @@ TEST_P(ContractGl, ColoursAreTheSameWithAndWithoutIds) {
   const Capture without = plain.read();
   EXPECT_EQ(with.colour, without.colour);
   EXPECT_EQ(with.depth, without.depth);
+}
+
+// The two sides of a cross-fade: every pixel is drawn by exactly one of them, by its place in the ordered dither,
+// whatever the share. A representation that fails here does not define CB_DITHER for passes with `dithered`.
+TEST_P(ContractGl, DitheredPassesShareThePixels) {
+  Renderer renderer(context(), cast());
+  const scene::Frame frame = make_frame(cast(), 0.2);
+  const Capture whole = renderer.capture(frame, representation());
+  const AgentLists everybody = {{0, 1, 2}};
+  const Target target(context(), kWidth, kHeight, {.ids = true, .dithered = true});
+  const auto draw = [&](float low, float high) {
+    scene::Frame empty = frame;
+    for (auto& agents : empty.agents) agents.clear();
+    renderer.draw(empty, representation(), target);
+    renderer.resources().upload(frame, kWidth, kHeight);
+    renderer.resources().set_dither({low, high});
+    representation().draw(frame, renderer.resources(), everybody, target.pass());
+    return target.read();
+  };
+  for (const float share : {0.25F, 1.0F / 3, 0.9F}) {
+    const Capture a = draw(0, share);
+    const Capture b = draw(share, 1);
+    size_t in_a = 0;
+    size_t covered = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const size_t i = static_cast<size_t>(y) * kWidth + static_cast<size_t>(x);
+        const bool first = (dither_rank(static_cast<uint>(x), static_cast<uint>(kHeight - 1 - y)) + 0.5F) / 64 < share;
+        ASSERT_EQ(a.ids.data[i], first ? whole.ids.data[i] : 0U) << x << " " << y;
+        ASSERT_EQ(b.ids.data[i], first ? 0U : whole.ids.data[i]) << x << " " << y;
+        const Capture& drawn = first ? a : b;
+        for (size_t c = 0; c < 4; ++c) ASSERT_EQ(drawn.colour.data[4 * i + c], whole.colour.data[4 * i + c]);
+        ASSERT_EQ(drawn.depth.data[i], whole.depth.data[i]);
+        in_a += a.ids.data[i] != 0 ? 1U : 0U;
+        covered += whole.ids.data[i] != 0 ? 1U : 0U;
+      }
+    EXPECT_NEAR(static_cast<double>(in_a) / static_cast<double>(covered), share, 0.03);
+  }
 }
 
 TEST_P(ContractGl, AnEmptyFrameIsBackground) {

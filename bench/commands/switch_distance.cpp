@@ -1,0 +1,149 @@
+#include "bench/switch_distance.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "bench/commands.h"
+#include "bench/quality.h"
+#include "bench/scene_options.h"
+#include "core/error.h"
+#include "scene/gltf.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string representation = "flat";
+  std::string character = "mannequin";
+  std::string clip;
+  std::string ratios = "0.5,1,2";
+  std::string size = "640x480";
+  std::string device;
+  double bake_budget_mib = 512;
+  SwitchRequest request;
+  bool no_cache = false;
+  bool json = false;
+};
+
+Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+std::optional<double> error_percent(const SwitchRow& row) {
+  if (!row.measured_depth) return std::nullopt;
+  return 100 * (*row.measured_depth / row.depth - 1);
+}
+
+Json to_json(const SwitchRow& row) {
+  return {{"ratio", row.ratio},
+          {"depth_m", row.depth},
+          {"distance_m", row.distance},
+          {"height_px", row.height_px},
+          {"stretch", row.stretch},
+          {"measured_depth_m", number(row.measured_depth)},
+          {"measured_over_derived_percent", number(error_percent(row))},
+          {"measured_stretch", number(row.measured_stretch)},
+          {"unity_screen_relative_height", row.engines.unity_height},
+          {"unreal_screen_size", row.engines.unreal_size},
+          {"godot_visibility_range_m", row.engines.godot_metres}};
+}
+
+int run_switch_distance(const Options& options) {
+  SwitchRequest request = options.request;
+  request.representation = renderers::parse_spec(options.representation);
+  request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
+  const PictureSize size = parse_size(options.size);
+  request.width = size.width;
+  request.height = size.height;
+  request.character = std::make_shared<const scene::Character>(scene::open_character(options.character, {}));
+  request.clip = request.character->placement.default_clip;
+  if (!options.clip.empty())
+    request.clip = options.clip == "none" && !scene::find_clip(*request.character, "none")
+                       ? -1
+                       : scene::require_clip(*request.character, options.clip);
+  request.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
+  request.use_cache = !options.no_cache;
+  const auto context = open_context(options.device);
+  const SwitchReport report = measure_switch_distance(*context, request);
+
+  if (options.json) {
+    Json out = {{"character", request.character->name},
+                {"representation", request.representation.text()},
+                {"texel_m", report.texel * request.scale},
+                {"height_m", report.height * request.scale},
+                {"width", request.width},
+                {"height", request.height},
+                {"fov_y_deg", request.fov_y_deg},
+                {"azimuth_deg", request.azimuth_deg},
+                {"elevation_deg", request.elevation_deg},
+                {"off_axis_deg", request.off_axis_deg},
+                {"renderer", context->renderer()},
+                {"rows", Json::array()}};
+    for (const SwitchRow& row : report.rows) out["rows"].push_back(to_json(row));
+    fmt::print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
+    return 0;
+  }
+  fmt::print("{} of {}: texels of {:.2f} mm, {}x{}, {:g} degrees tall, {:g} degrees off the axis\n",
+             request.representation.text(), printable(request.character->name), 1000 * report.texel * request.scale,
+             request.width, request.height, request.fov_y_deg, request.off_axis_deg);
+  fmt::print("{:>6} {:>9} {:>9} {:>7} {:>9} {:>9} {:>8}  {:>7} {:>7} {:>8}\n", "pixels", "depth", "measured", "error",
+             "stretch", "measured", "height", "Unity", "Unreal", "Godot");
+  fmt::print("{:>6} {:>9} {:>9} {:>7} {:>9} {:>9} {:>8}  {:>7} {:>7} {:>8}\n", "/texel", "m", "m", "%", "", "",
+             "pixels", "height", "size", "m");
+  const auto text = [](const std::optional<double>& v, const char* form) {
+    return v ? fmt::format(fmt::runtime(form), *v) : std::string("n/a");
+  };
+  for (const SwitchRow& row : report.rows)
+    fmt::print("{:>6g} {:>9.3f} {:>9} {:>7} {:>9.4f} {:>9} {:>8.1f}  {:>7.4f} {:>7.4f} {:>8.3f}\n", row.ratio,
+               row.depth, text(row.measured_depth, "{:.3f}"), text(error_percent(row), "{:+.2f}"), row.stretch,
+               text(row.measured_stretch, "{:.4f}"), row.height_px, row.engines.unity_height, row.engines.unreal_size,
+               row.engines.godot_metres);
+  fmt::print(
+      "depth: along the view axis, derived and as measured from pictures of the impostor. Nearer than that draw the "
+      "mesh.\n"
+      "stretch: of a texel towards the picture's edge; perspective stretches the mesh alike. Unity: fraction of the\n"
+      "screen's height of LODGroup.size at lodBias 1; Unreal: ComputeBoundsScreenSize; Godot: visibility range, "
+      "Euclidean.\n");
+  return 0;
+}
+
+}  // namespace
+
+void add_switch_distance(CLI::App& app, Run& run) {
+  CLI::App* command =
+      app.add_subcommand("switch-distance", "Where a texel of an impostor covers a pixel: derived and measured");
+  command->footer(
+      "Derived: d = texel * rows / (2 * ratio * tan(fov / 2)). Measured: the impostor is drawn as texel coordinates, "
+      "and\n"
+      "moved until a texel at its middle spans that many pixels.\n\n"
+      "Examples:\n"
+      "  crowdbench switch-distance --representation flat:texels=64\n"
+      "  crowdbench switch-distance --character knight.glb --ratio 0.5:2:0.5 --fov-y-deg 60 --size 1920x1080 "
+      "--off-axis-deg 30 --json");
+  auto options = std::make_shared<Options>();
+  SwitchRequest& request = options->request;
+  command->add_option("--representation", options->representation, "an impostor with texels (flat)");
+  command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
+  command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
+  command->add_option("--ratio", options->ratios, "pixels that a texel spans, 0.01 to 100 (0.5,1,2)");
+  command->add_option("--size", options->size, "of the picture in pixels (640x480)")->type_name("WxH");
+  command->add_option("--fov-y-deg", request.fov_y_deg, "vertical field of view in degrees (35)")
+      ->check(CLI::Range(1.0, 170.0));
+  command->add_option("--azimuth-deg", request.azimuth_deg, "0 = seen from the front, 90 = from its left (0)")
+      ->check(CLI::Range(-360.0, 360.0));
+  command->add_option("--elevation-deg", request.elevation_deg, "0 = level, 90 = from straight above (0)")
+      ->check(CLI::Range(-89.0, 90.0));
+  command->add_option("--off-axis-deg", request.off_axis_deg, "the agent's angle off the view axis (0)")
+      ->check(CLI::Range(0.0, 85.0));
+  command->add_option("--scale", request.scale, "of the agent (1)")->check(CLI::Range(0.01, 100.0));
+  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
+      ->check(CLI::Range(1.0, 1e6));
+  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
+  add_device_option(*command, options->device);
+  command->add_flag("--json", options->json, "print JSON");
+  command->callback([options, &run] { run = [options] { return run_switch_distance(*options); }; });
+}
+
+}  // namespace crowdbench::bench
