@@ -151,10 +151,17 @@ void check_limits(const gl::Context& context, const FlatBake& bake, const std::s
     refuse(fmt::format("{} tiles need too large a table", uint64_t{bake.frames} * bake.views));
 }
 
+// How the tiles are drawn; the bake does not depend on it.
+struct DrawOptions {
+  bool nailboard = false;
+  bool blend = false;  // of three views
+  bool floor = false;
+};
+
 class FlatRepresentation : public Representation {
  public:
-  FlatRepresentation(const MakeContext& make, const FlatBakeOptions& options, bool nailboard, bool floor)
-      : context_(make.context), nailboard_(nailboard), floor_(floor), grid_(options.grid) {
+  FlatRepresentation(const MakeContext& make, const FlatBakeOptions& options, const DrawOptions& draw)
+      : context_(make.context), draw_(draw), grid_(options.grid) {
     const auto start = std::chrono::steady_clock::now();
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
     uint64_t left = make.bake_budget;
@@ -230,7 +237,7 @@ class FlatRepresentation : public Representation {
           const gl::Program& p = program(pass, level.corners);
           p.use();
           p.set(CB_FLAT_LOCATION_LEVEL, static_cast<int>(l));
-          draw_polygons(level.corners, n);
+          draw_polygons(draw_.blend ? 4 : level.corners, n);
         });
       }
     }
@@ -337,19 +344,23 @@ class FlatRepresentation : public Representation {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
       if (v.ids) defines.emplace_back("CB_IDS", "");
       if (v.touched) defines.emplace_back("CB_TOUCHED", "");
-      if (nailboard_) defines.emplace_back("CB_NAILBOARD", "");
+      if (draw_.nailboard) defines.emplace_back("CB_NAILBOARD", "");
       if (v.texels) defines.emplace_back("CB_TEXELS", "");
       if (v.dithered) defines.emplace_back("CB_DITHER", "");
-      if (floor_) defines.emplace_back("CB_FLOOR", "");
+      if (draw_.floor) defines.emplace_back("CB_FLOOR", "");
       found =
-          programs_.emplace(v, gl::Program(context_, {"renderers/flat/flat.vert", "renderers/flat/flat.frag"}, defines))
+          programs_
+              .emplace(v,
+                       draw_.blend
+                           ? gl::Program(context_, {"renderers/flat/blend.vert", "renderers/flat/blend.frag"}, defines)
+                           : gl::Program(context_, {"renderers/flat/flat.vert", "renderers/flat/flat.frag"}, defines))
               .first;
     }
     return found->second;
   }
 
   gl::Context& context_;
-  bool nailboard_, floor_;
+  DrawOptions draw_;
   ViewGrid grid_;
   double seconds_ = 0;
   std::vector<CharacterTiles> characters_;
@@ -374,7 +385,8 @@ const RepresentationType flat_type = {
      {"plane", "fitted|facing", "fitted",
       "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through the centre"},
      {"corners", "4..8", "8", "of the outlines of large tiles; small ones have four"},
-     {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"}},
+     {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
+     {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(flat_type, spec);
       FlatBakeOptions options;
@@ -385,8 +397,11 @@ const RepresentationType flat_type = {
       options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
       options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
       options.corners = static_cast<int>(reader.integer("corners", 4, 8));
-      return std::make_unique<FlatRepresentation>(context, options, reader.choice("depth", {"flat", "nailboard"}) == 1,
-                                                  reader.flag("floor"));
+      return std::make_unique<FlatRepresentation>(
+          context, options,
+          DrawOptions{.nailboard = reader.choice("depth", {"flat", "nailboard"}) == 1,
+                      .blend = reader.choice("blend", {"1", "3"}) == 1,
+                      .floor = reader.flag("floor")});
     }};
 
 }  // namespace crowdbench::renderers

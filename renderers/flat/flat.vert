@@ -2,26 +2,7 @@
 // One convex polygon an agent: picks the tile for the direction from the capture centre to the eye, and lays the tile's
 // outline on the tile's own plane, turned with the agent and not towards the screen, so that an agent seen from above
 // does not lean. CB_CORNERS vertices an agent, in strip order.
-#include "renderers/shaders/frame.glsl"
-#include "renderers/flat/flat.shared.h"
-#include "renderers/views/view_grid.glsl"
-
-struct Level {
-  vec4 scale;   // metres a texel, 1 / width, 1 / height of a page in texels
-  uvec4 first;  // of the level's tiles, of its outlines' corners
-};
-layout(std430, binding = CB_STORAGE_VIEWS) readonly restrict buffer Table {
-  vec4 centre;      // capture centre, model space, metres; w: what the ends of the stored depth stand for, metres
-  ivec4 grid;       // as pick_view takes them
-  vec4 span;
-  uvec4 counts;     // views
-  Level levels[CB_FLAT_LEVELS];
-  uvec4 clips[CB_FLAT_CLIPS];  // first frame, frames
-  vec4 views[];     // right, up of every view
-} table;
-layout(std430, binding = CB_STORAGE_TILES) readonly restrict buffer Tiles { vec4 tiles[]; };  // two a tile: FlatTile
-layout(std430, binding = CB_STORAGE_OUTLINES) readonly restrict buffer Outlines { vec2 outlines[]; };
-layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
+#include "renderers/flat/flat_records.glsl"
 
 layout(location = 0) out vec3 v_texel;              // page coordinates in [0, 1], layer
 layout(location = 1) flat out vec3 v_light;         // towards the light, in the tile's axes
@@ -46,18 +27,9 @@ void main() {
 
   int flipped;
   uint view = uint(pick_view(turn(-centre, back), table.grid, table.span, flipped));
-  uvec4 clip = table.clips[agent.pose.z];
-  uint step = uint(floor(agent.heading_blend.w * float(clip.y) + 0.5)) + (flipped != 0 ? clip.y / 2u : 0u);
-  uint tile = (clip.x + step % clip.y) * table.counts.x + view;
-
-  vec3 right = table.views[2u * view].xyz;
-  vec3 up = table.views[2u * view + 1u].xyz;
-  float side = 1.0;
-  if (flipped != 0) {
-    right.z = -right.z;
-    up.x = -up.x;
-    side = -1.0;
-  }
+  uint tile = tile_of(agent, view, flipped);
+  vec3 right, up;
+  float side = view_axes(view, flipped, right, up);
   Level l = table.levels[level];
   vec2 p = outlines[l.first.y + tile * uint(CB_CORNERS) + corner];
   vec4 place = tiles[2u * (l.first.x + tile)];

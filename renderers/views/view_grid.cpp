@@ -41,6 +41,19 @@ glm::dvec3 cube_direction(int face, double u, double v) {
   }
 }
 
+// Where a direction meets the cube: u and v in [-1, 1], as cube_direction takes them.
+struct OnFace {
+  int face = 0;
+  double u = 0, v = 0;
+};
+OnFace on_face(const glm::dvec3& d) {
+  const glm::dvec3 a = glm::abs(d);
+  const double largest = std::max({a.x, a.y, a.z, 1e-30});
+  if (a.y >= a.x && a.y >= a.z) return {d.y < 0 ? 3 : 2, d.x / largest, d.z / largest};
+  if (a.x >= a.z) return {d.x < 0 ? 1 : 0, d.z / largest, d.y / largest};
+  return {d.z < 0 ? 5 : 4, d.x / largest, d.y / largest};
+}
+
 int cell(double t, int n) { return std::clamp(static_cast<int>(std::floor((t * 0.5 + 0.5) * n)), 0, n - 1); }
 
 glm::dvec3 raised(const ViewGrid& grid, glm::dvec3 d) {
@@ -115,34 +128,67 @@ ViewPick ViewGrid::pick(const glm::dvec3& to_eye) const {
     return picked;
   }
   const glm::dvec3 d = raised(*this, to_eye);
-  const glm::dvec3 a = glm::abs(d);
   if (kind == GridKind::cube) {
-    const double largest = std::max({a.x, a.y, a.z, 1e-30});
-    int face = 0;
-    double u = 0;
-    double v = 0;
-    if (a.y >= a.x && a.y >= a.z) {
-      face = d.y < 0 ? 3 : 2;
-      u = d.x;
-      v = d.z;
-    } else if (a.x >= a.z) {
-      face = d.x < 0 ? 1 : 0;
-      u = d.z;
-      v = d.y;
-    } else {
-      face = d.z < 0 ? 5 : 4;
-      u = d.x;
-      v = d.y;
-    }
-    picked.view = (face * n + cell(v / largest, n)) * n + cell(u / largest, n);
+    const OnFace on = on_face(d);
+    picked.view = (on.face * n + cell(on.v, n)) * n + cell(on.u, n);
     return picked;
   }
+  const glm::dvec3 a = glm::abs(d);
   const double sum = std::max(a.x + a.y + a.z, 1e-30);
   const auto at = [&](double t) {
     return std::clamp(static_cast<int>(std::floor((t / sum * 0.5 + 0.5) * (n - 1) + 0.5)), 0, n - 1);
   };
   picked.view = at(d.x - d.z) * n + at(d.x + d.z);
   return picked;
+}
+
+ViewBlend ViewGrid::blend(const glm::dvec3& to_eye) const {
+  ViewBlend out;
+  double x = 0;
+  double y = 0;
+  int face = 0;
+  if (kind == GridKind::sphere) {
+    glm::dvec3 d = to_eye;
+    if (mirrored && d.x < 0) {
+      out.mirrored = true;
+      d.x = -d.x;
+    }
+    const double azimuth = d.x == 0 && d.z == 0 ? 0.0 : std::atan2(d.x, d.z);
+    const double elevation = std::atan2(d.y, std::hypot(d.x, d.z));
+    x = std::clamp((azimuth < 0 ? azimuth + 2 * kPi : azimuth) / azimuth_step(*this), 0.0,
+                   static_cast<double>(mirrored ? azimuths - 1 : azimuths));
+    y = std::clamp((elevation - el_min) / elevation_step(*this), 0.0, elevations - 1.0);
+  } else {
+    const glm::dvec3 d = raised(*this, to_eye);
+    if (kind == GridKind::cube) {
+      const OnFace on = on_face(d);
+      face = on.face;
+      x = (on.u * 0.5 + 0.5) * n - 0.5;
+      y = (on.v * 0.5 + 0.5) * n - 0.5;
+    } else {
+      const double sum = std::max(std::abs(d.x) + std::abs(d.y) + std::abs(d.z), 1e-30);
+      x = std::clamp(((d.x + d.z) / sum * 0.5 + 0.5) * (n - 1), 0.0, n - 1.0);
+      y = std::clamp(((d.x - d.z) / sum * 0.5 + 0.5) * (n - 1), 0.0, n - 1.0);
+    }
+  }
+  const int column = static_cast<int>(std::floor(x));
+  const int row = static_cast<int>(std::floor(y));
+  const double fx = x - column;
+  const double fy = y - row;
+  const int far = fx + fy < 1 ? 0 : 1;  // the triangle beyond the cell's diagonal
+  out.weights = far == 0 ? std::array{1 - fx - fy, fx, fy} : std::array{fx + fy - 1, 1 - fx, 1 - fy};
+  for (int i = 0; i < 3; ++i) {
+    const int c = column + (i == 1 ? 1 - far : far);
+    const int r = row + (i == 2 ? 1 - far : far);
+    int& view = out.views[static_cast<size_t>(i)];
+    if (kind == GridKind::sphere)
+      view = std::min(r, elevations - 1) * azimuths + (mirrored ? std::min(c, azimuths - 1) : c % azimuths);
+    else if (kind == GridKind::cube)  // past a face's edge the nearest on the next face, raised to the lowest elevation
+      view = pick(cube_direction(face, (2.0 * c + 1) / n - 1, (2.0 * r + 1) / n - 1)).view;
+    else
+      view = std::min(r, n - 1) * n + std::min(c, n - 1);
+  }
+  return out;
 }
 
 bool ViewGrid::reachable(int view) const {

@@ -4,6 +4,7 @@
 // +Z). Azimuth 0 is the front (+Z) and grows towards the character's left (+X); elevation 0 is level, 90 degrees is
 // from straight above. view_grid.glsl picks on the GPU by the same formulas.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
@@ -27,6 +28,14 @@ struct ViewPick {
   bool operator==(const ViewPick&) const = default;
 };
 
+// Three views around a direction and what each of them counts for: barycentric weights, sum 1, none negative. A view
+// may occur twice, at the grid's ends.
+struct ViewBlend {
+  std::array<int, 3> views{};
+  std::array<double, 3> weights{1, 0, 0};
+  bool mirrored = false;
+};
+
 struct ViewGrid {
   GridKind kind = GridKind::sphere;
   int azimuths = 17;      // sphere: samples of the full turn, or of the half turn [0, 180] when mirrored
@@ -41,6 +50,10 @@ struct ViewGrid {
   // nearest by angle except within a few degrees of a cell's border. Directions below el_min are raised to it. The
   // direction need not be a unit vector; the zero vector picks some view.
   ViewPick pick(const glm::dvec3& to_eye) const;
+  // The corners of the triangle of the grid that the direction lies in (each cell of four views split along its
+  // diagonal). Views and weights together change continuously with the direction: all over sphere and hemi, and over a
+  // cube but for where three faces meet. At a view's own direction it is that view alone.
+  ViewBlend blend(const glm::dvec3& to_eye) const;
   // False for views that no direction picks (cube: cells wholly below el_min); they are not captured.
   bool reachable(int view) const;
   std::string text() const;  // "sphere-17x8", "sphere-17x8-mirrored", "cube-4", "hemi-12"

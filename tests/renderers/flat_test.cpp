@@ -330,6 +330,174 @@ TEST_F(FlatGl, NailboardDepthIsTheMeshesWithinATexel) {
     }
 }
 
+// A post with a small foot beside it, on the ground and `kFootOut` metres from the post's axis; only the foot is red.
+constexpr double kFootOut = 0.36;
+scene::Character post_with_foot() {
+  scene::Character post = testing::two_bones();
+  post.clips.clear();
+  post.motion.clear();
+  post.content_hash = "post with foot";
+  post.mesh.colours.resize(post.mesh.positions.size());
+  for (size_t i = 0; i < post.mesh.positions.size(); ++i) {
+    glm::vec3& p = post.mesh.positions[i];
+    const bool foot = post.mesh.joints[i].x == 0;
+    post.mesh.colours[i] = foot ? glm::vec4(1, 0, 0, 1) : glm::vec4(0, 0, 0, 1);
+    if (foot)
+      p = {0.30F + 0.4F * p.x, 0.08F * p.y, 0.2F + 0.4F * p.z};
+    else
+      p = {0.3F * p.x, 2.25F * (p.y - 1), 0.3F * p.z};
+  }
+  return post;
+}
+
+struct RedCentre {
+  double x = 0, y = 0;
+  int pixels = 0;
+};
+RedCentre red_centre(const Capture& c) {
+  RedCentre red;
+  for (int y = 0; y < c.ids.height; ++y)
+    for (int x = 0; x < c.ids.width; ++x) {
+      const uint8_t* p = c.colour.at(x, y);
+      if (*c.ids.at(x, y) == 0 || p[0] < 3 * p[1] + 40) continue;
+      red.x += x;
+      red.y += y;
+      ++red.pixels;
+    }
+  red.x /= std::max(red.pixels, 1);
+  red.y /= std::max(red.pixels, 1);
+  return red;
+}
+
+TEST_F(FlatGl, AFootSlidesLessThanItsOffsetTimesTheAngularError) {
+  const scene::Cast cast = cast_of(post_with_foot());
+  const auto mesh = make(cast, "mesh");
+  const std::string bake = "flat:views=sphere-12x7,texels=128";  // 30 degrees by 15
+  const std::vector<std::string> names = {"nearest", "nailboard", "blend of 3", "facing plane"};
+  const std::vector<std::string> options = {"", ",depth=nailboard", ",blend=3", ",plane=facing"};
+  std::vector<std::unique_ptr<Representation>> ways;
+  for (const std::string& o : options) ways.push_back(make(cast, bake + o));
+  const ViewGrid grid = parse_view_grid("sphere-12x7", 0, "views");
+  const double texel = ways[0]->texel_metres(0);
+  const auto& bank = *cast.banks[0];
+  const glm::dvec3 centre =
+      enclosing_sphere({posed_positions(cast.characters[0]->mesh, bank.palette(bank.sample(0, 0)))}).centre;
+  const glm::dvec3 foot{0.30, 0.04, 0.2};
+  Renderer renderer(context(), cast);
+  std::vector<double> sums(ways.size());
+  int between = 0;
+  bool leaning = false;
+  fmt::print("  az   el  dist  error  allowed |");
+  for (const std::string& n : names) fmt::print(" {:>12}", n);
+  fmt::print("   (mm; texel {:.1f})\n", texel * 1000);
+  for (const double distance : {13.06, 40.0})
+    for (const double elevation : {0.0, 7.0, 37.0, 60.0})
+      for (const double azimuth : {0.0, 11.0, 60.0, 75.0, 150.0, 315.0}) {
+        // 480 pixels to 1.75 metres at the centre, from any distance.
+        scene::Frame frame = frame_from(azimuth * kDegrees, elevation * kDegrees, 0, centre);
+        frame.width = frame.height = 800;
+        frame.camera.fov_y = 2 * std::atan(800 * 1.75 / 480 / 2 / distance);
+        const glm::dvec3 d = glm::normalize(frame.camera.eye - frame.camera.target);
+        frame.camera.eye = frame.camera.target + distance * d;
+        frame.origin = frame.camera.eye;
+        frame.agents[0].clear();
+        add_agent(frame, cast, {0, 0, 0}, 1);
+        const RedCentre expected = red_centre(renderer.capture(frame, *mesh));
+        ASSERT_GT(expected.pixels, 50);
+        // The tile is orthographic: what counts is the angle between its axis and the foot's own ray, which near the
+        // eye is not nothing at stored views either.
+        const double error = view_error(grid, d);
+        const glm::dvec3 axis = grid.basis(grid.pick(d).view).to_eye;
+        const glm::dvec3 ray = glm::normalize(frame.camera.eye - foot);
+        const double at_foot = glm::length(glm::cross(axis, ray));
+        const bool stored = error < 1e-3;
+        const double out = std::hypot(foot.x - centre.x, foot.z - centre.z);
+        const double allowed = texel + std::max(out, kFootOut) * at_foot;
+        fmt::print("{:>4} {:>4} {:>5} {:>6.1f} {:>8.1f} |", azimuth, elevation, distance, error / kDegrees,
+                   allowed * 1000);
+        for (size_t i = 0; i < ways.size(); ++i) {
+          const RedCentre got = red_centre(renderer.capture(frame, *ways[i]));
+          const double slide = std::hypot(got.x - expected.x, got.y - expected.y) * 1.75 / 480;
+          fmt::print(" {:>12.1f}", slide * 1000);
+          if (!stored) sums[i] += slide;
+          leaning = leaning || (i == 3 && slide > allowed);
+          if (i < 3) {
+            EXPECT_LE(slide, allowed) << names[i];
+            if (stored && distance > 20) {
+              EXPECT_LE(slide, texel) << names[i];
+            }
+          }
+        }
+        between += stored ? 0 : 1;
+        fmt::print("\n");
+      }
+  fmt::print("mean between stored views:");
+  for (size_t i = 0; i < ways.size(); ++i) fmt::print(" {} {:.1f} mm;", names[i], sums[i] / between * 1000);
+  fmt::print("\n");
+  EXPECT_TRUE(leaning) << "a plane across the view leans, and this test can see it";
+  EXPECT_LT(sums[2], sums[0]);
+}
+
+TEST_F(FlatGl, TheBlendOfThreeIsTheNearestAtAStoredViewAndBetterBetween) {
+  const auto mesh = make(walker(), "mesh");
+  Renderer renderer(context(), walker());
+  const glm::dvec3 middle = middle_of(walker());
+  for (const char* grid : {"sphere-12x7", "cube-5", "hemi-9"}) {
+    const std::string bake = fmt::format("flat:views={},frames=1,texels=128", grid);
+    const auto one = make(walker(), bake);
+    const auto three = make(walker(), bake + ",blend=3");
+    // From the front and from above, where all grids but the cube's (near enough) have a view. From afar, as the eye's
+    // direction to the capture centre and to the middle of the bounds differ.
+    for (const double elevation : {0.0, 90.0}) {
+      const auto frame = frame_from(0, elevation * kDegrees, 0, middle, 0, 0.5);
+      const Capture a = renderer.capture(frame, *one);
+      const Capture b = renderer.capture(frame, *three);
+      EXPECT_GT(iou(a, b), 0.98) << grid << " from elevation " << elevation;
+    }
+    double nearest = 0;
+    double blended = 0;
+    for (const double elevation : {5.0, 22.0, 41.0})
+      for (const double azimuth : {13.0, 47.0, 101.0, 163.0, 222.0, 290.0}) {
+        const auto frame = frame_from(azimuth * kDegrees, elevation * kDegrees, 0, middle, 0, 3);
+        const Capture reference = renderer.capture(frame, *mesh);
+        nearest += iou(reference, renderer.capture(frame, *one)) / 18;
+        blended += iou(reference, renderer.capture(frame, *three)) / 18;
+      }
+    EXPECT_GT(blended, nearest + 0.005) << grid;
+    EXPECT_GT(blended, 0.9) << grid;
+  }
+}
+
+TEST_F(FlatGl, TheBlendOfThreeKeepsIdsDepthsAndTheFloor) {
+  const std::string bake = "flat:views=sphere-12x7,frames=1,texels=96,blend=3";
+  const auto mesh = make(walker(), "mesh");
+  const auto flat = make(walker(), bake);
+  const auto nailboard = make(walker(), bake + ",depth=nailboard");
+  const auto floor = make(walker(), bake + ",floor=1");
+  Renderer renderer(context(), walker());
+  const auto frame = frame_from(22 * kDegrees, 10 * kDegrees, 0, middle_of(walker()), 0.1F, 3);
+  const Capture reference = renderer.capture(frame, *mesh);
+  const Capture a = renderer.capture(frame, *flat);
+  const Capture b = renderer.capture(frame, *nailboard);
+  const Capture c = renderer.capture(frame, *floor);
+  EXPECT_EQ(a.ids, c.ids);
+  EXPECT_EQ(a.depth, c.depth);
+  EXPECT_EQ(a.ids, b.ids);
+  EXPECT_EQ(a.colour, b.colour) << "one agent in front of nothing: depth changes nothing";
+  double off = 0;
+  double moved = 0;
+  int pixels = 0;
+  for (size_t i = 0; i < a.ids.data.size(); ++i) {
+    if (reference.ids.data[i] == 0 || b.ids.data[i] == 0) continue;
+    off += std::abs(static_cast<double>(reference.depth.data[i]) - static_cast<double>(b.depth.data[i]));
+    moved += std::abs(static_cast<double>(reference.depth.data[i]) - static_cast<double>(a.depth.data[i]));
+    ++pixels;
+  }
+  ASSERT_GT(pixels, 500);
+  EXPECT_LT(off / pixels, 0.03) << "metres";
+  EXPECT_LT(off, 0.5 * moved);
+}
+
 TEST_F(FlatGl, ACardIsShadedAsTheMeshShadesIt) {
   for (const glm::vec4& colour : {glm::vec4(0.5F, 0.25F, 0.1F, 1), glm::vec4(0.02F, 0.9F, 0.4F, 1)}) {
     const scene::Cast cast = cast_of(testing::card(1, 1, colour));

@@ -153,6 +153,66 @@ TEST(ViewGrid, AMirroredGridCoversTheTurnWithHalfOfIt) {
   EXPECT_LT(compute_view_errors(g).largest, 9 * kDegrees);
 }
 
+TEST(ViewGrid, ABlendIsItsViewThereAndTheMeanOfThreeBetween) {
+  for (const char* text : {"sphere-17x8", "sphere-9x5-mirrored", "cube-4", "cube-3", "hemi-12"}) {
+    const ViewGrid g = grid(text);
+    for (int v = 0; v < g.size(); ++v) {
+      if (!g.reachable(v)) continue;
+      const glm::dvec3 d = g.basis(v).to_eye;
+      const ViewBlend b = g.blend(d);
+      double there = 0;
+      for (size_t i = 0; i < 3; ++i)
+        if (glm::distance(g.basis(b.views[i]).to_eye, d) < 1e-9) there += b.weights[i];
+      EXPECT_NEAR(there, 1, 1e-9) << text << " view " << v;
+    }
+    for (uint64_t i = 0; i < 4000; ++i) {
+      const double y = random_unit(9, i, 1);
+      glm::dvec3 d = direction(360 * random_unit(9, i, 2), std::asin(y) / kDegrees);
+      const ViewBlend b = g.blend(d);
+      if (b.mirrored) d.x = -d.x;
+      double sum = 0;
+      glm::dvec3 mean(0.0);
+      for (size_t k = 0; k < 3; ++k) {
+        ASSERT_TRUE(b.views[k] >= 0 && b.views[k] < g.size() && g.reachable(b.views[k])) << text;
+        EXPECT_GE(b.weights[k], -1e-12);
+        sum += b.weights[k];
+        mean += b.weights[k] * g.basis(b.views[k]).to_eye;
+      }
+      EXPECT_NEAR(sum, 1, 1e-12);
+      // A cube of even n has no views on the horizon: below its lowest row that row stands alone.
+      if (text[0] == 'c' && d.y < 0.25 * std::max(std::abs(d.x), std::abs(d.z))) continue;
+      // Linear weights on a curved grid: the mean of the views' directions is the direction, to a quarter of a step.
+      const double off = std::atan2(glm::length(glm::cross(d, mean)), glm::dot(d, mean));
+      EXPECT_LT(off, (text[0] == 'c' ? 9 : 6) * kDegrees) << text << " " << d.x << " " << d.y << " " << d.z;
+    }
+  }
+}
+
+// What a step of a hundredth of a degree may change: nothing but the weights, by little.
+TEST(ViewGrid, ABlendChangesContinuously) {
+  for (const char* text : {"sphere-17x8", "cube-4", "hemi-12"}) {
+    const ViewGrid g = grid(text);
+    double worst = 0;
+    for (uint64_t i = 0; i < 20000; ++i) {
+      const double y = 0.99 * random_unit(4, i, 1);
+      const double azimuth = 360 * random_unit(4, i, 2);
+      const double elevation = std::asin(y) / kDegrees;
+      const auto a = g.blend(direction(azimuth, elevation));
+      const auto b = g.blend(direction(azimuth + 0.01, elevation + 0.005));
+      // Where three faces meet, the cells of a cube have no fourth corner.
+      const glm::dvec3 d = glm::abs(direction(azimuth, elevation));
+      if (text[0] == 'c' && std::min({d.x, d.y, d.z}) > 0.7 * std::max({d.x, d.y, d.z})) continue;
+      std::vector<double> change(static_cast<size_t>(g.size()));
+      for (size_t k = 0; k < 3; ++k) {
+        change[static_cast<size_t>(a.views[k])] += a.weights[k];
+        change[static_cast<size_t>(b.views[k])] -= b.weights[k];
+      }
+      for (const double c : change) worst = std::max(worst, std::abs(c));
+    }
+    EXPECT_LT(worst, 0.01) << text;
+  }
+}
+
 TEST(ViewGrid, ZeroVectorPicksSomeView) {
   for (const char* text : {"sphere-17x8", "cube-4", "hemi-12"}) {
     const ViewGrid g = grid(text);
