@@ -4,6 +4,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "bench/audit.h"
 #include "bench/commands.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
@@ -24,8 +25,61 @@ struct Options {
   std::string device;
   bool force = false;
   bool no_cache = false;
+  bool audit = false;
   bool json = false;
 };
+
+ordered_json json_of(const AuditError& e) {
+  return {{"views", e.views}, {"silhouette_iou", e.silhouette_iou}, {"ssim", e.ssim}, {"psnr", e.psnr}};
+}
+
+ordered_json json_of(const ViewAudit& a) {
+  ordered_json out = {{"grid", a.grid},
+                      {"views", a.views},
+                      {"step_deg", {{"mean", a.step_deg_mean}, {"max", a.step_deg_max}}},
+                      {"error_deg", {{"mean", a.error_deg_mean}, {"max", a.error_deg_max}}},
+                      {"frames", a.frames},
+                      {"pose_step_seconds", a.pose_step_seconds},
+                      {"pose_step_mm", {{"mean", a.pose_step_mm_mean}, {"max", a.pose_step_mm_max}}},
+                      {"texel_mm", a.texel_mm},
+                      {"bytes", a.bytes},
+                      {"smooth_step_deg", kSmoothViewStepDeg},
+                      {"smooth", a.meets_limit},
+                      {"smooth_grid", a.limit_grid},
+                      {"smooth_views", a.limit_views},
+                      {"smooth_bytes", a.limit_bytes},
+                      {"stored", json_of(a.stored)},
+                      {"between", json_of(a.between)},
+                      {"between_frames", json_of(a.between_frames)},
+                      {"unmirrored", a.unmirrored ? json_of(*a.unmirrored) : ordered_json(nullptr)},
+                      {"orbit_flicker", a.orbit_flicker}};
+  return out;
+}
+
+void print(const ViewAudit& a) {
+  const auto mib = [](uint64_t b) { return static_cast<double>(b) / (1 << 20); };
+  fmt::print("audit of the view sampling\n  grid          {}, {} views captured, {:.1f} MiB in tiles of {:.1f} mm\n",
+             a.grid, a.views, mib(a.bytes), a.texel_mm);
+  fmt::print("  view step     {:.2f} degrees between neighbours, {:.2f} at most\n", a.step_deg_mean, a.step_deg_max);
+  fmt::print("  view error    {:.2f} degrees from the nearest view, {:.2f} at most\n", a.error_deg_mean,
+             a.error_deg_max);
+  fmt::print("  pose step     {} frames, {:.0f} ms; the farthest vertex moves {:.0f} mm, {:.0f} at most\n", a.frames,
+             a.pose_step_seconds * 1000, a.pose_step_mm_mean, a.pose_step_mm_max);
+  if (a.meets_limit)
+    fmt::print("  smooth        yes: steps of at most {:g} degrees are not seen to jump\n", kSmoothViewStepDeg);
+  else
+    fmt::print("  smooth        no: steps above {:g} degrees are seen to jump; {} ({} views, {:.1f} MiB) would do\n",
+               kSmoothViewStepDeg, a.limit_grid, a.limit_views, mib(a.limit_bytes));
+  const auto line = [](const char* name, const AuditError& e) {
+    fmt::print("  {:<14}IoU {:.3f}  SSIM {:.3f}  PSNR {:.1f} dB  ({} views)\n", name, e.silhouette_iou, e.ssim, e.psnr,
+               e.views);
+  };
+  line("stored views", a.stored);
+  line("between", a.between);
+  line("and frames", a.between_frames);
+  if (a.unmirrored) line("not mirrored", *a.unmirrored);
+  fmt::print("  orbit         flicker {:.3f} code values over a quarter turn in degrees\n", a.orbit_flicker);
+}
 
 int run_bake(const Options& options) {
   const renderers::Spec spec = renderers::parse_spec(options.representation);
@@ -49,6 +103,11 @@ int run_bake(const Options& options) {
   const renderers::BakeInfo bake = representation->bake_info();
   const renderers::Footprint bytes = representation->footprint();
 
+  std::vector<ViewAudit> audits;
+  if (options.audit)
+    for (const auto& character : cast.characters)
+      audits.push_back(audit_views(context, character, spec, make.bake_budget, make.use_cache));
+
   if (options.json) {
     ordered_json out = {{"representation", spec.text()},
                         {"renderer", context.renderer()},
@@ -65,6 +124,7 @@ int run_bake(const Options& options) {
     out["characters"] = ordered_json::array();
     for (size_t c = 0; c < cast.characters.size(); ++c)
       out["characters"].push_back({{"name", cast.characters[c]->name}, {"triangles", representation->triangles(c)}});
+    for (size_t c = 0; c < audits.size(); ++c) out["characters"][c]["audit"] = json_of(audits[c]);
     fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
     return 0;
   }
@@ -79,6 +139,7 @@ int run_bake(const Options& options) {
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
+  for (const ViewAudit& audit : audits) print(audit);
   return 0;
 }
 
@@ -92,7 +153,8 @@ void add_bake(CLI::App& app, Run& run) {
       "character's content, the options, the bake's version and the OpenGL renderer.\n\n"
       "Examples:\n"
       "  crowdbench bake flat\n"
-      "  crowdbench bake flat:views=sphere-32x9,frames=16 --character knight.glb --json");
+      "  crowdbench bake flat:views=sphere-32x9,frames=16 --character knight.glb --json\n"
+      "  crowdbench bake flat:views=sphere-17x8-mirrored --audit");
   auto options = std::make_shared<Options>();
   command->add_option("REPRESENTATION", options->representation, "name[:key=value,...]; info --representations")
       ->required();
@@ -101,6 +163,10 @@ void add_bake(CLI::App& app, Run& run) {
   command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)");
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB that the bake may take (512)")
       ->check(CLI::Range(1.0, 1e6));
+  command->add_flag(
+      "--audit", options->audit,
+      "also state how coarse the stored views and frames are, what 6 degrees a step would take, and what\n"
+      "they were measured to cost in the picture (flat)");
   command->add_flag("--force", options->force, "bake anew although it is in the cache");
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");

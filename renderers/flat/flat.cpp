@@ -373,6 +373,19 @@ class FlatRepresentation : public Representation {
 
 }  // namespace
 
+FlatBakeOptions flat_bake_options(const Spec& spec) {
+  const OptionReader reader(flat_type, spec);
+  FlatBakeOptions options;
+  options.grid = parse_view_grid(reader.text("views"), reader.number("el_min", -89, 89) * std::numbers::pi / 180,
+                                 "representation 'flat', option 'views'");
+  options.frames = static_cast<int>(reader.integer("frames", 1, 256));
+  options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
+  options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
+  options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
+  options.corners = static_cast<int>(reader.integer("corners", 4, 8));
+  return options;
+}
+
 const RepresentationType flat_type = {
     "flat",
     "flat impostors: one textured polygon an agent, its tile picked by view and clip frame, lit at run time",
@@ -388,15 +401,8 @@ const RepresentationType flat_type = {
      {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
      {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+      const FlatBakeOptions options = flat_bake_options(spec);
       const OptionReader reader(flat_type, spec);
-      FlatBakeOptions options;
-      options.grid = parse_view_grid(reader.text("views"), reader.number("el_min", -89, 89) * std::numbers::pi / 180,
-                                     "representation 'flat', option 'views'");
-      options.frames = static_cast<int>(reader.integer("frames", 1, 256));
-      options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
-      options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
-      options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
-      options.corners = static_cast<int>(reader.integer("corners", 4, 8));
       return std::make_unique<FlatRepresentation>(
           context, options,
           DrawOptions{.nailboard = reader.choice("depth", {"flat", "nailboard"}) == 1,

@@ -41,6 +41,7 @@ struct Plan {
   std::vector<CaptureTile> moving_tiles, still_tiles;
   std::vector<size_t> moving_index, still_index;  // into frames x views
   std::vector<TilePlane> planes;                  // frames x views
+  std::vector<double> steps;                      // metres: a frame's farthest vertex from where it is in the next
   size_t frames = 0;
 };
 
@@ -85,6 +86,18 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
   plan.sphere = enclosing_sphere(positions);
   if (!(plan.sphere.radius > 0)) throw Error(character.name, "has no extent to take pictures of", "check the file");
   plan.texel = 2 * plan.sphere.radius / options.texels;
+
+  for (const FlatClip& clip : plan.clips)
+    for (uint32_t f = 0; f < clip.frames && clip.frames > 1; ++f) {
+      const auto& here = positions[clip.first_frame + f];
+      const auto& next = positions[clip.first_frame + (f + 1) % clip.frames];
+      float most = 0;
+      for (size_t v = 0; v < here.size(); ++v) {
+        const glm::vec3 d = next[v] - here[v];
+        most = std::max(most, glm::dot(d, d));
+      }
+      plan.steps.push_back(std::sqrt(static_cast<double>(most)));
+    }
 
   const std::vector<ViewBasis> bases = view_bases(options.grid);
   const int half = (options.texels + 1) / 2;
@@ -203,6 +216,19 @@ uint64_t FlatBake::texture_bytes() const {
   uint64_t bytes = 0;
   for (const FlatLevel& l : levels) bytes += l.texture_bytes();
   return bytes;
+}
+
+FlatForecast forecast_flat(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                           const FlatBakeOptions& options) {
+  const Plan plan = make_plan(character, bank, options);
+  FlatForecast out;
+  out.texture_bytes = predicted_bytes(plan, level_count(options.texels));
+  out.texel = plan.texel;
+  for (const double step : plan.steps) {
+    out.pose_step_largest = std::max(out.pose_step_largest, step);
+    out.pose_step_mean += step / static_cast<double>(plan.steps.size());
+  }
+  return out;
 }
 
 std::string flat_cache_key(const scene::Character& character, const scene::PoseBank& bank,

@@ -77,6 +77,16 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
                    const std::shared_ptr<const scene::PoseBank>& bank, const FlatBakeOptions& options, uint64_t budget,
                    const std::function<void(size_t tiles_done, size_t tiles)>& progress = {});
 
+// What a bake will be made of, without making it.
+struct FlatForecast {
+  uint64_t texture_bytes = 0;  // of the tiles' bounds at every level, unpacked: at least what the bake takes
+  double texel = 0;            // metres
+  // How far the farthest vertex moves from one stored frame to the next, metres: over all pairs, and their mean.
+  double pose_step_largest = 0, pose_step_mean = 0;
+};
+FlatForecast forecast_flat(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                           const FlatBakeOptions& options);
+
 std::vector<uint8_t> serialise(const FlatBake& bake);
 // std::nullopt when the bytes are not a bake (a stale format that a checksum cannot see).
 std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes);

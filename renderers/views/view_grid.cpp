@@ -56,6 +56,20 @@ OnFace on_face(const glm::dvec3& d) {
 
 int cell(double t, int n) { return std::clamp(static_cast<int>(std::floor((t * 0.5 + 0.5) * n)), 0, n - 1); }
 
+// The view in a column and row of the grid (of a cube's face), one past its ends at most. Past a face's edge it is the
+// nearest on the next face, raised to the lowest elevation.
+int view_at(const ViewGrid& grid, int face, int column, int row) {
+  const int n = grid.n;
+  switch (grid.kind) {
+    case GridKind::sphere:
+      column = grid.mirrored ? std::min(column, grid.azimuths - 1) : column % grid.azimuths;
+      return std::min(row, grid.elevations - 1) * grid.azimuths + column;
+    case GridKind::cube:
+      return grid.pick(cube_direction(face, (2.0 * column + 1) / n - 1, (2.0 * row + 1) / n - 1)).view;
+    default: return std::min(row, n - 1) * n + std::min(column, n - 1);
+  }
+}
+
 glm::dvec3 raised(const ViewGrid& grid, glm::dvec3 d) {
   const double low = grid.kind == GridKind::hemi ? 0.0 : grid.el_min;
   if (low >= kPi / 2) return {0, 1, 0};
@@ -180,13 +194,7 @@ ViewBlend ViewGrid::blend(const glm::dvec3& to_eye) const {
   for (int i = 0; i < 3; ++i) {
     const int c = column + (i == 1 ? 1 - far : far);
     const int r = row + (i == 2 ? 1 - far : far);
-    int& view = out.views[static_cast<size_t>(i)];
-    if (kind == GridKind::sphere)
-      view = std::min(r, elevations - 1) * azimuths + (mirrored ? std::min(c, azimuths - 1) : c % azimuths);
-    else if (kind == GridKind::cube)  // past a face's edge the nearest on the next face, raised to the lowest elevation
-      view = pick(cube_direction(face, (2.0 * c + 1) / n - 1, (2.0 * r + 1) / n - 1)).view;
-    else
-      view = std::min(r, n - 1) * n + std::min(c, n - 1);
+    out.views[static_cast<size_t>(i)] = view_at(*this, face, c, r);
   }
   return out;
 }
@@ -299,6 +307,46 @@ ViewErrors compute_view_errors(const ViewGrid& grid, int samples) {
     errors.mean += error / samples;
   }
   return errors;
+}
+
+ViewSteps compute_view_steps(const ViewGrid& grid) {
+  ViewSteps steps;
+  int count = 0;
+  const int columns = grid.kind == GridKind::sphere ? grid.azimuths : grid.n;
+  for (int view = 0; view < grid.size(); ++view) {
+    if (!grid.reachable(view)) continue;
+    const int face = grid.kind == GridKind::cube ? view / (columns * columns) : 0;
+    const int column = view % columns;
+    const int row = view / columns - face * columns;
+    const glm::dvec3 here = grid.basis(view).to_eye;
+    for (const auto& [right, up] : {std::pair{1, 0}, {0, 1}}) {
+      const int next = view_at(grid, face, column + right, row + up);
+      if (next == view || !grid.reachable(next)) continue;
+      const glm::dvec3 there = grid.basis(next).to_eye;
+      const double angle = std::atan2(glm::length(glm::cross(here, there)), glm::dot(here, there));
+      if (angle < 1e-9) continue;
+      steps.largest = std::max(steps.largest, angle);
+      steps.mean += angle;
+      ++count;
+    }
+  }
+  steps.mean /= std::max(count, 1);
+  return steps;
+}
+
+ViewGrid grid_for_step(const ViewGrid& grid, double step) {
+  ViewGrid out = grid;
+  if (grid.kind == GridKind::sphere) {
+    // On the row nearest to the horizon azimuths lie farthest apart.
+    const double turn = (grid.mirrored ? kPi : 2 * kPi) * std::cos(std::clamp(0.0, grid.el_min, kPi / 2));
+    out.azimuths = std::max(static_cast<int>(std::ceil(turn / step - 1e-9)) + (grid.mirrored ? 1 : 0), 2);
+    out.elevations = std::max(static_cast<int>(std::ceil((kPi / 2 - grid.el_min) / step - 1e-9)) + 1, 2);
+    return out;
+  }
+  constexpr int kMost = 128;
+  out.n = 2;
+  while (out.n < kMost && compute_view_steps(out).largest > step) ++out.n;
+  return out;
 }
 
 }  // namespace crowdbench::renderers

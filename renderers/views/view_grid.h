@@ -82,4 +82,14 @@ struct ViewErrors {
 };
 ViewErrors compute_view_errors(const ViewGrid& grid, int samples = 20000);
 
+// Angles between views that lie next to each other on the grid (cells that share an edge; rows of one direction, as at
+// the pole, left out): by how much the picture turns at once when an agent turns. radians.
+struct ViewSteps {
+  double largest = 0;
+  double mean = 0;
+};
+ViewSteps compute_view_steps(const ViewGrid& grid);
+// The smallest grid of the same kind (and el_min, and mirroring) whose largest step is at most `step` radians.
+ViewGrid grid_for_step(const ViewGrid& grid, double step);
+
 }  // namespace crowdbench::renderers

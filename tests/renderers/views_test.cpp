@@ -213,6 +213,23 @@ TEST(ViewGrid, ABlendChangesContinuously) {
   }
 }
 
+TEST(ViewGrid, StepsBetweenNeighboursAndTheGridThatMeetsALimit) {
+  EXPECT_NEAR(compute_view_steps(grid("sphere-17x8")).largest, 360.0 / 17 * kDegrees, 1e-9);
+  EXPECT_NEAR(compute_view_steps(grid("sphere-17x8-mirrored")).largest, 90.0 / 7 * kDegrees, 1e-9)
+      << "11.25 degrees of azimuth, 12.86 of elevation";
+  // Four views at the quarters of the horizon, 90 degrees apart, and the pole.
+  EXPECT_NEAR(compute_view_steps(grid("sphere-4x2")).mean, 90 * kDegrees, 1e-9);
+  EXPECT_EQ(grid_for_step(grid("sphere-17x8"), 6 * kDegrees).text(), "sphere-60x16");
+  EXPECT_EQ(grid_for_step(grid("sphere-17x8-mirrored"), 6 * kDegrees).text(), "sphere-31x16-mirrored");
+  for (const char* text : {"sphere-17x8", "sphere-17x8-mirrored", "cube-4", "hemi-12"}) {
+    const ViewGrid met = grid_for_step(grid(text), 10 * kDegrees);
+    EXPECT_LE(compute_view_steps(met).largest, 10 * kDegrees * (1 + 1e-9)) << met.text();
+    ViewGrid less = met;
+    --(met.kind == GridKind::sphere ? less.azimuths : less.n);
+    EXPECT_GT(compute_view_steps(less).largest, 10 * kDegrees) << less.text();
+  }
+}
+
 TEST(ViewGrid, ZeroVectorPicksSomeView) {
   for (const char* text : {"sphere-17x8", "cube-4", "hemi-12"}) {
     const ViewGrid g = grid(text);

@@ -1,0 +1,55 @@
+#include "bench/audit.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "renderers/gl/context.h"
+#include "scene/mannequin.h"
+
+namespace crowdbench::bench {
+namespace {
+
+class AuditGl : public ::testing::Test {
+ protected:
+  ViewAudit audit(const std::string& spec) {
+    return audit_views(context_, character_, renderers::parse_spec(spec), uint64_t{512} << 20, false);
+  }
+  gl::Context context_;
+  std::shared_ptr<const scene::Character> character_ =
+      std::make_shared<const scene::Character>(scene::make_mannequin({.triangles = 500}));
+};
+
+TEST_F(AuditGl, StatesStepsBytesAndTheLimit) {
+  const ViewAudit a = audit("flat:views=sphere-8x4,frames=4,texels=64");
+  EXPECT_EQ(a.views, 32);
+  EXPECT_NEAR(a.step_deg_max, 45, 1e-9) << "azimuths on the horizon";
+  EXPECT_FALSE(a.meets_limit);
+  EXPECT_EQ(a.limit_grid, "sphere-60x16");
+  EXPECT_EQ(a.limit_views, 960);
+  // Thirty times the views; those near the pole are smaller pictures of the same figure, or larger ones.
+  EXPECT_NEAR(static_cast<double>(a.limit_bytes) / static_cast<double>(a.bytes), 30, 6);
+  EXPECT_EQ(a.frames, 4);
+  EXPECT_GT(a.pose_step_mm_max, a.pose_step_mm_mean);
+  EXPECT_GT(a.pose_step_mm_mean, 100) << "a quarter of a walk";
+  EXPECT_GT(a.pose_step_seconds, 0.2);
+  // What the figures must say of any impostor: best where it was taken, worse between, worst between frames too.
+  EXPECT_GT(a.stored.silhouette_iou, a.between.silhouette_iou + 0.02);
+  EXPECT_GT(a.between.silhouette_iou, a.between_frames.silhouette_iou + 0.02);
+  EXPECT_GT(a.orbit_flicker, 0);
+  EXPECT_FALSE(a.unmirrored);
+}
+
+TEST_F(AuditGl, MirroringIsComparedWithTheFullTurn) {
+  const ViewAudit a = audit("flat:views=sphere-7x3-mirrored,frames=2,texels=48");
+  EXPECT_NEAR(a.step_deg_max, 45, 1e-9);
+  ASSERT_TRUE(a.unmirrored);
+  EXPECT_EQ(a.unmirrored->views, a.between.views);
+  // The mannequin walks alike on both sides, half a cycle later, so that half of the turn serves nearly as well.
+  EXPECT_NEAR(a.unmirrored->silhouette_iou, a.between.silhouette_iou, 0.03);
+  EXPECT_NE(a.unmirrored->silhouette_iou, a.between.silhouette_iou);
+}
+
+TEST_F(AuditGl, OnlyGridsOfViewsAreAudited) { EXPECT_THROW(audit("mesh"), Error); }
+
+}  // namespace
+}  // namespace crowdbench::bench
