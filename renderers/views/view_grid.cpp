@@ -100,11 +100,13 @@ ViewBasis ViewGrid::basis(int view) const {
     d = {std::sin(azimuth) * c, std::sin(elevation), std::cos(azimuth) * c};
   } else {
     if (kind == GridKind::cube) {
-      const int in_face = view % (n * n);
-      d = cube_direction(view / (n * n), (2 * (in_face % n) + 1.0) / n - 1, (2 * (in_face / n) + 1.0) / n - 1);
+      const int column = view % n;
+      const int row = view / n % n;
+      d = cube_direction(view / (n * n), (2 * column + 1.0) / n - 1, (2 * row + 1.0) / n - 1);
     } else {
       const double u = 2.0 * (view % n) / (n - 1) - 1;
-      const double v = 2.0 * (view / n) / (n - 1) - 1;
+      const int row = view / n;
+      const double v = 2.0 * row / (n - 1) - 1;
       d = {(u + v) / 2, 0, (u - v) / 2};
       d.y = 1 - std::abs(d.x) - std::abs(d.z);
     }
