@@ -8,6 +8,8 @@
 layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;
 layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;
 
+layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
+
 layout(location = 0) in vec3 v_texel[3];
 layout(location = 3) flat in vec4 v_bounds[3];
 layout(location = 6) flat in vec4 v_light[3];
@@ -53,5 +55,12 @@ void main() {
 #ifdef CB_NAILBOARD
   gl_FragDepth = frame.projection[3][2] / max(depth / total, frame.lens.x) - frame.projection[2][2];
 #endif
+#ifdef CB_TEXELS
+  // Of the view that counts for most.
+  int most = v_weights.x >= max(v_weights.y, v_weights.z) ? 0 : v_weights.y >= v_weights.z ? 1 : 2;
+  vec2 there = v_texel[most].xy / v_texel[most].z * vec2(textureSize(albedo_map, 0).xy);
+  write_output(vec3(there * exp2(float(level)), float(level)), v_outfit_id.y);
+#else
   write_output(colour / total, v_outfit_id.y);
+#endif
 }
