@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <charconv>
+#include <numeric>
 
 #include "core/error.h"
 
@@ -192,6 +193,15 @@ std::vector<OptionDoc> option_docs(const RepresentationType& type) {
   std::vector<OptionDoc> docs;
   for (const std::string& key : option_keys(type)) docs.push_back(*find_option(type, key));
   return docs;
+}
+
+AgentLists all_agents(const scene::Frame& frame) {
+  AgentLists lists(frame.agents.size());
+  for (size_t c = 0; c < lists.size(); ++c) {
+    lists[c].resize(frame.agents[c].size());
+    std::iota(lists[c].begin(), lists[c].end(), 0U);
+  }
+  return lists;
 }
 
 std::unique_ptr<Representation> make_representation(const MakeContext& context, const Spec& spec) {

@@ -76,6 +76,9 @@ struct BakeInfo {
 // agents[c]: indices into frame.agents[c], ascending.
 using AgentLists = std::vector<std::vector<uint32_t>>;
 
+// Every agent of a frame.
+AgentLists all_agents(const scene::Frame& frame);
+
 // Which outputs the bound target has. Timed frames draw without ids; a test shows that their colours are equal.
 struct Pass {
   bool ids = false;     // second colour attachment, R32UI: agent index + 1
@@ -112,9 +115,10 @@ class Representation {
   // phase is drawn.
   virtual double shown_phase(size_t /*character*/, int /*bank_clip*/, double phase) const { return phase; }
   // Representations whose picture of a tick depends on the ticks before it: `advance` shows them a frame that is not
-  // drawn. Everybody else is a function of the frame.
+  // drawn, so that a later tick can be drawn as a sequence from the first would show it. Everybody else is a function
+  // of the frame.
   virtual bool has_history() const { return false; }
-  virtual void advance(const scene::Frame& /*frame*/) {}
+  virtual void advance(const scene::Frame& /*frame*/, const AgentLists& /*agents*/) {}
 };
 
 struct MakeContext {

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/portable_math.h"
+#include "core/progress.h"
 #include "core/version.h"
 #include "renderers/capture.h"
 #include "renderers/gl/context.h"
@@ -71,9 +72,18 @@ int render_crowd(const RenderOptions& options) {
   if (staged.solved && staged.solved->unreachable)
     fmt::print(stderr, "crowdbench: warning: {} agents cover {:.1f} % of the picture at most, not {:.1f} %\n",
                crowd.size(), 100 * staged.solved->achieved, 100 * staged.solved->requested);
-  const double seconds = static_cast<double>(options.tick) / scenario.tick_rate;
-  const scene::Frame frame = scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), options.tick);
+  const auto frame_at = [&](uint64_t tick) {
+    const double seconds = static_cast<double>(tick) / scenario.tick_rate;
+    return scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), tick);
+  };
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
+  if (representation->has_history())
+    for (uint64_t tick = 0; tick < options.tick; ++tick) {
+      throw_if_interrupted();
+      const scene::Frame before = frame_at(tick);
+      representation->advance(before, renderers::all_agents(before));
+    }
+  const scene::Frame frame = frame_at(options.tick);
   renderers::Renderer renderer(*context, cast);
   const renderers::Capture capture = renderer.capture(frame, *representation, {.supersample = options.supersample});
   ImageMetadata metadata = picture_metadata(scenario, spec.text());

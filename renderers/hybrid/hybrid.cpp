@@ -1,61 +1,77 @@
-// Based on: Dobbyn, Hamill, O'Conor and O'Sullivan 2005, "Geopostors" (mesh near, impostor far, switched by the
-// pixel-to-texel ratio).
-// Differs from the source: its printed equations take an inverse tangent where the geometry needs a tangent, and the
-// last is inverted; here r = s rows / (2 d tan(fov / 2)) with s the metres a texel covers and d the eye-space depth.
 #include "renderers/hybrid/hybrid.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/error.h"
+#include "renderers/frame_resources.h"
 
 namespace crowdbench::renderers {
 
-double switch_distance(const LodPolicy& policy, const LodCharacter& character, const scene::Camera& camera, int rows) {
-  const double metres = policy.rule == LodPolicy::Rule::height ? character.height : character.texel;
-  if (policy.rule == LodPolicy::Rule::distance) return policy.value;
-  return metres * rows / (2 * policy.value * std::tan(camera.fov_y / 2));
-}
-
-void split_agents(const LodPolicy& policy, const std::vector<LodCharacter>& characters, const scene::Frame& frame,
-                  const AgentLists& agents, AgentLists& near, AgentLists& far) {
-  near.resize(agents.size());
-  far.resize(agents.size());
-  const glm::vec3 forward(-glm::transpose(scene::view_rotation(frame.camera))[2]);
-  for (size_t c = 0; c < agents.size(); ++c) {
-    near[c].clear();
-    far[c].clear();
-    const double limit = switch_distance(policy, characters[c], frame.camera, frame.height);
-    const auto middle = static_cast<float>(characters[c].height / 2);
-    for (const uint32_t i : agents[c]) {
-      const scene::FrameAgent& a = frame.agents[c][i];
-      double distance = 0;
-      if (policy.rule == LodPolicy::Rule::distance)
-        distance = glm::length(a.position);
-      else  // a larger agent's texels and height are larger: it changes over farther away
-        distance = glm::dot(a.position + glm::vec3(0.0F, middle * a.scale, 0.0F), forward) / a.scale;
-      (distance > limit ? far : near)[c].push_back(i);
-    }
-  }
-}
-
 HybridRepresentation::HybridRepresentation(std::unique_ptr<Representation> near, std::unique_ptr<Representation> far,
-                                           LodPolicy policy, std::vector<LodCharacter> characters)
-    : near_(std::move(near)), far_(std::move(far)), policy_(policy), characters_(std::move(characters)) {}
+                                           const LodPolicy& policy, std::vector<LodCharacter> characters,
+                                           std::vector<std::shared_ptr<const scene::PoseBank>> banks)
+    : near_(std::move(near)), far_(std::move(far)), switch_(policy, std::move(characters)), banks_(std::move(banks)) {}
+
+const scene::Frame& HybridRepresentation::pose_matched(const scene::Frame& frame, const LodSplit& split) {
+  bool copied = false;
+  for (size_t c = 0; c < split.matched.size(); ++c)
+    for (const uint32_t i : split.matched[c]) {
+      const scene::FrameAgent& agent = frame.agents[c][i];
+      const double phase = far_->shown_phase(c, agent.bank_clip, static_cast<double>(agent.phase));
+      if (static_cast<float>(phase) == agent.phase) continue;
+      if (!copied) matched_ = frame;
+      copied = true;
+      matched_.agents[c][i].phase = static_cast<float>(phase);
+      matched_.agents[c][i].pose = banks_[c]->sample(agent.bank_clip, phase);
+    }
+  return copied ? matched_ : frame;
+}
 
 void HybridRepresentation::draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
                                 const Pass& pass) {
-  split_agents(policy_, characters_, frame, agents, near_list_, far_list_);
-  const auto count = [](const AgentLists& lists) {
-    size_t n = 0;
-    for (const auto& list : lists) n += list.size();
-    return n;
-  };
-  near_agents_ = count(near_list_);
-  far_agents_ = count(far_list_);
+  const LodSplit& split = switch_.split(frame, agents);
+  near_agents_ = split.count(split.near);
+  far_agents_ = split.count(split.far);
+  fading_agents_ = 0;
+  const scene::Frame& shown = pose_matched(frame, split);
+  if (&shown != &frame) resources.update_agents(shown);
   // Near ones first: they hide far ones.
-  near_->draw(frame, resources, near_list_, pass);
-  far_->draw(frame, resources, far_list_, pass);
+  near_->draw(shown, resources, split.near, pass);
+  // Within the range that is to be drawn at all, so that hybrids of hybrids share pixels too.
+  const FrameResources::DitherRange whole = resources.dither();
+  Pass dithered = pass;
+  dithered.dithered = true;
+  for (size_t m = 1; m < split.fading.size(); ++m) {
+    const size_t count = split.count(split.fading[m]);
+    if (count == 0) continue;
+    fading_agents_ += count;
+    const float share = static_cast<float>(m) / static_cast<float>(split.fading.size());
+    const float border = whole.low + (whole.high - whole.low) * share;
+    resources.set_dither({border, whole.high});
+    near_->draw(shown, resources, split.fading[m], dithered);
+    resources.set_dither({whole.low, border});
+    far_->draw(shown, resources, split.fading[m], dithered);
+  }
+  if (fading_agents_ != 0) resources.set_dither(whole);
+  far_->draw(shown, resources, split.far, pass);
+}
+
+bool HybridRepresentation::has_history() const {
+  return switch_.policy().has_history() || near_->has_history() || far_->has_history();
+}
+
+void HybridRepresentation::advance(const scene::Frame& frame, const AgentLists& agents) {
+  const LodSplit& split = switch_.split(frame, agents);
+  for (const auto& [part, lists] : {std::pair(near_.get(), &split.near), std::pair(far_.get(), &split.far)}) {
+    if (!part->has_history()) continue;
+    part->advance(frame, *lists);
+    for (size_t m = 1; m < split.fading.size(); ++m)
+      if (split.count(split.fading[m]) != 0) part->advance(frame, split.fading[m]);
+  }
+}
+
+double HybridRepresentation::shown_phase(size_t character, int bank_clip, double phase) const {
+  return near_->shown_phase(character, bank_clip, phase);
 }
 
 Footprint HybridRepresentation::footprint() const {
@@ -87,23 +103,36 @@ const RepresentationType hybrid_type = {
     "two representations: hybrid(NEAR,FAR,distance=METRES), the nearer agents by the first, the rest by the second",
     {{"distance", "0..100000", "20", "metres from the eye to the agent's pivot at which the far one takes over"},
      {"ratio", "0..100", "0", "instead: below this many pixels a texel of the far one (needs one with texels)"},
-     {"height", "0..16384", "0", "instead: below this many pixels of projected height"}},
+     {"height", "0..16384", "0", "instead: below this many pixels of projected height"},
+     {"nearest", "0..1000000", "0", "instead: all but this many agents nearest to the eye"},
+     {"hysteresis", "0..1", "0", "far beyond 1 + this times the switch distance, near again within its inverse"},
+     {"fade", "0..60", "0", "ticks over which both share an agent's pixels after a switch, by ordered dither"},
+     {"match", "0..1", "0.1", "within this share of the switch distance near agents show the far one's stored frame"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(hybrid_type, spec);
+      const auto given = [&](const char* key) {
+        return std::any_of(spec.options.begin(), spec.options.end(), [&](const auto& o) { return o.first == key; });
+      };
+      using Rule = LodPolicy::Rule;
       LodPolicy policy;
       policy.value = reader.number("distance", 0, 100000);
       const double ratio = reader.number("ratio", 0, 100);
       const double height = reader.number("height", 0, 16384);
-      const auto given = [&](const char* key) {
-        return std::any_of(spec.options.begin(), spec.options.end(), [&](const auto& o) { return o.first == key; });
-      };
-      if (given("distance") + given("ratio") + given("height") > 1)
-        throw Error("representation 'hybrid'", "more than one of distance, ratio and height is given",
+      const auto nearest = static_cast<double>(reader.integer("nearest", 0, 1000000));
+      if (given("distance") + given("ratio") + given("height") + given("nearest") > 1)
+        throw Error("representation 'hybrid'", "more than one of distance, ratio, height and nearest is given",
                     "give the one rule that decides");
-      if (given("ratio")) policy = {LodPolicy::Rule::ratio, ratio};
-      if (given("height")) policy = {LodPolicy::Rule::height, height};
-      if (policy.rule != LodPolicy::Rule::distance && !(policy.value > 0))
+      if (given("ratio")) policy = {Rule::ratio, ratio};
+      if (given("height")) policy = {Rule::height, height};
+      if (given("nearest")) policy = {Rule::nearest, nearest};
+      if ((policy.rule == Rule::ratio || policy.rule == Rule::height) && !(policy.value > 0))
         throw Error("representation 'hybrid'", "a rule of 0 pixels would never change over", "give more than 0");
+      policy.hysteresis = reader.number("hysteresis", 0, 1);
+      policy.fade = static_cast<int>(reader.integer("fade", 0, 60));
+      policy.match = reader.number("match", 0, 1);
+      if (policy.rule == Rule::nearest && policy.hysteresis > 0)
+        throw Error("representation 'hybrid'", "a number of nearest agents has no hysteresis",
+                    "switch by distance, ratio or height");
 
       Spec near = spec.parts[0];
       Spec far = spec.parts[1];
@@ -117,15 +146,15 @@ const RepresentationType hybrid_type = {
       std::vector<LodCharacter> characters;
       for (size_t c = 0; c < context.cast.characters.size(); ++c) {
         const double texel = far_part->texel_metres(c);
-        if (policy.rule == LodPolicy::Rule::ratio && !(texel > 0))
+        if (policy.rule == Rule::ratio && !(texel > 0))
           throw Error("representation 'hybrid'", fmt::format("'{}' has no texels to go by", far.name),
                       "switch by distance or height");
         const scene::PoseBank& bank = *context.cast.banks[c];
         const double own = context.cast.characters[c]->placement.height;
-        characters.push_back({own > 0 ? own : bank.bounds_max().y - bank.bounds_min().y, texel});
+        characters.push_back({own > 0 ? own : static_cast<double>(bank.bounds_max().y - bank.bounds_min().y), texel});
       }
       return std::make_unique<HybridRepresentation>(std::move(near_part), std::move(far_part), policy,
-                                                    std::move(characters));
+                                                    std::move(characters), context.cast.banks);
     },
     2};
 

@@ -63,6 +63,40 @@ TEST_F(RenderGl, BytesDoNotDependOnThreadsPlatformOrRun) {
   EXPECT_EQ(text.find(folder_.string()), std::string::npos) << "no path of this machine";
 }
 
+// A hybrid with a memory, at a tick in the middle of its cross-fades: the ticks before are played, whatever the
+// threads.
+TEST_F(RenderGl, ASwitchWithHistoryIsTheSameAtAnyThreadCount) {
+  const std::string scenario = R"(
+name = "dolly"
+[crowd]
+agents = 40
+[[character]]
+source = "mannequin:triangles=500"
+[[camera.key]]
+time = 0.0
+eye = [0.0, 2.0, 6.0]
+target = [0.0, 1.0, 0.0]
+[[camera.key]]
+time = 1.0
+eye = [0.0, 2.0, 10.0]
+target = [0.0, 1.0, 0.0]
+)";
+  write_file(file("dolly.toml"), scenario);
+  const auto render = [&](const std::string& environment, const std::string& representation, const std::string& name) {
+    const Outcome outcome = run("CROWDBENCH_CACHE_DIR='" + file("cache") + "' " + environment,
+                                "render '" + file("dolly.toml") + "' --size 200x150 --tick 12 --representation '" +
+                                    representation + "' --out '" + file(name) + "'");
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    return decode_png(read_file(file(name)), name);
+  };
+  const std::string flat = "(flat:views=sphere-8x2,frames=2,texels=32)";
+  const std::string fading = "hybrid(mesh," + flat + ",distance=8,hysteresis=0.05,fade=8)";
+  const Image8 first = render("", fading, "a.png");
+  EXPECT_EQ(render("LP_NUM_THREADS=0", fading, "b.png"), first);
+  EXPECT_EQ(render("LP_NUM_THREADS=2", fading, "c.png"), first);
+  EXPECT_NE(render("", "hybrid(mesh," + flat + ",distance=8)", "d.png"), first) << "the history shows";
+}
+
 TEST_F(RenderGl, SingleWritesAMaskThatAgreesWithTheIds) {
   const Outcome outcome =
       run("",
