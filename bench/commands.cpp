@@ -16,6 +16,7 @@ void add_all_commands(CLI::App& app, Run& run) {
       add_compare,
       add_quality,
       add_switch_distance,
+      add_popmap,
       add_ratio,
       add_bench,
       add_pair,

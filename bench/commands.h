@@ -23,6 +23,7 @@ void add_info(CLI::App& app, Run& run);
 void add_inspect(CLI::App& app, Run& run);
 void add_pair(CLI::App& app, Run& run);
 void add_quality(CLI::App& app, Run& run);
+void add_popmap(CLI::App& app, Run& run);
 void add_pose(CLI::App& app, Run& run);
 void add_ratio(CLI::App& app, Run& run);
 void add_render(CLI::App& app, Run& run);

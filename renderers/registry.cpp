@@ -3,18 +3,22 @@
 #include "renderers/mesh/mesh.h"
 #include "renderers/relief/relief.h"
 #include "renderers/representation.h"
+#include "renderers/rigid/rigid.h"
 
 namespace crowdbench::renderers {
 
-// One line a representation.
+// One line a representation, so that two additions do not meet.
 
 const std::vector<RepresentationType>& representation_types() {
+  // clang-format off
   static const std::vector<RepresentationType> types = {
       mesh_type,
       flat_type,
       hybrid_type,
       relief_type,
+      rigid_type,
   };
+  // clang-format on
   return types;
 }
 

@@ -223,6 +223,10 @@ void VertexArray::add_stream(unsigned location, const Buffer& buffer, int compon
   glVertexArrayAttribBinding(name_, location, location);
 }
 
+void VertexArray::set_vertices(const Buffer& vertices, size_t offset, int stride) const {
+  glVertexArrayVertexBuffer(name_, 0, vertices.name(), static_cast<GLintptr>(offset), stride);
+}
+
 void VertexArray::set_instance_stream(unsigned location, const Buffer& buffer, size_t offset) const {
   assert(location > 0);
   glVertexArrayVertexBuffer(name_, location, buffer.name(), static_cast<GLintptr>(offset), sizeof(uint32_t));

@@ -158,6 +158,8 @@ class VertexArray : public Object {
               const Buffer* indices);
   // A float attribute from a buffer of its own, tightly packed at `stride`; the buffer must outlive this.
   void add_stream(unsigned location, const Buffer& buffer, int components, int stride) const;
+  // The interleaved buffer anew, from byte `offset` on: another of several runs of vertices of one layout.
+  void set_vertices(const Buffer& vertices, size_t offset, int stride) const;
   // An attribute of one uint an instance, tightly packed from byte `offset` of the buffer.
   void set_instance_stream(unsigned location, const Buffer& buffer, size_t offset) const;
   void bind() const;

@@ -1,0 +1,71 @@
+// MeshDraw: a character's mesh on the GPU and the programs that draw it, shared by the representations that draw
+// meshes: skinned, in one static pose, in stored poses, and for bakes.
+#pragma once
+#include <compare>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "renderers/gl/objects.h"
+#include "renderers/gl/program.h"
+#include "renderers/mesh/mesh_data.h"
+#include "renderers/representation.h"
+
+namespace crowdbench::renderers {
+
+// What is drawn: the skinned mesh, the mesh in one static pose (the skinned mesh's floor), in stored poses, or the maps
+// that bakes are made of.
+enum class MeshUse : uint8_t { skinned, static_pose, stored_poses, capture };
+
+// One character's mesh on the GPU.
+struct CharacterMesh {
+  gl::Buffer vertices, indices, uvs, colours, emissive_uvs, materials;
+  gl::VertexArray vertex_array;
+  std::vector<gl::Texture> textures;  // one a MeshData::arrays entry
+  std::vector<gl::Sampler> samplers;
+  gl::Texture material_texels;
+  std::vector<MeshGroup> groups;
+  uint32_t joints = 0;
+  uint32_t vertex_count = 0;
+  uint64_t triangles = 0;
+  bool has_colours = false, has_emissive_uvs = false, has_emissive = false;
+  uint64_t texture_bytes() const;
+  uint64_t buffer_bytes() const;
+};
+
+// One vertex of a stored pose; texture coordinates and the like are streams that all poses share.
+struct PosedVertex {
+  float position[3];
+  float material;
+  uint32_t normal;  // 10:10:10:2 signed normalised
+};
+
+// poses: palettes of the character's bank: none for the skinned mesh and captures, one for the static pose; the
+// vertices of stored poses follow each other in the order given. Throws Error: more materials or images than can be
+// addressed.
+CharacterMesh upload_mesh(gl::Context& context, const scene::Character& character, int joints, MeshUse use,
+                          std::span<const std::vector<scene::Mat3x4>> poses);
+
+class MeshDraw {
+ public:
+  MeshDraw(gl::Context& context, MeshUse use) : context_(context), use_(use) {}
+  // Draws `count` agents of the list from position `first` on (FrameResources::list(), within a draw callback). Leaves
+  // face culling as the last group wants it: `done` puts that and the samplers back. pose: which of the stored ones.
+  void draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffer& list, uint32_t first, uint32_t count,
+            uint32_t pose = 0);
+  static void done();
+
+ private:
+  // What a compiled variant of the program depends on.
+  struct Variant {
+    bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided;
+    auto operator<=>(const Variant&) const = default;
+  };
+  const gl::Program& program(const Variant& variant);
+
+  gl::Context& context_;
+  MeshUse use_;
+  std::map<Variant, gl::Program> programs_;
+};
+
+}  // namespace crowdbench::renderers

@@ -1,0 +1,146 @@
+#include "bench/pop_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "metrics/heat_map.h"
+#include "metrics/pseudocolour.h"
+#include "renderers/gl/context.h"
+#include "scene/mannequin.h"
+
+namespace crowdbench::bench {
+namespace {
+
+Image8 plain(uint8_t value) {
+  Image8 out(16, 8, 4);
+  for (uint8_t& v : out.data) v = value;
+  return out;
+}
+
+TEST(PopMap, AFadeTakesEveryPixelFromOneSide) {
+  const Image8 black = plain(0);
+  const Image8 white = plain(255);
+  const std::vector<Image8> pictures = fade_pictures(black, white, 3);
+  ASSERT_EQ(pictures.size(), 5U);
+  EXPECT_EQ(pictures.front(), black);
+  EXPECT_EQ(pictures.back(), white);
+  for (size_t step = 0; step < 5; ++step) {
+    size_t turned = 0;
+    for (size_t i = 0; i < pictures[step].pixels(); ++i) {
+      const uint8_t v = pictures[step].data[4 * i];
+      ASSERT_TRUE(v == 0 || v == 255);
+      turned += v == 255 ? 1U : 0U;
+      if (step > 0) {
+        ASSERT_GE(v, pictures[step - 1].data[4 * i]) << "a pixel that has turned stays";
+      }
+    }
+    EXPECT_EQ(turned, step * 32) << "a quarter of 128 pixels a step: two whole 8 x 8 patterns";
+  }
+}
+
+TEST(PopMap, StatisticsByHand) {
+  std::vector<PopCell> cells(5);
+  for (size_t i = 0; i < 5; ++i) {
+    cells[i].own.cut.mae = static_cast<double>(i) * 10;                // 0 10 20 30 40
+    cells[i].own.cut.ssim_union = 1.0 - 0.1 * static_cast<double>(i);  // 1.0 .. 0.6
+  }
+  cells[2].own.cut.ssim_union.reset();
+  const auto mae = summarise_pops(cells, PopMeasure::mae, false, false);
+  ASSERT_TRUE(mae);
+  EXPECT_DOUBLE_EQ(mae->mean, 20);
+  EXPECT_DOUBLE_EQ(mae->tail, 38) << "position 0.95 * 4 = 3.8";
+  EXPECT_DOUBLE_EQ(mae->worst, 40);
+  EXPECT_EQ(mae->worst_cell, 4U);
+  const auto ssim = summarise_pops(cells, PopMeasure::ssim_union, false, false);
+  ASSERT_TRUE(ssim);
+  EXPECT_NEAR(ssim->mean, (1.0 + 0.9 + 0.7 + 0.6) / 4, 1e-12);
+  EXPECT_NEAR(ssim->tail, 0.615, 1e-12) << "low is bad: position 0.15 between 0.6 and 0.7";
+  EXPECT_EQ(ssim->worst_cell, 4U);
+  EXPECT_FALSE(summarise_pops(cells, PopMeasure::mae, true, false)) << "none was measured";
+}
+
+TEST(HeatMap, CellsCarryTheColourOfTheirValue) {
+  const double nothing = std::nan("");
+  const metrics::HeatPanel panel{"panel", {"0", "90"}, {"30", "0"}, {0, 5, 10, nothing}};
+  const Image8 picture = metrics::heat_map({{panel}}, 10, "caption");
+  const auto& colours = metrics::error_colours();
+  EXPECT_EQ(metrics::heat_colour(0, 10), colours[0]);
+  EXPECT_EQ(metrics::heat_colour(10, 10), colours[255]);
+  EXPECT_EQ(metrics::heat_colour(20, 10), colours[255]) << "held at the end of the scale";
+  EXPECT_EQ(metrics::heat_colour(nothing, 10), (std::array<uint8_t, 3>{200, 200, 200}));
+  // Each of the four colours fills more than half of a cell of 43 x 25 pixels.
+  for (const double value : {0.0, 5.0, 10.0, nothing}) {
+    const auto rgb = metrics::heat_colour(value, 10);
+    size_t count = 0;
+    for (size_t i = 0; i < picture.pixels(); ++i)
+      count += std::equal(rgb.begin(), rgb.end(), picture.data.begin() + static_cast<std::ptrdiff_t>(3 * i)) ? 1U : 0U;
+    EXPECT_GT(count, 43U * 25 / 2) << value;
+  }
+}
+
+class PopMapGl : public ::testing::Test {
+ protected:
+  PopRequest request(const std::string& representation) {
+    PopRequest r;
+    r.character = std::make_shared<const scene::Character>(scene::make_mannequin({.triangles = 500}));
+    r.representation = renderers::parse_spec(representation);
+    r.clip = r.character->placement.default_clip;
+    r.use_cache = false;
+    r.fade = 3;
+    return r;
+  }
+  gl::Context context_{gl::ContextOptions{}};
+};
+
+TEST_F(PopMapGl, TheMeshDoesNotPopAgainstItself) {
+  PopRequest r = request("mesh");
+  EXPECT_THROW(compute_pop_map(context_, r), Error) << "no texels to go by";
+  r.heights_px = {60};
+  r.azimuths_deg = {0, 90};
+  r.phases = {0, 0.3};
+  const auto cells = compute_pop_map(context_, r);
+  ASSERT_EQ(cells.size(), 4U);
+  for (const PopCell& cell : cells)
+    for (const PopScores* s : {&cell.own, &cell.matched})
+      for (const PopScore* one : {&s->cut, &s->fade_step}) {
+        EXPECT_EQ(one->mae, 0.0);
+        ASSERT_TRUE(one->ssim_union);
+        EXPECT_NEAR(*one->ssim_union, 1, 1e-12);
+      }
+}
+
+// One stored frame, and the mesh half a cycle from it and on it: what the pose alone adds, and what fading takes.
+TEST_F(PopMapGl, MatchingTakesThePoseErrorAndFadingTheStep) {
+  PopRequest r = request("flat:views=sphere-4x1,frames=1,texels=64");
+  r.azimuths_deg = {90};
+  r.phases = {0, 0.25};
+  r.ratios = {1};
+  size_t seen = 0;
+  const auto cells = compute_pop_map(context_, r, [&](const PopCell& cell, const PopPictures& pictures) {
+    ++seen;
+    EXPECT_EQ(pictures.mesh == pictures.matched, cell.phase == 0.0);
+  });
+  ASSERT_EQ(cells.size(), 2U);
+  EXPECT_EQ(seen, 2U);
+  const PopCell& stored = cells[0];
+  const PopCell& between = cells[1];
+  EXPECT_EQ(between.shown_phase, 0);
+  EXPECT_EQ(stored.own.cut.mae, stored.matched.cut.mae);
+  EXPECT_EQ(between.matched.cut.mae, stored.matched.cut.mae) << "the same two pictures";
+  EXPECT_GT(*between.own.cut.mae, 1.5 * *between.matched.cut.mae);
+  EXPECT_LT(*between.own.cut.ssim_union, *between.matched.cut.ssim_union - 0.1);
+  for (const PopCell& cell : cells) {
+    // Three ticks, four steps: the largest is a quarter of the pop but for which pixels turn when.
+    EXPECT_NEAR(*cell.own.fade_step.mae / *cell.own.cut.mae, 0.25, 0.08);
+    EXPECT_GT(*cell.own.fade_step.ssim_union, *cell.own.cut.ssim_union);
+  }
+  // A texel spans one pixel: the figure is as tall as its texels are many.
+  EXPECT_EQ(between.ratio, 1);
+  EXPECT_GT(between.height_px, 40);
+  EXPECT_LT(between.height_px, 64);
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
