@@ -107,7 +107,11 @@ void main() {
   float longest = max(edges.x, max(edges.y, edges.z));
   float depth = max(-centre.z, 2.0 * frame.lens.x);
   float pixel = 2.0 * depth * frame.lens.z * frame.viewport.w;
-  float level = clamp(floor(log2(max(pixel * float(box.maps.z) / longest, 1e-6)) + LEVEL_BIAS), 0.0, float(box.maps.w - 1u));
+  float wanted = log2(max(pixel * float(box.maps.z) / longest, 1e-6));
+  float most = float(box.maps.w - 1u);
+  float level = clamp(floor(wanted + LEVEL_BIAS), 0.0, most);
+  // Colours are filtered as the mesh's texture is, at one texel a pixel.
+  uint colour_level = uint(clamp(floor(wanted), 0.0, most));
 
   mat3 turned = mat3(world_from_bind);
   vec3 lengths = vec3(dot(turned[0], turned[0]), dot(turned[1], turned[1]), dot(turned[2], turned[2]));
@@ -130,5 +134,6 @@ void main() {
   posed[item].light = vec4(frame.light_direction.xyz * turned * inversesqrt(max(stretch, 1e-30)),
                            (volume < 0.0 ? -2.0 : 0.0) + (angles_kept ? 0.0 : 1.0));
   posed[item].maps = uvec4(pack_maps(box.maps.x, box.maps.y, box.maps.z, uint(level)),
-                           packUnorm4x8(vec4(edges / longest, angles_kept ? 0.0 : 1.0)), box.place.x);
+                           packUnorm4x8(vec4(edges / longest, 0.0)) | (angles_kept ? 0u : 1u << 24u) | colour_level << 25u,
+                           box.place.x | pack_maps(0u, box.maps.y, box.maps.z, colour_level).x & 0xffff0000u);
 }

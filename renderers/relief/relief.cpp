@@ -26,7 +26,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 1;
+constexpr uint32_t kBakeVersion = 2;
 constexpr int kGroup = 64;  // local_size_x of relief.comp
 
 // Distances at which joints may share boxes: pixels of the character's height, from the nearest tier on. A tier is
@@ -144,6 +144,7 @@ std::vector<uint8_t> serialise(const Bake& bake) {
     out.values(boxes);
     out.values(m.triangles_of_box);
     out.values(m.depth);
+    out.values(m.extent);
     out.values(m.colour);
     out.values(m.normal);
   }
@@ -162,6 +163,7 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
     for (const StoredBox& box : in.values<StoredBox>()) m.boxes.push_back(unstored(box));
     m.triangles_of_box = in.values<int>();
     m.depth = in.values<uint16_t>();
+    m.extent = in.values<uint16_t>();
     m.colour = in.values<uint8_t>();
     m.normal = in.values<uint8_t>();
     size_t texels = 0;
@@ -171,7 +173,7 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
         return std::nullopt;
       texels += ReliefModel::box_texels(box);
     }
-    if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
+    if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 || m.extent.size() != texels * 6 ||
         m.colour.size() != texels * 24 || m.normal.size() != texels * 24)
       return std::nullopt;
   }
@@ -183,7 +185,8 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
 uint64_t atlas_bytes(const ReliefModel& model, int depth_bits) {
   const AtlasPlan plan = plan_atlas(model);
   return static_cast<uint64_t>(plan.width) * static_cast<uint64_t>(plan.height) *
-         (static_cast<uint64_t>(depth_bits) / 4 + 2 * 2 * 4);
+             (static_cast<uint64_t>(depth_bits) / 4 + 2 * 2 * 4) +
+         static_cast<uint64_t>(plan.width / 2) * static_cast<uint64_t>(plan.height / 2) * 2;
 }
 
 Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, const Options& options) {
@@ -229,10 +232,12 @@ struct Tier {
   size_t boxes = 0;
   int joints = 0;
   int corners = 8;
-  bool attribute = true;
+  bool carve = true;  // the nearest tier: candidates are checked against the other axes
   gl::Texture depth;
   gl::Texture colour;
   gl::Texture normal;
+  gl::Texture bounds;
+  uint64_t texture_bytes() const { return depth.bytes() + colour.bytes() + normal.bytes() + bounds.bytes(); }
   gl::Buffer records;
   gl::Buffer points;
   gl::Buffer indices;
@@ -303,7 +308,7 @@ class Relief final : public Representation {
     Footprint out;
     for (const Baked& baked : baked_) {
       for (const Tier& tier : baked.tiers) {
-        out.texture_bytes += tier.depth.bytes() + tier.colour.bytes() + tier.normal.bytes();
+        out.texture_bytes += tier.texture_bytes();
         out.buffer_bytes += tier.records.size() + tier.indices.size() + tier.points.size();
       }
       out.disk_bytes += baked.disk_bytes;
@@ -322,7 +327,7 @@ class Relief final : public Representation {
       info.cached = info.cached && baked.cached;
       keys.text(baked.key);
       nominal += baked.nominal_bytes;
-      for (const Tier& tier : baked.tiers) actual += tier.depth.bytes() + tier.colour.bytes() + tier.normal.bytes();
+      for (const Tier& tier : baked.tiers) actual += tier.texture_bytes();
     }
     info.cache_key = baked_.size() == 1 ? baked_[0].key : keys.hex();
     info.facts = {{"nominal_bytes", static_cast<double>(nominal)}, {"actual_bytes", static_cast<double>(actual)}};
@@ -382,7 +387,7 @@ class Relief final : public Representation {
     for (size_t i = 0; i < bake->models.size(); ++i) {
       baked.tiers.push_back(upload(character, bake->models[i], i == 0));
       const Tier& tier = baked.tiers.back();
-      left -= std::min(left, tier.depth.bytes() + tier.colour.bytes() + tier.normal.bytes());
+      left -= std::min(left, tier.texture_bytes());
     }
   }
 
@@ -399,13 +404,17 @@ class Relief final : public Representation {
     tier.boxes = model.boxes.size();
     tier.joints = static_cast<int>(character.skeleton.joints.size());
     tier.corners = large ? 8 : 4;
-    tier.attribute = large;
+    tier.carve = large;
     tier.depth = gl::Texture::make_2d(context_, options_.depth_bits == 8 ? GL_RG8 : GL_RG16, plan.width, plan.height);
     tier.depth.write(0, 0, GL_RG, GL_UNSIGNED_SHORT, atlas.depth.data());
     tier.colour = gl::Texture::make_2d(context_, GL_SRGB8_ALPHA8, 2 * plan.width, plan.height);
     tier.colour.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, atlas.colour.data());
+    for (const unsigned which : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      glTextureParameteri(tier.colour.name(), which, GL_LINEAR);
     tier.normal = gl::Texture::make_2d(context_, GL_RGBA8, 2 * plan.width, plan.height);
     tier.normal.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, atlas.normal.data());
+    tier.bounds = gl::Texture::make_2d(context_, GL_RG8, plan.width / 2, plan.height / 2);
+    tier.bounds.write(0, 0, GL_RG, GL_UNSIGNED_BYTE, atlas.bounds.data());
 
     std::vector<BoxRecord> records;
     std::vector<glm::vec4> points;
@@ -446,7 +455,7 @@ class Relief final : public Representation {
   gl::Defines defines(const Tier& tier) const {
     gl::Defines all{{"BOXES", std::to_string(tier.boxes)},
                     {"JOINTS", std::to_string(tier.joints)},
-                    {"LEVEL_BIAS", fmt::format("{:.4f}", options_.level_bias)},
+                    {"LEVEL_BIAS", fmt::format("{:.4f}", options_.level_bias + (tier.carve ? 0.0 : 1.0))},
                     {"SEARCH", std::to_string(options_.search)},
                     {"STEPS", std::to_string(options_.linear_steps)},
                     {"BINARY", std::to_string(options_.binary_steps)},
@@ -456,7 +465,8 @@ class Relief final : public Representation {
       all.emplace_back("HULL", "");
       all.emplace_back("CORNERS", std::to_string(tier.corners));
     }
-    if (tier.attribute && !options_.floor) all.emplace_back("ATTRIBUTE", "");
+    if (tier.carve && !options_.floor) all.emplace_back("CARVE", "");
+    if (!options_.floor) all.emplace_back("ATTRIBUTE", "");
     if (options_.debug > 0) all.emplace_back("DEBUG", std::to_string(options_.debug));
     if (options_.floor) all.emplace_back("RELIEF_FLOOR", "");
     return all;
@@ -505,6 +515,7 @@ class Relief final : public Representation {
       tier.depth.bind(RELIEF_TEXTURE_DEPTH);
       tier.colour.bind(RELIEF_TEXTURE_COLOUR);
       tier.normal.bind(RELIEF_TEXTURE_NORMAL);
+      tier.bounds.bind(RELIEF_TEXTURE_BOUNDS);
       tier.vertices.bind();
       if (options_.hull) {
         glDisable(GL_CULL_FACE);
@@ -571,7 +582,7 @@ const RepresentationType relief_type{
      {"search", "adaptive|linear", "adaptive",
       "adaptive: two intervals a texel crossed; linear: the source's fixed steps"},
      {"steps", "LINEAR+BINARY", "256+7", "most adaptive steps, or the linear and binary steps of search=linear"},
-     {"bias", "-4..4", "-2", "mip levels added to one texel a pixel; -2: four texels a pixel, for the silhouette"},
+     {"bias", "-4..4", "-3", "mip levels added to one texel a pixel of a depth, for the silhouette; below 100 pixels of height one more"},
      {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
      {"merge", "auto|0..16", "auto", "pixels that joints sharing a box may stray; auto: 0.25 with proxy=hull, else 0"},
      {"debug", "none|boxes|steps|hit-face|misses", "none", "shows how the picture comes about instead of the picture"}},

@@ -19,11 +19,12 @@ layout(location = 0) in vec3 v_anchor;
 layout(location = 1) flat in vec4 v_eye_depth;
 layout(location = 2) flat in vec3 v_light;
 layout(location = 3) flat in uvec4 v_maps;
-layout(location = 4) flat in uvec3 v_identity;
+layout(location = 4) flat in uvec4 v_identity;
 
 layout(binding = RELIEF_TEXTURE_DEPTH) uniform sampler2D depth_map;    // least and greatest depth along the axis
-layout(binding = RELIEF_TEXTURE_COLOUR) uniform sampler2D colour_map;  // sRGB colour, part
-layout(binding = RELIEF_TEXTURE_NORMAL) uniform sampler2D normal_map;  // bind-space normal, unlit
+layout(binding = RELIEF_TEXTURE_COLOUR) uniform sampler2D colour_map;  // sRGB colour, unlit; filtered
+layout(binding = RELIEF_TEXTURE_NORMAL) uniform sampler2D normal_map;  // bind-space normal, part
+layout(binding = RELIEF_TEXTURE_BOUNDS) uniform sampler2D bounds_map;  // conservative least and greatest depth
 layout(std430, binding = CB_STORAGE_PALETTE) readonly restrict buffer Palette { vec4 palette[]; };
 
 float stored_depth(float metres) { return -frame.projection[2][2] + frame.projection[3][2] / metres; }
@@ -84,29 +85,55 @@ void main() {
 
   if (span > 0.0) {
 #if SEARCH == RELIEF_SEARCH_ADAPTIVE
+#ifdef CARVE
+    // Where the other two axes' bounds lie. Their (u, v, depth) are turns of the march's: its axis's depth is the next axis's v
+    // and the one after's u.
+    ivec2 corner2 = ivec2(v_maps.x & 65535u, v_maps.x >> 16u) + ivec2(column, 0);
+    int half_size = size >> 1;
+    ivec2 low1 = (corner2 + ivec2((axis == 2 ? 0 : axis + 1) * texels, 0)) >> 1;
+    ivec2 low2 = (corner2 + ivec2((axis == 0 ? 2 : axis - 1) * texels, 0)) >> 1;
+#endif
 #ifdef RELIEF_FLOOR
     int steps = 1;
 #else
-    // Two steps a texel: the interval of a longer one reaches into the neighbours and widens silhouettes.
-    int steps = clamp(int(ceil(2.0 * max(abs(across.x), abs(across.y)))), 1, STEPS);
+    // Two steps a texel: the interval of a longer one reaches into the neighbours and widens silhouettes. Of a halved map the
+    // texels are so small a part of a pixel that one does.
+    float a_texel = size < texels ? 1.0 : 2.0;
+    int steps = clamp(int(ceil(a_texel * max(abs(across.x), abs(across.y)))), 1, STEPS);
 #endif
     float inverse_steps = 1.0 / float(steps);
     vec2 move = across * inverse_steps;
     float rise = delta.z * inverse_steps;
     vec2 at = start + 0.5 * move;
     float c = from.z - SLACK;
-    for (int i = 0; i < steps; ++i) {
-      texel = clamp(ivec2(at), low, high);
-      vec2 bounds = texelFetch(depth_map, texel, 0).rg;
-      COUNT_TAP;
-      if (down) bounds = 1.0 - bounds.yx;
-      float enter = max(bounds.x, c);
-      if (enter <= min(bounds.y, c + rise + 2.0 * SLACK)) {
-        hit = enter;
-        break;
+    // Nested, since a branch costs its whole content on every step where lanes run together: the inner loop takes one tap a
+    // step, the outer one looks at what it found.
+    int i = 0;
+    while (i < steps) {
+      float enter = -1.0;
+      for (; i < steps && enter < 0.0; ++i) {
+        texel = clamp(ivec2(at), low, high);
+        vec2 bounds = texelFetch(depth_map, texel, 0).rg;
+        COUNT_TAP;
+        if (down) bounds = 1.0 - bounds.yx;
+        float from_here = max(bounds.x, c);
+        if (from_here <= min(bounds.y, c + rise + 2.0 * SLACK)) enter = max(from_here, 0.0);
+        c += rise;
+        at += move;
       }
-      c += rise;
-      at += move;
+      if (enter < 0.0) break;
+#ifdef CARVE
+      // In one axis's map alone everything between the nearest and the farthest surface counts as solid. What another axis
+      // shows to be air is not.
+      vec3 p = vec3((at - move - vec2(low)) / float(size), down ? 1.0 - enter : enter);
+      vec2 next = texelFetch(bounds_map, clamp(low1 + ivec2(p.yz * float(half_size)), low1, low1 + (half_size - 1)), 0).rg;
+      vec2 last = texelFetch(bounds_map, clamp(low2 + ivec2(p.zx * float(half_size)), low2, low2 + (half_size - 1)), 0).rg;
+      COUNT_TAP;
+      COUNT_TAP;
+      if (p.x < next.x || p.x > next.y || p.y < last.x || p.y > last.y) continue;
+#endif
+      hit = enter;
+      break;
     }
 #else
     float below = 0.0;
@@ -187,19 +214,32 @@ void main() {
     }
   }
 #endif
-  // The colour atlas holds two maps where the depth atlas holds one.
+  // The colour and normal atlases hold two maps where the depth atlas holds one.
   texel.x += int(v_maps.x & 65535u) + (axis + side) * texels;
-  vec4 colour = texelFetch(colour_map, texel, 0);
   vec4 normal = texelFetch(normal_map, texel, 0);
+  // Colour from the level of about one texel a pixel, filtered: as the mesh's texture is.
+  int colour_level = int(v_maps.z >> 25u);
+  int colour_size = texels >> colour_level;
+  vec2 colour_low = vec2(ivec2(int(v_maps.x & 65535u) * 2 + (2 * axis + side) * texels +
+                                   (colour_level == 0 ? 0 : texels - (texels >> (colour_level - 1))),
+                               int(v_identity.w)));
+  vec3 place = v_anchor - s * ray;
+  place = axis == 0 ? place.yzx : axis == 1 ? place.zxy : place;
+  vec4 colour = textureLod(colour_map, (colour_low + clamp(place.xy * float(colour_size), 0.5, float(colour_size) - 0.5)) /
+                           vec2(textureSize(colour_map, 0)), 0.0);
   vec3 n = normal.xyz * 2.0 - 1.0;
+#ifdef ATTRIBUTE
+  // The inner side of an open piece shows as both sides of a surface do.
+  if ((side == 0) != forward[axis] && reach[axis] > 0.3 * reach[main_axis]) n = -n;
+#endif
   float square = max(dot(n, n), 1e-6);
   float lambert = dot(n, v_light) * inversesqrt(square);
-  if (v_maps.z >> 24u != 0u) {
+  if ((v_maps.z >> 24u & 1u) != 0u) {
     // A joint that shears or stretches turns normals as the mesh's shader does.
     vec3 world = vec3(dot(palette[v_maps.w].xyz, n), dot(palette[v_maps.w + 1u].xyz, n), dot(palette[v_maps.w + 2u].xyz, n));
     lambert = dot(world, frame.light_direction.xyz) * inversesqrt(max(dot(world, world), 1e-30));
   }
-  vec3 shown = shade_lit(colour.rgb, max(lambert, 0.0), uint(colour.a * 255.0 + 0.5), v_identity.x, normal.a > 0.5, vec3(0.0));
+  vec3 shown = shade_lit(colour.rgb, max(lambert, 0.0), uint(normal.a * 255.0 + 0.5), v_identity.x, colour.a > 0.5, vec3(0.0));
 #if defined(DEBUG) && DEBUG == RELIEF_DEBUG_STEPS
   shown = heat(float(taps) / 32.0);
 #elif defined(DEBUG) && DEBUG == RELIEF_DEBUG_HIT_FACE

@@ -11,6 +11,7 @@
 #define RELIEF_TEXTURE_DEPTH 0
 #define RELIEF_TEXTURE_COLOUR 1
 #define RELIEF_TEXTURE_NORMAL 2
+#define RELIEF_TEXTURE_BOUNDS 3
 
 #define RELIEF_LOCATION_COUNT 1   // uint: agents to pose
 #define RELIEF_LOCATION_OFFSET 2  // uint: position in PALETTE of the first agent to pose

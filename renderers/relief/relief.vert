@@ -14,7 +14,7 @@ layout(location = 0) out vec3 v_anchor;  // an outline has w = 1: linear on the 
 layout(location = 1) flat out vec4 v_eye_depth;
 layout(location = 2) flat out vec3 v_light;
 layout(location = 3) flat out uvec4 v_maps;
-layout(location = 4) flat out uvec3 v_identity;  // outfit, id, box
+layout(location = 4) flat out uvec4 v_identity;  // outfit, id, box, top row of its colours
 
 void main() {
   uint box = uint(gl_VertexID) / uint(CORNERS);
@@ -44,7 +44,7 @@ void main() {
   v_eye_depth = eye_depth;
   v_light = light.xyz;
   uvec4 maps = posed[item].maps;
-  maps.w = ((uint(gl_InstanceID) + offset) * uint(JOINTS) + maps.w) * 3u;
+  v_identity = uvec4(agents[list[first + uint(gl_InstanceID)]].identity.xy, box, maps.w >> 16u);
+  maps.w = ((uint(gl_InstanceID) + offset) * uint(JOINTS) + (maps.w & 65535u)) * 3u;
   v_maps = maps;
-  v_identity = uvec3(agents[list[first + uint(gl_InstanceID)]].identity.xy, box);
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/colour.h"
+
 namespace crowdbench::renderers {
 namespace {
 
@@ -17,6 +19,118 @@ struct Level {
   std::vector<uint8_t> normal;
 };
 
+double linear_of(uint8_t code) {
+  static const std::array<double, 256> table = [] {
+    std::array<double, 256> t{};
+    for (size_t i = 0; i < t.size(); ++i) t[i] = srgb_to_linear(static_cast<double>(i) / 255.0);
+    return t;
+  }();
+  return table[code];
+}
+
+// Colours of covered texels, carried into empty ones beside them, twice.
+void spread_colours(Level& level) {
+  const auto n = static_cast<long>(level.n);
+  for (size_t map = 0; map < 3; ++map) {
+    const auto at = [&](long u, long v) { return static_cast<size_t>(v * n + u); };
+    std::vector<uint8_t> known(level.n * level.n);
+    for (size_t i = 0; i < known.size(); ++i) {
+      const uint16_t* d = level.depth.data() + (map * known.size() + i) * 2;
+      known[i] = d[0] <= d[1] ? 1 : 0;
+    }
+    for (int round = 0; round < 2; ++round) {
+      const std::vector<uint8_t> before = known;
+      for (long v = 0; v < n; ++v) {
+        for (long u = 0; u < n; ++u) {
+          if (before[at(u, v)] != 0) continue;
+          for (size_t side = 0; side < 2; ++side) {
+            uint8_t* face = level.colour.data() + (map * 2 + side) * known.size() * 4;
+            std::array<int, 4> sum{};
+            int count = 0;
+            for (long y = std::max(0L, v - 1); y <= std::min(n - 1, v + 1); ++y) {
+              for (long x = std::max(0L, u - 1); x <= std::min(n - 1, u + 1); ++x) {
+                if (before[at(x, y)] == 0) continue;
+                ++count;
+                for (size_t c = 0; c < 4; ++c) sum[c] += face[at(x, y) * 4 + c];
+              }
+            }
+            if (count == 0) continue;
+            for (size_t c = 0; c < 4; ++c) face[at(u, v) * 4 + c] = static_cast<uint8_t>((sum[c] + count / 2) / count);
+            known[at(u, v)] = 1;
+          }
+        }
+      }
+    }
+  }
+}
+
+// One axis's bounds at the level that has texels of 2^level of the model's.
+std::vector<uint8_t> bounds_of(const uint16_t* extent, size_t n, uint32_t level) {
+  const long step = 1L << level;
+  const size_t m = n >> (level + 1);
+  const auto last = static_cast<long>(n) - 1;
+  // Least and greatest over 4 * step texels a side, one axis after the other.
+  std::vector<uint16_t> rows(n * m * 2);
+  for (size_t v = 0; v < n; ++v) {
+    for (size_t i = 0; i < m; ++i) {
+      uint16_t* out = rows.data() + (v * m + i) * 2;
+      out[0] = 65535;
+      out[1] = 0;
+      const long first = static_cast<long>(i) * 2 * step;
+      for (long u = std::max(0L, first); u <= std::min(last, first + 2 * step - 1); ++u) {
+        const uint16_t* e = extent + (v * n + static_cast<size_t>(u)) * 2;
+        out[0] = std::min(out[0], e[0]);
+        out[1] = std::max(out[1], e[1]);
+      }
+    }
+  }
+  std::vector<uint8_t> bounds(m * m * 2);
+  for (size_t j = 0; j < m; ++j) {
+    for (size_t i = 0; i < m; ++i) {
+      uint16_t low = 65535;
+      uint16_t high = 0;
+      const long first = static_cast<long>(j) * 2 * step;
+      for (long v = std::max(0L, first); v <= std::min(last, first + 2 * step - 1); ++v) {
+        const uint16_t* e = rows.data() + (static_cast<size_t>(v) * m + i) * 2;
+        low = std::min(low, e[0]);
+        high = std::max(high, e[1]);
+      }
+      // Nothing there stays (255, 0), which no depth fits; a texel of the level more either way.
+      const double slack = 1.0*65535.0 * static_cast<double>(step) / static_cast<double>(n);
+      bounds[(j * m + i) * 2] =
+          low > high ? 255 : static_cast<uint8_t>(std::max(0.0, std::floor((low - slack) / 257.0)));
+      bounds[(j * m + i) * 2 + 1] =
+          low > high ? 0 : static_cast<uint8_t>(std::min(255.0, std::ceil((high + slack) / 257.0)));
+    }
+  }
+  return bounds;
+}
+
+// Neighbours whose children touched still touch: where their mean intervals do not meet, they are widened to the middle of
+// the gap, as far as the children reach.
+void meet_again(const std::vector<std::array<uint16_t, 2>>& reach, size_t n, uint16_t* depth) {
+  const auto meet = [&](size_t a, size_t b) {
+    uint16_t* at_a = depth + a * 2;
+    uint16_t* at_b = depth + b * 2;
+    if (at_a[0] > at_a[1] || at_b[0] > at_b[1]) return;
+    const bool ordered = at_a[1] < at_b[0];
+    uint16_t& top = ordered ? at_a[1] : at_b[1];
+    uint16_t& bottom = ordered ? at_b[0] : at_a[0];
+    const uint16_t highest = reach[ordered ? a : b][1];
+    const uint16_t lowest = reach[ordered ? b : a][0];
+    if (top >= bottom || lowest > highest) return;
+    const auto meeting = static_cast<uint16_t>(std::clamp((int{top} + int{bottom}) / 2, int{lowest}, int{highest}));
+    top = std::max(top, meeting);
+    bottom = std::min(bottom, meeting);
+  };
+  for (size_t v = 0; v < n; ++v) {
+    for (size_t u = 0; u < n; ++u) {
+      if (u + 1 < n) meet(v * n + u, v * n + u + 1);
+      if (v + 1 < n) meet(v * n + u, v * n + u + n);
+    }
+  }
+}
+
 Level halved(const Level& from) {
   Level to;
   const size_t n = to.n = from.n / 2;
@@ -24,6 +138,7 @@ Level halved(const Level& from) {
   to.depth.resize(3 * n * n * 2);
   to.colour.resize(6 * n * n * 4);
   to.normal.resize(to.colour.size());
+  std::vector<std::array<uint16_t, 2>> reach(n * n);  // least and greatest of each texel's children
   for (size_t map = 0; map < 3; ++map) {
     for (size_t v = 0; v < n; ++v) {
       for (size_t u = 0; u < n; ++u) {
@@ -31,6 +146,7 @@ Level halved(const Level& from) {
         int covered = 0;
         uint16_t least = 65535;
         uint16_t greatest = 0;
+        std::array<int, 2> depths{};
         for (size_t k = 0; k < 4; ++k) {
           const size_t texel = (2 * v + k / 2) * m + 2 * u + k % 2;
           const uint16_t* d = from.depth.data() + (map * m * m + texel) * 2;
@@ -38,23 +154,26 @@ Level halved(const Level& from) {
           child[static_cast<size_t>(covered++)] = texel;
           least = std::min(least, d[0]);
           greatest = std::max(greatest, d[1]);
+          depths[0] += d[0];
+          depths[1] += d[1];
         }
+        reach[v * n + u] = {least, greatest};
         uint16_t* d = to.depth.data() + (map * n * n + v * n + u) * 2;
-        d[0] = covered >= 2 ? least : 65535;
-        d[1] = covered >= 2 ? greatest : 0;
+        d[0] = covered >= 2 ? static_cast<uint16_t>((depths[0] + covered / 2) / covered) : 65535;
+        d[1] = covered >= 2 ? static_cast<uint16_t>((depths[1] + covered / 2) / covered) : 0;
         if (covered < 2) continue;
         for (size_t side = 0; side < 2; ++side) {
           const size_t face = map * 2 + side;
           uint8_t* colour = to.colour.data() + (face * n * n + v * n + u) * 4;
           uint8_t* normal = to.normal.data() + (face * n * n + v * n + u) * 4;
-          std::array<int, 3> sum{};
+          std::array<double, 3> sum{};
           glm::vec3 direction(0.0F);
           for (int k = 0; k < covered; ++k) {
             const size_t texel = (face * m * m + child[static_cast<size_t>(k)]) * 4;
-            for (size_t c = 0; c < 3; ++c) sum[c] += from.colour[texel + c];
+            for (size_t c = 0; c < 3; ++c) sum[c] += linear_of(from.colour[texel + c]);
             direction += glm::vec3(from.normal[texel], from.normal[texel + 1], from.normal[texel + 2]) / 127.5F - 1.0F;
           }
-          for (size_t c = 0; c < 3; ++c) colour[c] = static_cast<uint8_t>((sum[c] + covered / 2) / covered);
+          for (size_t c = 0; c < 3; ++c) colour[c] = linear_to_srgb8(sum[c] / covered);
           const float length = glm::length(direction);
           direction = length > 1e-6F ? direction / length : glm::vec3(0, 1, 0);
           for (int c = 0; c < 3; ++c) normal[c] = static_cast<uint8_t>(direction[c] * 127.5F + 128.0F);
@@ -65,6 +184,7 @@ Level halved(const Level& from) {
         }
       }
     }
+    meet_again(reach, n, to.depth.data() + map * n * n * 2);
   }
   return to;
 }
@@ -115,6 +235,8 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
   for (size_t i = 0; i < atlas.depth.size(); i += 2) atlas.depth[i] = 65535;
   atlas.colour.assign(2 * width * height * 4, 0);
   atlas.normal.assign(2 * width * height * 4, 0);
+  atlas.bounds.assign(width / 2 * (height / 2) * 2, 0);
+  for (size_t i = 0; i < atlas.bounds.size(); i += 2) atlas.bounds[i] = 255;
   for (size_t i = 0; i < model.boxes.size(); ++i) {
     const ReliefBox& box = model.boxes[i];
     const auto n = static_cast<size_t>(box.texels);
@@ -125,6 +247,8 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
     Level level{n, slice(model.depth, 6), slice(model.colour, 24), slice(model.normal, 24)};
     for (uint32_t l = 0; l < atlas_levels(box.texels); ++l) {
       if (l > 0) level = halved(level);
+      Level spread = level;
+      spread_colours(spread);
       const size_t aside = l == 0 ? 0 : n - (n >> (l - 1));
       const size_t top = plan.top[i] + (l == 0 ? 0 : n);
       for (size_t v = 0; v < level.n; ++v) {
@@ -136,9 +260,17 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
           const auto from = static_cast<std::ptrdiff_t>((face * level.n + v) * level.n * 4);
           const auto to =
               static_cast<std::ptrdiff_t>(((top + v) * 2 * width + 2 * plan.left[i] + face * n + aside) * 4);
-          std::copy_n(level.colour.begin() + from, level.n * 4, atlas.colour.begin() + to);
+          std::copy_n(spread.colour.begin() + from, level.n * 4, atlas.colour.begin() + to);
           std::copy_n(level.normal.begin() + from, level.n * 4, atlas.normal.begin() + to);
         }
+      }
+      for (size_t map = 0; map < 3; ++map) {
+        const std::vector<uint8_t> bounds = bounds_of(model.extent.data() + (box.first * 3 + map * n * n) * 2, n, l);
+        const size_t m = n >> (l + 1);
+        for (size_t v = 0; v < m; ++v)
+          std::copy_n(bounds.begin() + static_cast<std::ptrdiff_t>(v * m * 2), m * 2,
+                      atlas.bounds.begin() +
+                          static_cast<std::ptrdiff_t>(((top / 2 + v) * (width / 2) + (plan.left[i] + map * n + aside) / 2) * 2));
       }
     }
   }

@@ -139,7 +139,7 @@ void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_fr
     albedo *= glm::dvec3(pyramid.sample(t0 * b0 + t1 * winner.b1 + t2 * winner.b2, std::min(footprint, 64.0)));
   }
   for (int c = 0; c < 3; ++c) colour[c] = linear_to_srgb8(albedo[c]);
-  colour[3] = material.part;
+  colour[3] = material.unlit ? 255 : 0;
 
   glm::dvec3 n = bind_from_capture * (normals[v[0]] * b0 + normals[v[1]] * winner.b1 + normals[v[2]] * winner.b2);
   const double length = glm::length(n);
@@ -148,7 +148,7 @@ void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_fr
   const double along = (unit_from_bind * n)[axis];
   if (material.double_sided && ((side == 0 && along > 0) || (side == 1 && along < 0))) n = -n;
   for (int c = 0; c < 3; ++c) normal[c] = byte_of(0.5 + 0.5 * n[c]);
-  normal[3] = material.unlit ? 255 : 0;
+  normal[3] = material.part;
 }
 
 // The box, without its maps' resolution: bounds in the joint's frame, tight around the triangles.
@@ -175,6 +175,54 @@ Bounds bounds_of(const Source& source, const std::vector<uint32_t>& triangles, c
   for (int a = 0; a < 3; ++a)
     bounds.longest = std::max(bounds.longest, glm::length(capture_from_joint[a]) * (bounds.high[a] - bounds.low[a]));
   return bounds;
+}
+
+// What surfaces lie within one texel's square.
+struct Touched {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  Winner front;  // by the middle of each triangle's part in the square
+  Winner back;
+  bool any() const { return front.triangle != UINT32_MAX; }
+};
+
+// The part of triangle p (u, v in texels, depth) in the square of texel (i, j): its corners; at most seven.
+struct Polygon {
+  std::array<glm::dvec3, 8> corners;
+  size_t count = 0;
+};
+Polygon clipped(const std::array<glm::dvec3, 3>& p, double i, double j) {
+  Polygon polygon{{p[0], p[1], p[2]}, 3};
+  const auto cut = [&](int axis, double sign, double limit) {  // keeps sign * coordinate <= limit
+    Polygon kept;
+    for (size_t k = 0; k < polygon.count; ++k) {
+      const glm::dvec3& a = polygon.corners[k];
+      const glm::dvec3& b = polygon.corners[(k + 1) % polygon.count];
+      const double da = sign * a[axis] - limit;
+      const double db = sign * b[axis] - limit;
+      if (da <= 0) kept.corners[kept.count++] = a;
+      if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.corners[kept.count++] = a + (b - a) * (da / (da - db));
+    }
+    polygon = kept;
+  };
+  cut(0, -1, -i);
+  cut(0, 1, i + 1);
+  cut(1, -1, -j);
+  cut(1, 1, j + 1);
+  return polygon;
+}
+
+// Widens the intervals of two neighbours to where a surface that lies in both crosses from one into the other.
+void join(const Touched& a, const Touched& b, std::array<double, 2>& at_a, std::array<double, 2>& at_b) {
+  const bool ordered = at_a[1] < at_b[0];
+  const Touched& below = ordered ? a : b;
+  const Touched& above = ordered ? b : a;
+  std::array<double, 2>& lower = ordered ? at_a : at_b;
+  std::array<double, 2>& upper = ordered ? at_b : at_a;
+  if (lower[1] >= upper[0] || above.low > below.high) return;
+  const double meeting = std::clamp(0.5 * (lower[1] + upper[0]), above.low, below.high);
+  lower[1] = std::max(lower[1], meeting);
+  upper[0] = std::min(upper[0], meeting);
 }
 
 // The prism along the box's longest edge around points in unit coordinates: the square of the other two coordinates,
@@ -210,6 +258,82 @@ std::array<glm::vec3, kHullPoints> hull_of(const std::vector<glm::dvec3>& points
   return hull;
 }
 
+// From the winners at texel centres to closed intervals, see ReliefModel.
+void close_gaps(const std::vector<Touched>& touched, size_t n, std::vector<Winner>& front, std::vector<Winner>& back,
+                std::vector<std::array<double, 2>>& intervals) {
+  const auto covered = [&](size_t texel) { return front[texel].triangle != UINT32_MAX; };
+  for (size_t texel = 0; texel < n * n; ++texel) intervals[texel] = {front[texel].depth, back[texel].depth};
+  const auto join_all = [&] {
+    for (size_t v = 0; v < n; ++v) {
+      for (size_t u = 0; u < n; ++u) {
+        const size_t a = v * n + u;
+        if (!covered(a)) continue;
+        for (const size_t b : {u + 1 < n ? a + 1 : a, v + 1 < n ? a + n : a})
+          if (b != a && covered(b)) join(touched[a], touched[b], intervals[a], intervals[b]);
+      }
+    }
+  };
+  join_all();
+  std::vector<size_t> missed;
+  for (size_t v = 0; v < n; ++v) {
+    for (size_t u = 0; u < n; ++u) {
+      const size_t texel = v * n + u;
+      if (covered(texel) || !touched[texel].any()) continue;
+      const double low = touched[texel].low;
+      const double high = touched[texel].high;
+      bool held = false;
+      for (const size_t near : {u > 0 ? texel - 1 : texel, u + 1 < n ? texel + 1 : texel, v > 0 ? texel - n : texel,
+                                v + 1 < n ? texel + n : texel}) {
+        if (near == texel || !covered(near)) continue;
+        const double slack = 1.0 / static_cast<double>(n);
+        held = held || (intervals[near][0] <= low + slack && intervals[near][1] >= high - slack);
+      }
+      if (!held) missed.push_back(texel);
+    }
+  }
+  for (const size_t texel : missed) {
+    front[texel] = touched[texel].front;
+    back[texel] = touched[texel].back;
+    intervals[texel] = {touched[texel].low, touched[texel].high};
+  }
+  if (!missed.empty()) join_all();
+}
+
+// Adds triangle t to every texel that it reaches into. One that is seen edge-on still has depths.
+void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector<Touched>& touched) {
+  const auto range = [&](int axis) {
+    const auto [low, high] = std::minmax({p[0][axis], p[1][axis], p[2][axis]});
+    const auto last = static_cast<long>(n) - 1;
+    return std::pair(std::clamp(static_cast<long>(std::floor(low)), 0L, last),
+                     std::clamp(static_cast<long>(std::floor(high)), 0L, last));
+  };
+  const auto [left, right] = range(0);
+  const auto [top, bottom] = range(1);
+  const glm::dvec3 e1 = p[1] - p[0];
+  const glm::dvec3 e2 = p[2] - p[0];
+  const glm::dvec3 across = glm::cross(e1, e2);
+  const double square = glm::dot(across, across);
+  if (square <= 0) return;
+  for (long j = top; j <= bottom; ++j) {
+    for (long i = left; i <= right; ++i) {
+      const Polygon polygon = clipped(p, static_cast<double>(i), static_cast<double>(j));
+      if (polygon.count == 0) continue;
+      Touched& texel = touched[static_cast<size_t>(j) * n + static_cast<size_t>(i)];
+      glm::dvec3 middle(0.0);
+      for (size_t k = 0; k < polygon.count; ++k) {
+        texel.low = std::min(texel.low, polygon.corners[k].z);
+        texel.high = std::max(texel.high, polygon.corners[k].z);
+        middle += polygon.corners[k] / static_cast<double>(polygon.count);
+      }
+      const glm::dvec3 from = middle - p[0];
+      const Winner here{t, glm::dot(glm::cross(from, e2), across) / square, glm::dot(glm::cross(e1, from), across) / square,
+                        middle.z};
+      if (texel.front.triangle == UINT32_MAX || here.depth < texel.front.depth) texel.front = here;
+      if (texel.back.triangle == UINT32_MAX || here.depth > texel.back.depth) texel.back = here;
+    }
+  }
+}
+
 void capture_box(const Source& source, const std::vector<uint32_t>& triangles, const std::vector<glm::dvec3>& positions,
                  const std::vector<glm::dvec3>& normals, const glm::dmat4& capture_from_bind, const Bounds& bounds,
                  size_t index, ReliefModel& model) {
@@ -240,16 +364,20 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
   box.hull = hull_of(points, box.size, 0.5 / static_cast<double>(n));
 
   std::vector<Winner> winners[2];
+  std::vector<Touched> touched;
+  std::vector<std::array<double, 2>> intervals(n * n);
   for (int axis = 0; axis < 3; ++axis) {
     const int u_axis = (axis + 1) % 3;
     const int v_axis = (axis + 2) % 3;
     for (auto& w : winners) w.assign(n * n, Winner{});
+    touched.assign(n * n, Touched{});
     for (const uint32_t t : triangles) {
       std::array<glm::dvec3, 3> p;  // u, v in texels, depth in [0, 1]
       for (uint32_t corner = 0; corner < 3; ++corner) {
         const glm::dvec3 unit(unit_from_capture * glm::dvec4(positions[mesh.indices[3 * t + corner]], 1.0));
         p[corner] = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), unit[axis]};
       }
+      touch(p, t, n, touched);
       const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
       if (std::abs(area) < 1e-12) continue;
       const auto first = [](double a, double b, double c) {
@@ -274,12 +402,17 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
         }
       }
     }
+    close_gaps(touched, n, winners[0], winners[1], intervals);
     const size_t map = box.first * 3 + static_cast<size_t>(axis) * n * n;
     for (size_t texel = 0; texel < n * n; ++texel) {
       const bool covered = winners[0][texel].triangle != UINT32_MAX;
       uint16_t* depth = model.depth.data() + (map + texel) * 2;
-      depth[0] = covered ? static_cast<uint16_t>(winners[0][texel].depth * 65535.0 + 0.5) : 65535;
-      depth[1] = covered ? static_cast<uint16_t>(winners[1][texel].depth * 65535.0 + 0.5) : 0;
+      const auto stored = [](double d) { return static_cast<uint16_t>(std::clamp(d, 0.0, 1.0) * 65535.0 + 0.5); };
+      depth[0] = covered ? stored(intervals[texel][0]) : 65535;
+      depth[1] = covered ? stored(intervals[texel][1]) : 0;
+      uint16_t* touching = model.extent.data() + (map + texel) * 2;
+      touching[0] = std::min(depth[0], touched[texel].any() ? stored(touched[texel].low) : uint16_t{65535});
+      touching[1] = std::max(depth[1], touched[texel].any() ? stored(touched[texel].high) : uint16_t{0});
       if (!covered) continue;
       for (int side = 0; side < 2; ++side) {
         const Winner& winner = winners[side][texel];
@@ -344,6 +477,7 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
     texels += ReliefModel::box_texels(box);
   }
   model.depth.resize(texels * 3 * 2);
+  model.extent.resize(texels * 3 * 2);
   model.colour.resize(texels * 6 * 4);
   model.normal.resize(texels * 6 * 4);
 

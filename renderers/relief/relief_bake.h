@@ -39,7 +39,11 @@ struct ReliefBox {
   std::array<glm::vec3, kHullPoints> hull{};
 };
 
-// Maps. Axis a looks along unit coordinate a; its picture plane is (u, v) = the coordinates (a+1) mod 3 and (a+2) mod
+// Maps. A texel is covered when its centre is, so that silhouettes keep their size; beyond that, only as much as keeps
+// steep surfaces whole: where the intervals of two neighbours do not meet although one surface crosses the edge between
+// them, both are widened to where it crosses; and a texel whose centre is missed by a surface that no neighbour's
+// interval holds (a wall seen edge-on) holds that surface's own interval.
+// Axis a looks along unit coordinate a; its picture plane is (u, v) = the coordinates (a+1) mod 3 and (a+2) mod
 // 3, texel (i, j) at ((i+.5)/n, (j+.5)/n). The two faces of an axis share one unmirrored (u, v), so that front(high
 // face) = 1 - back(low face) holds by construction and three depth maps serve six faces.
 struct ReliefModel {
@@ -47,11 +51,13 @@ struct ReliefModel {
   // From texel 3 `first` on, [axis][v][u], two values each: least and greatest covered coordinate along the axis,
   // 16 bits; empty texels hold (65535, 0).
   std::vector<uint16_t> depth;
-  // From texel 6 `first` on, [axis][side][v][u], four bytes each: sRGB colour and part id. side 0 is the surface
-  // seen from the low face.
+  // The same layout: least and greatest coordinate of whatever surface lies anywhere within the texel's square, for
+  // telling what is certainly air. Never narrower than `depth`.
+  std::vector<uint16_t> extent;
+  // From texel 6 `first` on, [axis][side][v][u], four bytes each: sRGB colour; the fourth is 255 where the material is
+  // unlit. side 0 is the surface seen from the low face.
   std::vector<uint8_t> colour;
-  // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is 255 where
-  // the material is unlit.
+  // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is the part id.
   std::vector<uint8_t> normal;
   std::vector<int> triangles_of_box;
   size_t texels() const { return boxes.empty() ? 0 : boxes.back().first + box_texels(boxes.back()); }

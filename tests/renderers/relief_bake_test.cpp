@@ -63,7 +63,8 @@ TEST(ReliefBake, TightBoxTouchesEveryFaceHalfATexelIn) {
     }
   }
   // Colour and part of any covered texel are the material's.
-  EXPECT_EQ(m.colour[3], 3);
+  EXPECT_EQ(m.normal[3], 3);
+  EXPECT_EQ(m.colour[3], 0) << "lit";
   EXPECT_NEAR(m.colour[0], 188, 1);  // sRGB of linear 0.5
 }
 
