@@ -133,6 +133,8 @@ void main() {
   posed[item].eye_depth = vec4(eye, drawn ? depth : -1.0);
   posed[item].light = vec4(frame.light_direction.xyz * turned * inversesqrt(max(stretch, 1e-30)),
                            (volume < 0.0 ? -2.0 : 0.0) + (angles_kept ? 0.0 : 1.0));
+  vec3 view = transpose(mat3(frame.view_from_world)) * -centre * turned;
+  posed[item].view = vec4(view * inversesqrt(max(dot(view, view), 1e-30)), 0.0);
   posed[item].maps = uvec4(pack_maps(box.maps.x, box.maps.y, box.maps.z, uint(level)),
                            packUnorm4x8(vec4(edges / longest, 0.0)) | (angles_kept ? 0u : 1u << 24u) | colour_level << 25u,
                            box.place.x | pack_maps(0u, box.maps.y, box.maps.z, colour_level).x & 0xffff0000u);

@@ -173,8 +173,8 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
         return std::nullopt;
       texels += ReliefModel::box_texels(box);
     }
-    if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 || m.extent.size() != texels * 6 ||
-        m.colour.size() != texels * 24 || m.normal.size() != texels * 24)
+    if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
+        m.extent.size() != texels * 6 || m.colour.size() != texels * 24 || m.normal.size() != texels * 24)
       return std::nullopt;
   }
   if (!in.ok() || !in.at_end() || bake.models.empty() || bake.tier_pixels.size() + 1 != bake.models.size())
@@ -473,7 +473,7 @@ class Relief final : public Representation {
   }
   // PosedBox in relief_records.glsl.
   size_t posed_bytes(const Tier& tier) const {
-    return 16 * (6 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
+    return 16 * (7 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
   }
 
   void draw_tier(Tier& tier, size_t character, const FrameResources& resources, const std::vector<uint32_t>& list,
@@ -582,7 +582,8 @@ const RepresentationType relief_type{
      {"search", "adaptive|linear", "adaptive",
       "adaptive: two intervals a texel crossed; linear: the source's fixed steps"},
      {"steps", "LINEAR+BINARY", "256+7", "most adaptive steps, or the linear and binary steps of search=linear"},
-     {"bias", "-4..4", "-3", "mip levels added to one texel a pixel of a depth, for the silhouette; below 100 pixels of height one more"},
+     {"bias", "-4..4", "-3",
+      "mip levels added to one texel a pixel of a depth, for the silhouette; below 100 pixels of height one more"},
      {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
      {"merge", "auto|0..16", "auto", "pixels that joints sharing a box may stray; auto: 0.25 with proxy=hull, else 0"},
      {"debug", "none|boxes|steps|hit-face|misses", "none", "shows how the picture comes about instead of the picture"}},

@@ -20,6 +20,7 @@ layout(location = 1) flat in vec4 v_eye_depth;
 layout(location = 2) flat in vec3 v_light;
 layout(location = 3) flat in uvec4 v_maps;
 layout(location = 4) flat in uvec4 v_identity;
+layout(location = 5) flat in vec3 v_view;
 
 layout(binding = RELIEF_TEXTURE_DEPTH) uniform sampler2D depth_map;    // least and greatest depth along the axis
 layout(binding = RELIEF_TEXTURE_COLOUR) uniform sampler2D colour_map;  // sRGB colour, unlit; filtered
@@ -228,11 +229,9 @@ void main() {
   vec4 colour = textureLod(colour_map, (colour_low + clamp(place.xy * float(colour_size), 0.5, float(colour_size) - 0.5)) /
                            vec2(textureSize(colour_map, 0)), 0.0);
   vec3 n = normal.xyz * 2.0 - 1.0;
-#ifdef ATTRIBUTE
-  // The inner side of an open piece shows as both sides of a surface do.
-  if ((side == 0) != forward[axis] && reach[axis] > 0.3 * reach[main_axis]) n = -n;
-#endif
   float square = max(dot(n, n), 1e-6);
+  // The inner side of an open piece shows as both sides of a surface do. Not at a rim, where normals look aside.
+  if (dot(n, v_view) < -0.6 * sqrt(square)) n = -n;
   float lambert = dot(n, v_light) * inversesqrt(square);
   if ((v_maps.z >> 24u & 1u) != 0u) {
     // A joint that shears or stretches turns normals as the mesh's shader does.

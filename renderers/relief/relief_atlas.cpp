@@ -96,7 +96,7 @@ std::vector<uint8_t> bounds_of(const uint16_t* extent, size_t n, uint32_t level)
         high = std::max(high, e[1]);
       }
       // Nothing there stays (255, 0), which no depth fits; a texel of the level more either way.
-      const double slack = 1.0*65535.0 * static_cast<double>(step) / static_cast<double>(n);
+      const double slack = 1.0 * 65535.0 * static_cast<double>(step) / static_cast<double>(n);
       bounds[(j * m + i) * 2] =
           low > high ? 255 : static_cast<uint8_t>(std::max(0.0, std::floor((low - slack) / 257.0)));
       bounds[(j * m + i) * 2 + 1] =
@@ -106,8 +106,8 @@ std::vector<uint8_t> bounds_of(const uint16_t* extent, size_t n, uint32_t level)
   return bounds;
 }
 
-// Neighbours whose children touched still touch: where their mean intervals do not meet, they are widened to the middle of
-// the gap, as far as the children reach.
+// Neighbours whose children touched still touch: where their mean intervals do not meet, they are widened to the middle
+// of the gap, as far as the children reach.
 void meet_again(const std::vector<std::array<uint16_t, 2>>& reach, size_t n, uint16_t* depth) {
   const auto meet = [&](size_t a, size_t b) {
     uint16_t* at_a = depth + a * 2;
@@ -127,6 +127,8 @@ void meet_again(const std::vector<std::array<uint16_t, 2>>& reach, size_t n, uin
     for (size_t u = 0; u < n; ++u) {
       if (u + 1 < n) meet(v * n + u, v * n + u + 1);
       if (v + 1 < n) meet(v * n + u, v * n + u + n);
+      if (v + 1 < n && u + 1 < n) meet(v * n + u, v * n + u + n + 1);
+      if (v + 1 < n && u > 0) meet(v * n + u, v * n + u + n - 1);
     }
   }
 }
@@ -268,9 +270,10 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
         const std::vector<uint8_t> bounds = bounds_of(model.extent.data() + (box.first * 3 + map * n * n) * 2, n, l);
         const size_t m = n >> (l + 1);
         for (size_t v = 0; v < m; ++v)
-          std::copy_n(bounds.begin() + static_cast<std::ptrdiff_t>(v * m * 2), m * 2,
-                      atlas.bounds.begin() +
-                          static_cast<std::ptrdiff_t>(((top / 2 + v) * (width / 2) + (plan.left[i] + map * n + aside) / 2) * 2));
+          std::copy_n(
+              bounds.begin() + static_cast<std::ptrdiff_t>(v * m * 2), m * 2,
+              atlas.bounds.begin() + static_cast<std::ptrdiff_t>(
+                                         ((top / 2 + v) * (width / 2) + (plan.left[i] + map * n + aside) / 2) * 2));
       }
     }
   }

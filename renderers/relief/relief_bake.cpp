@@ -268,7 +268,10 @@ void close_gaps(const std::vector<Touched>& touched, size_t n, std::vector<Winne
       for (size_t u = 0; u < n; ++u) {
         const size_t a = v * n + u;
         if (!covered(a)) continue;
-        for (const size_t b : {u + 1 < n ? a + 1 : a, v + 1 < n ? a + n : a})
+        // Diagonal ones too: a step may pass a corner.
+        const bool below = v + 1 < n;
+        for (const size_t b : {u + 1 < n ? a + 1 : a, below ? a + n : a, below && u + 1 < n ? a + n + 1 : a,
+                               below && u > 0 ? a + n - 1 : a})
           if (b != a && covered(b)) join(touched[a], touched[b], intervals[a], intervals[b]);
       }
     }
@@ -326,8 +329,8 @@ void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector
         middle += polygon.corners[k] / static_cast<double>(polygon.count);
       }
       const glm::dvec3 from = middle - p[0];
-      const Winner here{t, glm::dot(glm::cross(from, e2), across) / square, glm::dot(glm::cross(e1, from), across) / square,
-                        middle.z};
+      const Winner here{t, glm::dot(glm::cross(from, e2), across) / square,
+                        glm::dot(glm::cross(e1, from), across) / square, middle.z};
       if (texel.front.triangle == UINT32_MAX || here.depth < texel.front.depth) texel.front = here;
       if (texel.back.triangle == UINT32_MAX || here.depth > texel.back.depth) texel.back = here;
     }

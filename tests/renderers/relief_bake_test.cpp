@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
+#include "renderers/relief/relief_atlas.h"
 #include "solids.h"
 
 namespace crowdbench::renderers {
@@ -99,6 +101,125 @@ TEST(ReliefBake, IsDeterministic) {
   EXPECT_EQ(a.depth, b.depth);
   EXPECT_EQ(a.colour, b.colour);
   EXPECT_EQ(a.normal, b.normal);
+}
+
+// A frustum of radius 0.3 to 0.5 and height 1, along its axis (1): its wall rises 5 in 1, so texel centres next to each
+// other lie up to five texels apart in depth. One surface crosses between them, hence their intervals must meet.
+TEST(ReliefBake, SteepWallsAreWholeInEveryMap) {
+  const ReliefModel m = bake_relief(testing::tube(0.3, 0.5, 1.0, 128), {.map_size = 64});
+  ASSERT_EQ(m.boxes.size(), 1U);
+  int pairs = 0;
+  int wide = 0;
+  for (int v = 0; v < 64; ++v) {
+    for (int u = 0; u + 1 < 64; ++u) {
+      const uint16_t* a = depth_at(m, 0, 1, u, v);
+      const uint16_t* b = depth_at(m, 0, 1, u + 1, v);
+      if (a[0] > a[1] || b[0] > b[1]) continue;
+      ++pairs;
+      const int gap = std::max(int{a[0]}, int{b[0]}) - std::min(int{a[1]}, int{b[1]});
+      // One code is what rounding leaves.
+      wide += gap > 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(pairs, 400);
+  EXPECT_EQ(wide, 0);
+  // The ring has no gap either: on every line through the middle both walls are there.
+  for (const int line : {20, 32, 44}) {
+    int walls = 0;
+    bool inside = false;
+    for (int u = 0; u < 64; ++u) {
+      const uint16_t* d = depth_at(m, 0, 1, u, line);
+      const bool covered = d[0] <= d[1];
+      walls += covered && !inside ? 1 : 0;
+      inside = covered;
+    }
+    EXPECT_EQ(walls, 2) << line;
+  }
+}
+
+// Seen along a wall that is exactly upright, no texel centre is covered: the map holds the wall all the same.
+TEST(ReliefBake, UprightWallIsNotLost) {
+  const ReliefModel m = bake_relief(testing::tube(0.5, 0.5, 1.0, 64), {.map_size = 32});
+  int covered = 0;
+  for (int v = 0; v < 32; ++v)
+    for (int u = 0; u < 32; ++u) {
+      const uint16_t* d = depth_at(m, 0, 1, u, v);
+      if (d[0] > d[1]) continue;
+      ++covered;
+      EXPECT_NEAR(std::hypot(u + 0.5 - 16, v + 0.5 - 16), 15.5, 1.5) << u << ' ' << v;
+      EXPECT_LT(d[0], 65535 * 0.5 / 32 + 2) << "as low as the wall";
+      EXPECT_GT(d[1], 65535 * 31.5 / 32 - 2) << "as high";
+    }
+  EXPECT_GT(covered, 90) << "a circle of 31 texels across is 97 around";
+}
+
+// Property: whatever a map stores lies within what the three axes' bounds leave of the box, at every level. A surface
+// outside would be cut away.
+TEST(ReliefAtlas, BoundsHoldEverySurface) {
+  for (const Character& c : {sphere(0.5, 32), testing::tube(0.2, 0.5, 1.0, 48), testing::fork()}) {
+    const ReliefModel m = bake_relief(c, {.map_size = 32});
+    const AtlasPlan plan = plan_atlas(m);
+    const Atlas atlas = fill_atlas(m, plan);
+    const auto n = size_t{32};
+    for (uint32_t level = 0; level < atlas_levels(32); ++level) {
+      const size_t half = n >> (level + 1);
+      const size_t aside = level == 0 ? 0 : n - (n >> (level - 1));
+      const size_t top = (plan.top[0] + (level == 0 ? 0 : n)) / 2;
+      const auto within = [&](int axis, double u, double v, double depth) {
+        const auto cell = [&](double x) {
+          return std::min(static_cast<size_t>(x * static_cast<double>(half)), half - 1);
+        };
+        const size_t at = ((top + cell(v)) * static_cast<size_t>(plan.width / 2) +
+                           (plan.left[0] + static_cast<size_t>(axis) * n + aside) / 2 + cell(u)) *
+                          2;
+        return depth * 255 >= atlas.bounds[at] && depth * 255 <= atlas.bounds[at + 1];
+      };
+      int tested = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        for (int v = 0; v < 32; ++v)
+          for (int u = 0; u < 32; ++u) {
+            const uint16_t* d = depth_at(m, 0, axis, u, v);
+            if (d[0] > d[1]) continue;
+            for (const int side : {0, 1}) {
+              std::array<double, 3> p{};
+              p[static_cast<size_t>((axis + 1) % 3)] = (u + 0.5) / 32;
+              p[static_cast<size_t>((axis + 2) % 3)] = (v + 0.5) / 32;
+              p[static_cast<size_t>(axis)] = d[side] / 65535.0;
+              for (size_t other = 0; other < 3; ++other)
+                EXPECT_TRUE(within(static_cast<int>(other), p[(other + 1) % 3], p[(other + 2) % 3], p[other]))
+                    << "level " << level << " axis " << axis << " texel " << u << ' ' << v << " against axis " << other;
+              ++tested;
+            }
+          }
+      EXPECT_GT(tested, 100);
+    }
+  }
+}
+
+// Between the prongs of a fork both other axes' maps are empty: that is known to be air, at the finest level.
+TEST(ReliefAtlas, BoundsLeaveAirBetweenSurfacesOut) {
+  const ReliefModel m = bake_relief(testing::fork(), {.map_size = 64});
+  const AtlasPlan plan = plan_atlas(m);
+  const Atlas atlas = fill_atlas(m, plan);
+  // Axis 0 runs from prong to prong: its own map is solid in between.
+  const uint16_t* along = depth_at(m, 0, 0, 32, 32);
+  EXPECT_LT(along[0], 0.1 * 65535);
+  EXPECT_GT(along[1], 0.9 * 65535);
+  // Axis 2 looks through: (u, v) = (x, y), the middle of the gap.
+  const size_t at =
+      ((plan.top[0] / 2 + 16) * static_cast<size_t>(plan.width / 2) + (plan.left[0] + 2 * 64) / 2 + 16) * 2;
+  EXPECT_GT(atlas.bounds[at], atlas.bounds[at + 1]);
+}
+
+// Halving black and white gives linear 0.5, code 188; a mean of codes would give 128.
+TEST(ReliefAtlas, ColoursAreAveragedInLinearLight) {
+  ReliefModel m = bake_relief(box({1, 1, 1}), {.map_size = 16});
+  for (size_t i = 0; i < m.colour.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c) m.colour[i + c] = (i / 4) % 2 == 0 ? 255 : 0;
+  const AtlasPlan plan = plan_atlas(m);
+  const Atlas atlas = fill_atlas(m, plan);
+  const size_t level1 = ((plan.top[0] + 16 + 4) * 2 * static_cast<size_t>(plan.width) + 2 * plan.left[0] + 4) * 4;
+  EXPECT_NEAR(atlas.colour[level1], 188, 1);
 }
 
 TEST(ReliefBake, NominalBytesAreThePublishedFigures) {

@@ -5,10 +5,16 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <vector>
 
+#include "core/error.h"
+#include "core/files.h"
 #include "core/image_io.h"
 #include "gl_test_support.h"
+#include "renderers/bake_cache.h"
+#include "renderers/relief/relief_pieces.h"
 #include "solids.h"
 
 namespace crowdbench::renderers {
@@ -262,6 +268,37 @@ TEST_P(ReliefNumericsGl, NoCrackAtABoxsEdgeAndNoSurfaceBetweenSilhouettes) {
   }
 }
 
+// Rays that cross from prong to prong: in the map of the axis that they cross most of, the gap is solid. The bounds of
+// the other axes open it. Stated bound: a texel (1/63 m) around prongs 0.2 m wide is 2/63/0.2 = 16 % at worst, half
+// that on average.
+TEST_F(ReliefGl, AirBetweenSurfacesIsSeenThrough) {
+  const scene::Cast fork = cast_of(testing::fork());
+  for (const glm::dvec3& eye : {glm::dvec3(2.2, 0.1, 1.9), glm::dvec3(2.2, 0.9, 1.5), glm::dvec3(-2, 0.5, -1.5)}) {
+    const Difference d = against_mesh(fork, look(fork, eye, {0, 0, 0}, 35), "relief:map=64", "fork_gap");
+    EXPECT_EQ(d.holes, 0);
+    EXPECT_EQ(d.strays, 0);
+    EXPECT_GT(d.iou, 0.92);
+    EXPECT_LT(d.mean_depth, kTexel);
+  }
+}
+
+// An open tube: its wall has no thickness and is a line in one map. From the side nothing is missing. Into its ends a
+// step may pass a wall that rises five texels in one between two steps: known, and held below one pixel in twenty, with
+// the figure whole.
+TEST_F(ReliefGl, OpenTubeIsWholeFromTheSideAndNearlySoFromItsEnds) {
+  scene::Character c = testing::tube(0.35, 0.5, 1.0, 64);
+  c.materials[0].double_sided = true;
+  const scene::Cast cast = cast_of(std::move(c));
+  for (const glm::dvec3& eye :
+       {glm::dvec3(0, 0, 3), glm::dvec3(1.5, 1.5, 1.5), glm::dvec3(0.2, 2.8, 0.6), glm::dvec3(1, -2, 1)}) {
+    const Difference d = against_mesh(cast, look(cast, eye, {0, 0, 0}, 35), "relief:map=64", "tube");
+    EXPECT_GT(d.pixels, 2000);
+    EXPECT_LE(d.holes, eye.y == 0 ? 0 : d.pixels / 20) << eye.x << ' ' << eye.y;
+    // A texel around a figure 60 texels wide, seen from the side; both rims of a ring seen from its end.
+    EXPECT_GT(d.iou, eye.y == 0 ? 0.96 : 0.90) << eye.x << ' ' << eye.y;
+  }
+}
+
 TEST_P(ReliefNumericsGl, ScaledAndMirroredJoints) {
   for (const bool mirrored : {false, true}) {
     scene::Character c = testing::sphere(0.3, 32);
@@ -295,6 +332,142 @@ TEST_P(ReliefNumericsGl, ScaledAndMirroredJoints) {
       }
     }
   }
+}
+
+// ---- options
+
+double fact(const Representation& representation, const std::string& name) {
+  for (const auto& [key, value] : representation.bake_info().facts)
+    if (key == name) return value;
+  ADD_FAILURE() << "no fact " << name;
+  return 0;
+}
+
+// Eight bits of depth: a step of the unit box is 1/255, which moves a surface by half of that, 2 mm; sixteen bits leave
+// the texel as the only error.
+TEST_F(ReliefGl, EightBitsOfDepthCostHalfAStep) {
+  const scene::Cast cast = cast_of(testing::sphere(0.5, 48));
+  const scene::Frame frame = look(cast, {0, 0, 4}, {0, 0, 0}, 40, 0.1, 256);
+  const Difference fine = against_mesh(cast, frame, "relief:map=128");
+  const Difference coarse = against_mesh(cast, frame, "relief:map=128,depth=8");
+  EXPECT_GT(coarse.mean_depth, fine.mean_depth) << "eight bits are seen";
+  EXPECT_LT(coarse.mean_depth, fine.mean_depth + 1.0 / 255);
+  EXPECT_EQ(coarse.holes, 0);
+  EXPECT_LT(make(cast, "relief:map=128,depth=8")->footprint().texture_bytes,
+            make(cast, "relief:map=128")->footprint().texture_bytes);
+}
+
+// By area: the small sphere, a quarter of the other's size, gets maps of a quarter of the texels a side, so that texels
+// are as large on both.
+TEST_F(ReliefGl, SizeByAreaAndBudget) {
+  scene::Character c = testing::two_bones();
+  for (size_t i = 0; i < c.mesh.positions.size(); ++i)
+    if (c.mesh.joints[i].x == 1) c.mesh.positions[i] = 0.25F * c.mesh.positions[i];
+  const scene::Cast cast = cast_of(std::move(c));
+  const auto uniform = make(cast, "relief:map=64,merge=0");
+  const auto by_area = make(cast, "relief:map=64,merge=0,size=by_area");
+  EXPECT_EQ(fact(*uniform, "nominal_bytes"), fact(*by_area, "nominal_bytes")) << "the source's accounting";
+  EXPECT_LT(fact(*by_area, "actual_bytes"), fact(*uniform, "actual_bytes"));
+  EXPECT_EQ(fact(*by_area, "texel_mm"), fact(*uniform, "texel_mm")) << "the largest box keeps its texels";
+  // 0.5 MiB: less than 64 texels need for two boxes (2 x 64 x 64 x 4.5 x 20.5 bytes = 0.7 MiB), more than 32 do.
+  const auto tight = make(cast, "relief:map=64,merge=0,budget=0.5");
+  EXPECT_LE(fact(*tight, "actual_bytes"), 0.5 * 1048576);
+  EXPECT_GT(fact(*uniform, "actual_bytes"), 0.5 * 1048576);
+  EXPECT_NEAR(fact(*tight, "texel_mm"), 2 * fact(*uniform, "texel_mm"), 0.05 * fact(*uniform, "texel_mm"));
+  EXPECT_THROW(make(cast, "relief:map=64,budget=0.001"), Error);
+}
+
+// The best capture has the least silhouette error of those scored, so no other choice measures less.
+TEST_F(ReliefGl, BestCaptureIsNoWorseThanBind) {
+  const scene::Cast cast = cast_of(testing::two_bones());
+  const auto scores = score_captures(*cast.characters[0], *cast.banks[0], TriangleRule::threshold, 1.2);
+  const CaptureScore best = choose_capture(scores);
+  double least = 1e9;
+  for (const CaptureScore& s : scores) least = std::min(least, s.silhouette_error);
+  EXPECT_LE(best.silhouette_error, 1.02 * least);
+  const auto chosen = make(cast, "relief:map=32");
+  EXPECT_EQ(fact(*chosen, "capture_clip"), best.pose.clip);
+  EXPECT_EQ(fact(*chosen, "capture_phase"), best.pose.phase);
+}
+
+// ---- the cache
+
+class ReliefCacheGl : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    std::string name = (std::filesystem::temp_directory_path() / "crowdbench-relief-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    setenv("CROWDBENCH_CACHE_DIR", folder_.c_str(), 1);
+  }
+  void TearDown() override {
+    unsetenv("CROWDBENCH_CACHE_DIR");
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+    GlTest::TearDown();
+  }
+  std::unique_ptr<Representation> cached() {
+    return make_representation({.context = context(), .cast = cast_}, parse_spec("relief:map=32"));
+  }
+  Capture picture(Representation& representation) {
+    Renderer renderer(context(), cast_);
+    return renderer.capture(look(cast_, {0.3, 0.4, 2.5}, {0, 0, 0}, 30), representation);
+  }
+  std::filesystem::path entry() const {
+    for (const auto& file : std::filesystem::recursive_directory_iterator(folder_))
+      if (file.path().extension() == ".bake") return file.path();
+    return {};
+  }
+  scene::Cast cast_ = cast_of(testing::sphere(0.3, 24));
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReliefCacheGl, ASecondRunReadsTheSameBytes) {
+  const auto first = cached();
+  EXPECT_FALSE(first->bake_info().cached);
+  ASSERT_FALSE(entry().empty());
+  const std::vector<uint8_t> stored = read_file(entry());
+  const auto second = cached();
+  EXPECT_TRUE(second->bake_info().cached);
+  EXPECT_EQ(picture(*first).colour.data, picture(*second).colour.data);
+  std::filesystem::remove(entry());
+  cached();
+  EXPECT_EQ(read_file(entry()), stored) << "a bake made anew has the same bytes";
+}
+
+TEST_F(ReliefCacheGl, DamageIsSeenAndRepaired) {
+  const Capture sound = picture(*cached());
+  const std::filesystem::path file = entry();
+  std::vector<uint8_t> bytes = read_file(file);
+  bytes[bytes.size() / 2] ^= 16;
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
+  const auto again = cached();
+  EXPECT_FALSE(again->bake_info().cached);
+  EXPECT_EQ(picture(*again).colour.data, sound.colour.data);
+  EXPECT_TRUE(cached()->bake_info().cached) << "and stored anew";
+}
+
+// A sound entry of another layout (an older version under the same key) is not taken for a bake.
+TEST_F(ReliefCacheGl, StaleLayoutIsBakedAnew) {
+  const auto first = cached();
+  const std::string key = first->bake_info().cache_key;
+  BakeCache(folder_ / "bakes").store("relief", key, std::vector<uint8_t>(1000, 7));
+  const auto again = cached();
+  EXPECT_FALSE(again->bake_info().cached);
+  EXPECT_EQ(picture(*again).colour.data, picture(*first).colour.data);
+}
+
+// Nothing can be written below a file, whoever runs this.
+TEST_F(ReliefCacheGl, AFolderThatCannotBeWrittenIsReportedAndTheRunGoesOn) {
+  const Capture sound = picture(*cached());
+  std::ofstream(folder_ / "file") << "x";
+  setenv("CROWDBENCH_CACHE_DIR", (folder_ / "file").c_str(), 1);
+  const auto uncached = cached();
+  EXPECT_FALSE(uncached->bake_info().cached);
+  EXPECT_EQ(uncached->footprint().disk_bytes, 0U);
+  EXPECT_EQ(picture(*uncached).colour.data, sound.colour.data);
 }
 
 }  // namespace

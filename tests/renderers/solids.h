@@ -95,4 +95,23 @@ inline scene::Character rod(const glm::dvec3& from, const glm::dvec3& to, double
   return c;
 }
 
+// The side of a cone's frustum along Y, open at both ends: a wall without thickness.
+inline scene::Character tube(double low_radius, double high_radius, double height, int sectors) {
+  scene::Character c = one_joint_character();
+  for (int i = 0; i <= sectors; ++i) {
+    const SinCos turn = sincos_turns(static_cast<double>(i) / sectors);
+    for (const bool high : {false, true}) {
+      const double radius = high ? high_radius : low_radius;
+      c.mesh.positions.push_back(glm::vec3(radius * turn.cos, (high ? 0.5 : -0.5) * height, radius * turn.sin));
+      c.mesh.normals.push_back(glm::vec3(turn.cos, 0, turn.sin));
+    }
+  }
+  for (int i = 0; i < sectors; ++i) {
+    const auto at = static_cast<uint32_t>(2 * i);
+    for (const uint32_t v : {at, at + 1, at + 2, at + 2, at + 1, at + 3}) c.mesh.indices.push_back(v);
+  }
+  finish(c);
+  return c;
+}
+
 }  // namespace crowdbench::renderers::testing
