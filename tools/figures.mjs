@@ -38,7 +38,7 @@ const speeds = [];
 const pairs = [
   ['flat', 'mesh', 250], ['flat', 'mesh', 1000], ['flat', 'flat:quad=square', 1000], ['flat', 'flat:floor=1', 1000],
   ['relief', 'mesh', 100], ['relief', 'mesh', 1000], ['relief', 'relief:search=linear,steps=16+7,proxy=box', 1000],
-  ['mesh', 'mesh:floor=1', 250],
+  ['rigid', 'mesh', 1000], ['mesh', 'mesh:floor=1', 250],
 ];
 for (const [of, to, agents] of pairs) {
   const args = ['ratio', '--of', of, '--to', to, '--agents', `${agents}`, '--occupancy', '0.15', '--size', '640x480'];
@@ -67,5 +67,26 @@ for (const representation of ['flat', 'relief']) {
   }
 }
 lines.push('', ...commands, '');
+
+lines.push('## The switch from mesh to flat impostors', '', 'Where a texel spans that many pixels: derived, and measured from pictures.', '',
+  '| pixels a texel | degrees off the axis | derived depth, m | measured, m | off by, % |', '|---|---|---|---|---|');
+const switches = [];
+for (const angle of ['0', '20']) {
+  const args = ['switch-distance', '--off-axis-deg', angle];
+  switches.push(shown(args).trimEnd());
+  for (const r of run(args).rows)
+    lines.push(`| ${r.ratio} | ${angle} | ${number(r.depth_m, 3)} | ${number(r.measured_depth_m, 3)} | ${number(r.measured_over_derived_percent)} |`);
+}
+lines.push('', ...switches, '', 'What it would show: differences over the silhouettes between the last picture before and the first after the switch.', '',
+  '| pixels a texel | mesh\'s pose | | MAE mean | p95 | worst | SSIM mean | p05 | worst |', '|---|---|---|---|---|---|---|---|---|');
+const pops = ['popmap', '--representation', 'flat'];
+for (const size of run(pops).sizes)
+  for (const [key, s] of Object.entries(size.switch)) {
+    const [pose, way] = key.split('_');
+    lines.push(`| ${size.ratio} | ${pose === 'own' ? 'its own' : 'the stored frame\'s'} | ${way === 'cut' ? 'cut' : 'largest step of a 4-tick fade'} | ` +
+      `${[s.mae.mean, s.mae.p95, s.mae.worst].map((x) => number(x)).join(' | ')} | ` +
+      `${[s.ssim_union.mean, s.ssim_union.p05, s.ssim_union.worst].map((x) => number(x, 3)).join(' | ')} |`);
+  }
+lines.push('', shown(pops).trimEnd(), '');
 writeFileSync(`${out}.part`, lines.join('\n'));
 renameSync(`${out}.part`, out);
