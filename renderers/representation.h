@@ -121,6 +121,16 @@ class Representation {
   virtual void advance(const scene::Frame& /*frame*/, const AgentLists& /*agents*/) {}
 };
 
+// How one agent is seen at one tick: the eye in the agent's model space (metres at scale 1, from its pivot), and its
+// pose.
+struct Sighting {
+  glm::vec3 eye{0.0F};
+  int bank_clip = 0;
+  float phase = 0;
+};
+// Shows every sighting of one character that a scenario will give.
+using VisitSightings = std::function<void(size_t character, const std::function<void(const Sighting&)>& see)>;
+
 struct MakeContext {
   gl::Context& context;
   const scene::Cast& cast;
@@ -128,6 +138,8 @@ struct MakeContext {
   bool use_cache = true;
   bool rebake = false;  // bake anew although the cache has it, and replace that
   bool progress = true;
+  // Set: representations that store views bake and load only what these sightings show, and show nothing elsewhere.
+  VisitSightings required_by = {};
 };
 
 struct RepresentationType {

@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "bench/audit.h"
 #include "bench/commands.h"
+#include "bench/contenders.h"
+#include "bench/required.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
@@ -26,6 +30,7 @@ struct Options {
   bool force = false;
   bool no_cache = false;
   bool audit = false;
+  std::string required_by;
   bool json = false;
 };
 
@@ -91,12 +96,25 @@ int run_bake(const Options& options) {
     entry.clips = options.clips;
     scenario.characters.push_back(entry);
   }
-  const scene::Cast cast = scene::load_cast(scenario);
+  std::filesystem::path folder;
+  if (!options.required_by.empty()) {
+    scenario = scene::load_scenario(options.required_by);
+    folder = std::filesystem::path(options.required_by).parent_path();
+  }
+  const scene::Cast cast = scene::load_cast(scenario, folder);
   gl::Context context({.device = options.device});
   renderers::MakeContext make{.context = context, .cast = cast};
   make.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
   make.use_cache = !options.no_cache;
   make.rebake = options.force;
+  scene::Solved solved;
+  uint64_t ticks = 0;
+  if (!options.required_by.empty()) {
+    solved = solve_scene(context, scenario, cast);
+    ticks = required_ticks(solved.scenario);
+    make.required_by =
+        sightings_of(solved.scenario, cast, solved.crowd, scenario.occupancy ? &solved.camera : nullptr, ticks);
+  }
   const auto start = std::chrono::steady_clock::now();
   const auto representation = renderers::make_representation(make, spec);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -119,6 +137,7 @@ int run_bake(const Options& options) {
                         {"buffer_bytes", bytes.buffer_bytes},
                         {"gpu_bytes", bytes.gpu_bytes()},
                         {"disk_bytes", bytes.disk_bytes}};
+    if (!options.required_by.empty()) out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}};
     out["facts"] = ordered_json::object();
     for (const auto& [name, value] : bake.facts) out["facts"][name] = value;
     out["characters"] = ordered_json::array();
@@ -136,6 +155,19 @@ int run_bake(const Options& options) {
     fmt::print("  nothing is baked\n");
   else
     fmt::print("  {}  {:.2f} s\n", bake.cached ? "read from disk" : "baked         ", bake.seconds);
+  const auto fact = [&](std::string_view name) {
+    const auto found =
+        std::find_if(bake.facts.begin(), bake.facts.end(), [&](const auto& f) { return f.first == name; });
+    return found == bake.facts.end() ? 0.0 : found->second;
+  };
+  if (!options.required_by.empty()) {
+    if (fact("whole_bytes") > 0)
+      fmt::print("  required by   {} in {} ticks: {:.0f} of {:.0f} tiles, {:.1f} of {:.1f} MiB\n",
+                 printable(options.required_by), ticks, fact("tiles"), fact("whole_tiles"), mib(bytes.texture_bytes),
+                 fact("whole_bytes") / (1 << 20));
+    else
+      fmt::print("  required by   {}: '{}' has no views to leave out\n", printable(options.required_by), spec.name);
+  }
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
@@ -154,7 +186,8 @@ void add_bake(CLI::App& app, Run& run) {
       "Examples:\n"
       "  crowdbench bake flat\n"
       "  crowdbench bake flat:views=sphere-32x9,frames=16 --character knight.glb --json\n"
-      "  crowdbench bake flat:views=sphere-17x8-mirrored --audit");
+      "  crowdbench bake flat:views=sphere-17x8-mirrored --audit\n"
+      "  crowdbench bake flat --required-by plaza.toml");
   auto options = std::make_shared<Options>();
   command->add_option("REPRESENTATION", options->representation, "name[:key=value,...]; info --representations")
       ->required();
@@ -163,6 +196,12 @@ void add_bake(CLI::App& app, Run& run) {
   command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)");
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB that the bake may take (512)")
       ->check(CLI::Range(1.0, 1e6));
+  command
+      ->add_option("--required-by", options->required_by,
+                   "a scenario: bake only the views and frames that its camera sees of its agents")
+      ->type_name("SCENARIO")
+      ->excludes("--character")
+      ->excludes("--clip");
   command->add_flag(
       "--audit", options->audit,
       "also state how coarse the stored views and frames are, what 6 degrees a step would take, and what\n"

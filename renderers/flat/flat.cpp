@@ -160,7 +160,7 @@ struct DrawOptions {
 
 class FlatRepresentation : public Representation {
  public:
-  FlatRepresentation(const MakeContext& make, const FlatBakeOptions& options, const DrawOptions& draw)
+  FlatRepresentation(const MakeContext& make, FlatBakeOptions options, const DrawOptions& draw)
       : context_(make.context), draw_(draw), grid_(options.grid) {
     const auto start = std::chrono::steady_clock::now();
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
@@ -171,6 +171,14 @@ class FlatRepresentation : public Representation {
       if (bank->clips().size() > CB_FLAT_CLIPS)
         throw Error(fmt::format("flat bake of {}", character->name),
                     fmt::format("{} clips; {} is the most", bank->clips().size(), CB_FLAT_CLIPS), "use fewer clips");
+      if (make.required_by) {
+        options.needed.clear();
+        const FlatForecast whole = forecast_flat(*character, bank, options);
+        whole_bytes_ += whole.texture_bytes;
+        whole_tiles_ += whole.tiles;
+        options.needed =
+            needed_tiles(*character, bank, options, draw_.blend, [&](const auto& see) { make.required_by(c, see); });
+      }
       const std::string key = flat_cache_key(*character, *bank, options, context_.renderer(), context_.version());
       std::optional<FlatBake> bake;
       if (!make.rebake)
@@ -284,6 +292,10 @@ class FlatRepresentation : public Representation {
       info.facts.emplace_back("view_error_deg_mean", errors.mean * 180 / std::numbers::pi);
       info.facts.emplace_back("view_error_deg_max", errors.largest * 180 / std::numbers::pi);
     }
+    if (whole_tiles_ > 0) {
+      info.facts.emplace_back("whole_tiles", static_cast<double>(whole_tiles_));
+      info.facts.emplace_back("whole_bytes", static_cast<double>(whole_bytes_));
+    }
     info.cache_key = characters_.size() == 1 ? characters_[0].cache_key : keys.hex();
     return info;
   }
@@ -363,6 +375,7 @@ class FlatRepresentation : public Representation {
   DrawOptions draw_;
   ViewGrid grid_;
   double seconds_ = 0;
+  uint64_t whole_bytes_ = 0, whole_tiles_ = 0;  // of the bakes of which only the required part was made
   std::vector<CharacterTiles> characters_;
   gl::Sampler filtered_, nearest_;
   std::map<Variant, gl::Program> programs_;

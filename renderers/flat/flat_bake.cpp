@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "core/error.h"
@@ -19,8 +20,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 5;  // raised whenever the same inputs give other bytes
-constexpr int kPage = 1024;           // texels a side
+constexpr uint32_t kBakeVersion = 6;  // raised whenever the same inputs give other bytes
 constexpr int kFineLevels = 2;        // levels whose outlines have `corners` corners
 
 // The coarsest level still has sixteen texels along the figure, and smaller pictures of it are point-sampled from
@@ -40,9 +40,11 @@ struct Plan {
   std::shared_ptr<const scene::PoseBank> still;   // the given bank
   std::vector<CaptureTile> moving_tiles, still_tiles;
   std::vector<size_t> moving_index, still_index;  // into frames x views
+  std::vector<TileRect> bounds;                   // frames x views; what holds a tile at level 0, captured or not
   std::vector<TilePlane> planes;                  // frames x views
   std::vector<double> steps;                      // metres: a frame's farthest vertex from where it is in the next
   size_t frames = 0;
+  size_t wanted = 0;  // of both kinds of tiles
 };
 
 std::vector<ViewBasis> view_bases(const ViewGrid& grid) {
@@ -105,34 +107,91 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
     const SurfaceMoments moments = surface_moments(positions[f], character.mesh.indices);
     for (size_t v = 0; v < bases.size(); ++v) {
       plan.planes.push_back(options.fitted ? fit_plane(moments, plan.sphere.centre, bases[v]) : TilePlane{});
-      if (!options.grid.reachable(static_cast<int>(v))) continue;
-      CaptureTile tile;
-      tile.pose = poses[f].sample;
-      tile.basis = bases[v];
-      tile.rect = options.trimmed ? tile_bounds(positions[f], plan.sphere.centre, bases[v], plan.texel)
-                                  : TileRect{-half, -half, 2 * half, 2 * half};
-      (poses[f].moving ? plan.moving_tiles : plan.still_tiles).push_back(tile);
-      (poses[f].moving ? plan.moving_index : plan.still_index).push_back(f * bases.size() + v);
+      const bool reachable = options.grid.reachable(static_cast<int>(v));
+      TileRect rect;
+      if (reachable)
+        rect = options.trimmed ? tile_bounds(positions[f], plan.sphere.centre, bases[v], plan.texel)
+                               : TileRect{-half, -half, 2 * half, 2 * half};
+      plan.bounds.push_back(rect);
+      const size_t index = f * bases.size() + v;
+      if (!reachable) continue;
+      const bool wanted = options.needed.empty() || options.needed[index] != 0;
+      plan.wanted += wanted ? 1 : 0;
+      (poses[f].moving ? plan.moving_tiles : plan.still_tiles).push_back({poses[f].sample, bases[v], rect, wanted});
+      (poses[f].moving ? plan.moving_index : plan.still_index).push_back(index);
     }
   }
   return plan;
 }
 
-// Bytes of both maps of all levels, as packed from the tiles' bounds: at least what the bake will need.
-uint64_t predicted_bytes(const Plan& plan, int levels) {
-  uint64_t bytes = 0;
-  for (int level = 0; level < levels; ++level)
-    for (const auto* tiles : {&plan.moving_tiles, &plan.still_tiles})
-      for (const CaptureTile& t : *tiles) {
-        const auto side = [&](int texels) {
-          return (static_cast<uint64_t>(texels) + (uint64_t{1} << level) - 1) / (uint64_t{1} << level) +
-                 2 * uint64_t{kTileGutter};
-        };
-        bytes += side(t.rect.width) * side(t.rect.height) * 8;
-      }
-  return bytes;
+// Where every tile of a level lies, needed or not: by what bounds it, so that a place depends on the options alone.
+// Views of one elevation share layers, frames of one view lie beside each other.
+// Based on: Tecchia, Loscos and Chrysanthou 2002 (textures split by elevation, so that only those in sight are loaded).
+struct Layout {
+  Packing packing;
+  std::vector<int> layer;  // of the packing's, its place among those that are kept; -1: left out
+  int layers = 0;
+  uint64_t bytes() const {
+    return uint64_t{8} * static_cast<uint64_t>(packing.width) * static_cast<uint64_t>(packing.height) *
+           static_cast<uint64_t>(layers);
+  }
+};
+
+// Elevations that are stored together: the rows of a sphere, bands of 15 degrees of the others.
+int elevation_group(const ViewGrid& grid, int view) {
+  if (grid.kind == GridKind::sphere) return view / grid.azimuths;
+  constexpr double kBand = 15 * 3.14159265358979323846 / 180;
+  return static_cast<int>(std::floor(std::asin(std::clamp(grid.basis(view).to_eye.y, -1.0, 1.0)) / kBand));
 }
 
+Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) {
+  const auto views = static_cast<size_t>(options.grid.size());
+  std::vector<size_t> order;  // view-major
+  for (size_t v = 0; v < views; ++v)
+    for (size_t f = 0; f < plan.frames; ++f) order.push_back(f * views + v);
+  std::vector<int> group_of_view;
+  for (size_t v = 0; v < views; ++v) group_of_view.push_back(elevation_group(options.grid, static_cast<int>(v)));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return group_of_view[a % views] < group_of_view[b % views]; });
+  std::vector<PackSize> sizes;
+  std::vector<int> groups;
+  for (const size_t i : order) {
+    const TileRect rect = level_rect(plan.bounds[i], level);
+    sizes.push_back(rect.width == 0 ? PackSize{}
+                                    : PackSize{rect.width + 2 * kTileGutter, rect.height + 2 * kTileGutter});
+    groups.push_back(group_of_view[i % views]);
+  }
+  // The page that wastes least; of equal ones the first.
+  int tallest = 4;
+  for (const PackSize& s : sizes) tallest = std::max(tallest, s.height);
+  Packing best;
+  std::pair<bool, uint64_t> least{true, std::numeric_limits<uint64_t>::max()};
+  constexpr int kMostLayers = 1536;  // every driver's limit is 2048 at least
+  constexpr int kWidest = 1024;
+  for (int width = 64; width <= kWidest; width += 64)
+    for (int shelves = 1; shelves == 1 || shelves * tallest <= kWidest; ++shelves) {
+      Packing tried = pack_in_order(sizes, groups, width, shelves * tallest);
+      const uint64_t area = static_cast<uint64_t>(tried.width) * static_cast<uint64_t>(tried.height) *
+                            static_cast<uint64_t>(tried.layers);
+      const std::pair found{tried.layers > kMostLayers, area};
+      if (found >= least) continue;
+      least = found;
+      best = std::move(tried);
+    }
+  Layout layout;
+  layout.packing = best;
+  layout.packing.places.assign(order.size(), {});
+  std::vector<bool> kept(static_cast<size_t>(best.layers));
+  for (size_t k = 0; k < order.size(); ++k) {
+    layout.packing.places[order[k]] = best.places[k];
+    if (best.places[k].layer >= 0 && (options.needed.empty() || options.needed[order[k]] != 0))
+      kept[static_cast<size_t>(best.places[k].layer)] = true;
+  }
+  for (const bool keep : kept) layout.layer.push_back(keep ? layout.layers++ : -1);
+  return layout;
+}
+
+// place.layer: among those kept.
 void copy_tile(const Tile& tile, const PackPlace& place, FlatLevel& level) {
   const auto row_bytes = static_cast<size_t>(tile.stride()) * 4;
   for (int row = 0; row < tile.rows(); ++row) {
@@ -173,17 +232,12 @@ Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, cons
   return built;
 }
 
-FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& planes, size_t level) {
+FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& planes, const Layout& layout,
+                     size_t level) {
   FlatLevel out;
-  std::vector<PackSize> sizes;
-  for (const Built& b : built) {
-    const bool nothing = b.levels.empty() || b.levels[level].rect.width == 0;
-    sizes.push_back(nothing ? PackSize{} : PackSize{b.levels[level].stride(), b.levels[level].rows()});
-  }
-  const Packing packing = pack_tiles(sizes, std::max(kPage >> level, 256));
-  out.width = packing.width;
-  out.height = packing.height;
-  out.layers = packing.layers;
+  out.width = layout.packing.width;
+  out.height = layout.packing.height;
+  out.layers = layout.layers;
   const size_t bytes =
       4 * static_cast<size_t>(out.width) * static_cast<size_t>(out.height) * static_cast<size_t>(out.layers);
   out.albedo.assign(bytes, 0);
@@ -191,18 +245,19 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
   for (const Built& b : built)
     if (!b.outlines.empty()) out.corners = static_cast<int>(b.outlines[level].size());
   for (size_t i = 0; i < built.size(); ++i) {
-    if (packing.places[i].layer < 0) {
+    if (built[i].levels.empty() || built[i].levels[level].rect.width == 0) {
       out.tiles.push_back({});
       out.outlines.insert(out.outlines.end(), static_cast<size_t>(out.corners), {0.0F, 0.0F});
       continue;
     }
     Tile& tile = built[i].levels[level];
-    copy_tile(tile, packing.places[i], out);
-    out.tiles.push_back({static_cast<float>(packing.places[i].x + kTileGutter - tile.rect.x),
-                         static_cast<float>(packing.places[i].y + kTileGutter - tile.rect.y),
-                         static_cast<float>(packing.places[i].layer), static_cast<float>(tile.coverage),
-                         static_cast<float>(planes[i].slope_x), static_cast<float>(planes[i].slope_y),
-                         static_cast<float>(planes[i].height), 0.0F});
+    PackPlace place = layout.packing.places[i];
+    place.layer = layout.layer[static_cast<size_t>(place.layer)];
+    copy_tile(tile, place, out);
+    out.tiles.push_back({static_cast<float>(place.x + kTileGutter - tile.rect.x),
+                         static_cast<float>(place.y + kTileGutter - tile.rect.y), static_cast<float>(place.layer),
+                         static_cast<float>(tile.coverage), static_cast<float>(planes[i].slope_x),
+                         static_cast<float>(planes[i].slope_y), static_cast<float>(planes[i].height), 0.0F});
     const auto& outline = built[i].outlines[level];
     for (const glm::vec2& p : outline) out.outlines.push_back({p.x, p.y});
     tile = {};  // its texels live on the page now
@@ -222,13 +277,50 @@ FlatForecast forecast_flat(const scene::Character& character, const std::shared_
                            const FlatBakeOptions& options) {
   const Plan plan = make_plan(character, bank, options);
   FlatForecast out;
-  out.texture_bytes = predicted_bytes(plan, level_count(options.texels));
+  for (int level = 0; level < level_count(options.texels); ++level)
+    out.texture_bytes += make_layout(plan, options, level).bytes();
+  out.tiles = plan.wanted;
   out.texel = plan.texel;
   for (const double step : plan.steps) {
     out.pose_step_largest = std::max(out.pose_step_largest, step);
     out.pose_step_mean += step / static_cast<double>(plan.steps.size());
   }
   return out;
+}
+
+std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                                  const FlatBakeOptions& options, bool blend,
+                                  const std::function<void(const std::function<void(const Sighting&)>&)>& visit) {
+  const Plan plan = make_plan(character, bank, options);
+  const auto views = static_cast<size_t>(options.grid.size());
+  std::vector<uint8_t> needed(plan.frames * views);
+  visit([&](const Sighting& seen) {
+    const FlatClip& clip = plan.clips[static_cast<size_t>(seen.bank_clip)];
+    const glm::dvec3 d = glm::dvec3(seen.eye) - plan.sphere.centre;
+    // The GPU picks in single precision: what lies this near to a border may fall to either side of it.
+    const double near = 2e-4 * glm::length(d);
+    constexpr double kNearPhase = 1e-4;
+    const auto mark = [&](int view, bool mirrored) {
+      for (const double off : {-kNearPhase, kNearPhase}) {
+        auto step = static_cast<uint32_t>(
+            std::max(0.0, std::floor((static_cast<double>(seen.phase) + off) * clip.frames + 0.5)));
+        step = (step + (mirrored ? clip.frames / 2 : 0)) % clip.frames;
+        needed[(clip.first_frame + step) * views + static_cast<size_t>(view)] = 1;
+      }
+    };
+    for (int k = 0; k < 7; ++k) {
+      glm::dvec3 beside = d;
+      if (k > 0) beside[(k - 1) / 2] += k % 2 == 0 ? near : -near;
+      if (!blend) {
+        const ViewPick picked = options.grid.pick(beside);
+        mark(picked.view, picked.mirrored);
+        continue;
+      }
+      const ViewBlend three = options.grid.blend(beside);
+      for (const int view : three.views) mark(view, three.mirrored);
+    }
+  });
+  return needed;
 }
 
 std::string flat_cache_key(const scene::Character& character, const scene::PoseBank& bank,
@@ -238,6 +330,7 @@ std::string flat_cache_key(const scene::Character& character, const scene::PoseB
   hash.text("flat").value(kBakeVersion).text(character.content_hash).text(gl_renderer).text(gl_version);
   hash.text(options.grid.text()).value(options.grid.el_min);
   hash.value(options.frames).value(options.texels).value(options.trimmed).value(options.corners).value(options.fitted);
+  hash.value(options.needed.size()).bytes(options.needed.data(), options.needed.size());
   for (const scene::BankClip& c : bank.clips()) {
     hash.value(c.clip).value(c.samples > 1);
     if (c.samples > 1) continue;
@@ -253,15 +346,19 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
                    const std::function<void(size_t, size_t)>& progress) {
   const Plan plan = make_plan(*character, bank, options);
   const int levels = level_count(options.texels);
-  const uint64_t needed = predicted_bytes(plan, levels);
+  std::vector<Layout> layouts;
+  uint64_t needed = 0;
+  for (int level = 0; level < levels; ++level) {
+    layouts.push_back(make_layout(plan, options, level));
+    needed += layouts.back().bytes();
+  }
   if (needed > budget) {
     const auto mib = [](uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
-    throw Error(
-        fmt::format("flat bake of {}", character->name),
-        fmt::format("{} clip{}, {} frames, {} views and {} texels need at least {:.0f} MiB, the budget is {:.0f}",
-                    plan.clips.size(), plan.clips.size() == 1 ? "" : "s", plan.frames, options.grid.size(),
-                    options.texels, mib(needed), mib(budget)),
-        "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
+    throw Error(fmt::format("flat bake of {}", character->name),
+                fmt::format("{} clip{}, {} frames, {} views and {} texels need {:.0f} MiB, the budget is {:.0f}",
+                            plan.clips.size(), plan.clips.size() == 1 ? "" : "s", plan.frames, options.grid.size(),
+                            options.texels, mib(needed), mib(budget)),
+                "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
   }
 
   FlatBake bake;
@@ -273,7 +370,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   bake.views = static_cast<uint32_t>(options.grid.size());
   bake.clips = plan.clips;
 
-  const size_t total = plan.moving_tiles.size() + plan.still_tiles.size();
+  const size_t total = plan.wanted;
   std::vector<Built> built(plan.frames * bake.views);
   size_t done = 0;
   const auto run = [&](const std::shared_ptr<const scene::PoseBank>& poses, const std::vector<CaptureTile>& tiles,
@@ -299,7 +396,8 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   run(plan.moving, plan.moving_tiles, plan.moving_index);
   run(plan.still, plan.still_tiles, plan.still_index);
   for (int level = 0; level < levels; ++level)
-    bake.levels.push_back(pack_level(built, plan.planes, static_cast<size_t>(level)));
+    bake.levels.push_back(
+        pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], static_cast<size_t>(level)));
   return bake;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "renderers/representation.h"
 #include "renderers/tiles/plane.h"
 #include "renderers/tiles/tile.h"
 #include "renderers/tiles/tile_capture.h"
@@ -23,6 +24,9 @@ struct FlatBakeOptions {
   bool fitted = true;   // planes fitted to the posed body; false: through the capture centre, facing the view
   bool trimmed = true;  // false: every tile is the whole square, as the source has it
   int corners = 8;      // of the outlines of the finer levels, 4..8; coarser ones have four
+  // Frames x views, frame-major: the tiles to bake; empty: all of them. Those that are baked are the same texels at the
+  // same place of a layer whatever else is, so that pictures do not change by a bit; layers without any are left out.
+  std::vector<uint8_t> needed;
 };
 
 // One clip of the character's bank.
@@ -79,13 +83,20 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
 
 // What a bake will be made of, without making it.
 struct FlatForecast {
-  uint64_t texture_bytes = 0;  // of the tiles' bounds at every level, unpacked: at least what the bake takes
-  double texel = 0;            // metres
+  uint64_t texture_bytes = 0;
+  uint64_t tiles = 0;
+  double texel = 0;  // metres
   // How far the farthest vertex moves from one stored frame to the next, metres: over all pairs, and their mean.
   double pose_step_largest = 0, pose_step_mean = 0;
 };
 FlatForecast forecast_flat(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                            const FlatBakeOptions& options);
+
+// FlatBakeOptions::needed for sightings: `visit` shows them one after the other. blend: the views of ViewGrid::blend
+// instead of the nearest. What lies within rounding of another view or frame counts for both.
+std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                                  const FlatBakeOptions& options, bool blend,
+                                  const std::function<void(const std::function<void(const Sighting&)>&)>& visit);
 
 std::vector<uint8_t> serialise(const FlatBake& bake);
 // std::nullopt when the bytes are not a bake (a stale format that a checksum cannot see).

@@ -52,4 +52,38 @@ Packing pack_tiles(std::span<const PackSize> sizes, int side) {
   return packing;
 }
 
+Packing pack_in_order(std::span<const PackSize> sizes, std::span<const int> groups, int width, int height) {
+  const auto multiple_of_four = [](int v) { return (v + 3) / 4 * 4; };
+  Packing packing;
+  packing.places.resize(sizes.size());
+  for (const PackSize& s : sizes) {
+    width = std::max(width, s.width);
+    height = std::max(height, s.height);
+  }
+  packing.width = multiple_of_four(width);
+  packing.height = multiple_of_four(height);
+  int x = 0;
+  int y = 0;
+  int shelf = 0;
+  int group = 0;
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    const PackSize& s = sizes[i];
+    if (s.width <= 0 || s.height <= 0) continue;
+    if (x + s.width > packing.width) {
+      x = 0;
+      y += shelf;
+      shelf = 0;
+    }
+    if (packing.layers == 0 || groups[i] != group || y + std::max(shelf, s.height) > packing.height) {
+      ++packing.layers;
+      group = groups[i];
+      x = y = shelf = 0;
+    }
+    packing.places[i] = {x, y, packing.layers - 1};
+    x += s.width;
+    shelf = std::max(shelf, s.height);
+  }
+  return packing;
+}
+
 }  // namespace crowdbench::renderers

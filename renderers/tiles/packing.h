@@ -26,4 +26,9 @@ struct Packing {
 // where everything fits in less; sides are multiples of four, for block compression.
 Packing pack_tiles(std::span<const PackSize> sizes, int side);
 
+// Shelves in the order given, and a new layer wherever the group changes: what belongs together lies in few layers, and
+// where a rectangle lies does not depend on what follows its group. groups: one a size, ascending. Layers are
+// width x height (rounded up to multiples of four), larger where a rectangle needs it.
+Packing pack_in_order(std::span<const PackSize> sizes, std::span<const int> groups, int width, int height);
+
 }  // namespace crowdbench::renderers

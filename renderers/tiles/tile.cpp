@@ -45,12 +45,18 @@ std::array<float, 3> decode_normal(uint8_t x, uint8_t y) {
 
 int floor_half(int v) { return v >= 0 ? v / 2 : -((1 - v) / 2); }
 
+TileRect half(const TileRect& r) {
+  const int x = floor_half(r.x);
+  const int y = floor_half(r.y);
+  return {x, y, floor_half(r.x + r.width - 1) + 1 - x, floor_half(r.y + r.height - 1) + 1 - y};
+}
+
 Plane half(const Plane& fine) {
-  const int x0 = floor_half(fine.rect.x);
-  const int y0 = floor_half(fine.rect.y);
-  const int x1 = floor_half(fine.rect.x + fine.rect.width - 1) + 1;
-  const int y1 = floor_half(fine.rect.y + fine.rect.height - 1) + 1;
-  Plane coarse({x0, y0, x1 - x0, y1 - y0});
+  Plane coarse(half(fine.rect));
+  const int x0 = coarse.rect.x;
+  const int y0 = coarse.rect.y;
+  const int x1 = x0 + coarse.rect.width;
+  const int y1 = y0 + coarse.rect.height;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
       std::array<size_t, 4> source{};
@@ -225,6 +231,12 @@ Tile encode(const Plane& plane, double area) {
 }
 
 }  // namespace
+
+TileRect level_rect(const TileRect& rect, int level) {
+  TileRect out = rect;
+  for (int i = 0; i < level && out.width > 0 && out.height > 0; ++i) out = half(out);
+  return out;
+}
 
 uint8_t encode_signed(double v) { return static_cast<uint8_t>(std::clamp(std::floor(v * 127 + 128.5), 1.0, 255.0)); }
 double decode_signed(uint8_t code) { return (static_cast<double>(code) - 128) / 127; }

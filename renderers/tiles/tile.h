@@ -19,6 +19,9 @@ struct TileRect {
   bool operator==(const TileRect&) const = default;
 };
 
+// The texels of a coarser level that hold a rectangle of level 0.
+TileRect level_rect(const TileRect& rect, int level);
+
 inline constexpr int kTileGutter = 1;  // texels around a tile, filled from its border, with the alpha of "nothing here"
 
 // Two RGBA maps of (width + 2 gutter) x (height + 2 gutter) texels, bottom row first.

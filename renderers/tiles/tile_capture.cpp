@@ -173,7 +173,8 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
   for (int page = 0; page < packing.layers; ++page) {
     std::vector<size_t> here;
     for (size_t i = 0; i < tiles.size(); ++i)
-      if (packing.places[i].layer == page) here.push_back(i);
+      if (packing.places[i].layer == page && tiles[i].wanted) here.push_back(i);
+    if (here.empty()) continue;
 
     // Clip-space x of a point: its texel on the lattice, moved to the tile's place on the page.
     std::vector<CaptureView> views;

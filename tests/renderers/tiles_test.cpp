@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -77,6 +78,21 @@ TEST(Packing, NothingOverlapsAndNothingSticksOut) {
       }
   }
   EXPECT_GT(static_cast<double>(texels) / (static_cast<double>(p.width) * p.height * p.layers), 0.8);
+}
+
+TEST(Packing, GroupsHaveLayersOfTheirOwnAndTheirPlacesDoNotDependOnWhatFollows) {
+  // Two to a shelf of 64, two shelves to a layer of 60: five of the first group take two layers.
+  std::vector<PackSize> sizes(8, PackSize{30, 28});
+  sizes[6] = {};  // nothing to place
+  const std::vector<int> groups = {0, 0, 0, 0, 0, 3, 3, 4};
+  const Packing p = pack_in_order(sizes, groups, 64, 60);
+  EXPECT_EQ(p.layers, 4);
+  const std::vector<std::array<int, 3>> expected = {{0, 0, 0}, {30, 0, 0}, {0, 28, 0}, {30, 28, 0},
+                                                    {0, 0, 1}, {0, 0, 2},  {0, 0, -1}, {0, 0, 3}};
+  for (size_t i = 0; i < expected.size(); ++i)
+    EXPECT_EQ((std::array{p.places[i].x, p.places[i].y, p.places[i].layer}), expected[i]) << i;
+  EXPECT_EQ(pack_in_order(std::vector<PackSize>{{70, 10}}, std::vector<int>{0}, 64, 4).width, 72) << "widened";
+  EXPECT_EQ(pack_in_order(std::vector<PackSize>{{70, 10}}, std::vector<int>{0}, 64, 4).height, 12);
 }
 
 TEST(Packing, WidensForALargeTileAndCutsALowLayer) {
