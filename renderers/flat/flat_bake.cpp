@@ -385,8 +385,10 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
           built[index[page[i]]] = build(tiles[page[i]].rect, texels[i], options, levels);
       };
       // Tiles do not depend on each other, so the bytes do not depend on the number of threads.
+      const unsigned count =
+          options.threads > 0 ? options.threads : std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
       std::vector<std::thread> threads;
-      for (unsigned t = 1; t < std::clamp(std::thread::hardware_concurrency(), 1U, 8U); ++t) threads.emplace_back(work);
+      for (unsigned t = 1; t < count; ++t) threads.emplace_back(work);
       work();
       for (std::thread& t : threads) t.join();
       done += page.size();

@@ -27,6 +27,8 @@ struct FlatBakeOptions {
   // Frames x views, frame-major: the tiles to bake; empty: all of them. Those that are baked are the same texels at the
   // same place of a layer whatever else is, so that pictures do not change by a bit; layers without any are left out.
   std::vector<uint8_t> needed;
+  unsigned threads =
+      0;  // that build tiles; 0: as many as the machine has, eight at most. The bytes do not depend on it
 };
 
 // One clip of the character's bank.

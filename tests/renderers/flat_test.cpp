@@ -1,3 +1,5 @@
+#include "renderers/flat/flat.h"
+
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -10,6 +12,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/random.h"
+#include "renderers/bake_cache.h"
 #include "renderers/flat/flat_bake.h"
 #include "scene/mannequin.h"
 #include "tests/renderers/gl_test_support.h"
@@ -615,6 +618,69 @@ TEST_F(FlatGl, BakesAreTheSameBytesTwice) {
     return serialise(bake_flat(context(), walker().characters[0], walker().banks[0], options, uint64_t{1} << 30));
   };
   EXPECT_EQ(bake(), bake());
+}
+
+TEST_F(FlatGl, BakesDoNotDependOnTheNumberOfThreads) {
+  FlatBakeOptions options;
+  options.grid.azimuths = 3;
+  options.grid.elevations = 2;
+  options.frames = 2;
+  options.texels = 48;
+  const auto bake = [&](unsigned threads) {
+    options.threads = threads;
+    return serialise(bake_flat(context(), walker().characters[0], walker().banks[0], options, uint64_t{1} << 30));
+  };
+  const auto one = bake(1);
+  EXPECT_EQ(bake(2), one);
+  EXPECT_EQ(bake(7), one);
+}
+
+TEST_F(FlatGl, AStaleEntryIsMadeAnewAndAFolderThatCannotBeWrittenStopsNothing) {
+  const char* before = getenv("CROWDBENCH_CACHE_DIR");
+  const std::string old = before ? before : "";
+  const fs::path folder = fs::path(::testing::TempDir()) / "crowdbench_flat_stale";
+  fs::remove_all(folder);
+  setenv("CROWDBENCH_CACHE_DIR", folder.c_str(), 1);
+  const std::string spec = "flat:views=sphere-4x1,frames=1,texels=32";
+  Renderer renderer(context(), walker());
+  const auto frame = frame_from(0, 0, 0, middle_of(walker()));
+  const auto first = make(walker(), spec, true);
+  const Image8 picture = renderer.capture(frame, *first).colour;
+  // Sound by its checksum, under the right key, but not what this version writes.
+  const std::vector<uint8_t> other_format(100, 7);
+  ASSERT_GT(BakeCache(folder / "bakes").store("flat", first->bake_info().cache_key, other_format), 0U);
+  const auto again = make(walker(), spec, true);
+  EXPECT_FALSE(again->bake_info().cached);
+  EXPECT_EQ(renderer.capture(frame, *again).colour, picture);
+  EXPECT_TRUE(make(walker(), spec, true)->bake_info().cached) << "it was replaced";
+  // A file where the folder should be: nothing can be kept, by anybody.
+  const fs::path file = fs::path(::testing::TempDir()) / "crowdbench_flat_no_folder";
+  std::ofstream(file) << "not a folder";
+  setenv("CROWDBENCH_CACHE_DIR", file.c_str(), 1);
+  const auto unkept = make(walker(), spec, true);
+  EXPECT_FALSE(unkept->bake_info().cached);
+  EXPECT_EQ(unkept->footprint().disk_bytes, 0U);
+  EXPECT_EQ(renderer.capture(frame, *unkept).colour, picture);
+  before ? setenv("CROWDBENCH_CACHE_DIR", old.c_str(), 1) : unsetenv("CROWDBENCH_CACHE_DIR");
+  fs::remove_all(folder);
+  fs::remove(file);
+}
+
+// What any option of the bake changes must change its key, and what only the drawing depends on must not.
+TEST_F(FlatGl, TheCacheKeyHoldsWhatTheBytesDependOn) {
+  const auto key = [](const std::string& spec) {
+    return flat_cache_key(*walker().characters[0], *walker().banks[0], flat_bake_options(parse_spec(spec)), "r", "v");
+  };
+  const std::string plain = key("flat");
+  for (const char* option :
+       {"views=hemi-9", "el_min=-10", "frames=9", "texels=64", "quad=square", "plane=facing", "corners=6"})
+    EXPECT_NE(key(std::string("flat:") + option), plain) << option;
+  for (const char* option : {"depth=nailboard", "blend=3", "floor=1"})
+    EXPECT_EQ(key(std::string("flat:") + option), plain) << option;
+  FlatBakeOptions part = flat_bake_options(parse_spec("flat"));
+  part.needed.assign(1360, 1);
+  part.needed[7] = 0;
+  EXPECT_NE(flat_cache_key(*walker().characters[0], *walker().banks[0], part, "r", "v"), plain);
 }
 
 TEST_F(FlatGl, ABakeOverTheBudgetSaysWhatToLower) {
