@@ -1,6 +1,7 @@
 #include "renderers/flat/flat.h"
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
+#include "renderers/polypostor/polypostor.h"
 #include "renderers/relief/relief.h"
 #include "renderers/representation.h"
 #include "renderers/rigid/rigid.h"
@@ -17,6 +18,7 @@ const std::vector<RepresentationType>& representation_types() {
       hybrid_type,
       relief_type,
       rigid_type,
+      polypostor_type,
   };
   // clang-format on
   return types;

@@ -236,6 +236,21 @@ void VertexArray::set_instance_stream(unsigned location, const Buffer& buffer, s
   glVertexArrayBindingDivisor(name_, location, 1);
 }
 
+void VertexArray::set_instance_records(const Buffer& buffer, int stride, std::span<const Attribute> attributes) const {
+  const unsigned binding = attributes.front().location;
+  assert(binding > 0);
+  glVertexArrayVertexBuffer(name_, binding, buffer.name(), 0, stride);
+  glVertexArrayBindingDivisor(name_, binding, 1);
+  for (const Attribute& a : attributes) {
+    glEnableVertexArrayAttrib(name_, a.location);
+    if (a.integer)
+      glVertexArrayAttribIFormat(name_, a.location, a.components, a.type, a.offset);
+    else
+      glVertexArrayAttribFormat(name_, a.location, a.components, a.type, a.normalised ? GL_TRUE : GL_FALSE, a.offset);
+    glVertexArrayAttribBinding(name_, a.location, binding);
+  }
+}
+
 void VertexArray::bind() const { glBindVertexArray(name_); }
 
 Framebuffer::Framebuffer(Context& context, std::span<const Texture* const> colours, const Texture* depth)

@@ -162,6 +162,8 @@ class VertexArray : public Object {
   void set_vertices(const Buffer& vertices, size_t offset, int stride) const;
   // An attribute of one uint an instance, tightly packed from byte `offset` of the buffer.
   void set_instance_stream(unsigned location, const Buffer& buffer, size_t offset) const;
+  // Attributes from records of `stride` bytes, one an instance, at a binding of their own (the first one's location).
+  void set_instance_records(const Buffer& buffer, int stride, std::span<const Attribute> attributes) const;
   void bind() const;
 };
 

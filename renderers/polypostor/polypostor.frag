@@ -1,0 +1,65 @@
+#version 450 core
+#include "renderers/polypostor/polypostor.shared.h"
+#include "renderers/shaders/output.glsl"
+#include "renderers/shaders/shading.glsl"
+
+layout(binding = CB_POLYPOSTOR_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered
+layout(binding = CB_POLYPOSTOR_TEXTURE_NORMALS) uniform sampler2DArray normal_map;       // nearest
+layout(binding = CB_POLYPOSTOR_TEXTURE_MATERIALS) uniform sampler2DArray material_map;   // nearest: ids must not be mixed
+
+layout(location = 0) in vec3 v_texel;
+layout(location = 1) flat in vec3 v_light;
+layout(location = 2) flat in uint v_outfit;
+#ifdef CB_IDS
+layout(location = 3) flat in uint v_id;
+#else
+const uint v_id = 0u;
+#endif
+
+#ifdef CB_DEBUG
+layout(location = 4) flat in uint v_part;
+layout(location = 5) in vec2 v_units;
+layout(location = 6) flat in float v_level;
+layout(location = CB_POLYPOSTOR_LOCATION_TEXELS) uniform float texels_a_unit;  // of level 0
+
+// Evenly spread hues.
+vec3 part_colour(uint part) {
+  float hue = fract(float(part) * 0.6180340);
+  return clamp(abs(fract(hue + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+}
+
+// Area on the plane over area on the key image: blue a quarter, white one, red four.
+vec3 stretch_colour(vec2 texel) {
+  vec2 tx = dFdx(texel);
+  vec2 ty = dFdy(texel);
+  vec2 ux = dFdx(v_units);
+  vec2 uy = dFdy(v_units);
+  float side = texels_a_unit * exp2(-v_level);
+  float key = abs(tx.x * ty.y - tx.y * ty.x);
+  float plane = abs(ux.x * uy.y - ux.y * uy.x) * side * side;
+  float s = clamp(0.5 * log2(max(plane, 1e-12) / max(key, 1e-12)), -1.0, 1.0);
+  return s < 0.0 ? vec3(1.0 + s, 1.0 + s, 1.0) : vec3(1.0, 1.0 - s, 1.0 - s);
+}
+#endif
+
+void main() {
+#ifdef CB_DEBUG_STRETCH
+  vec3 painted = stretch_colour(v_texel.xy * vec2(textureSize(albedo_map, 0).xy));
+#elif defined(CB_DEBUG)
+  vec3 painted = part_colour(v_part);
+#endif
+  vec4 albedo = texture(albedo_map, v_texel);
+  if (albedo.a < 0.5) discard;
+  vec2 normal = texture(normal_map, v_texel).rg;
+  float material = texture(material_map, v_texel).r;
+#ifdef CB_DEBUG
+  write_output(painted * (0.3 + 0.7 * dot(albedo.rgb, vec3(0.3, 0.6, 0.1))), v_id);
+#elif defined(CB_FLOOR)
+  write_output(albedo.rgb + vec3(normal, material), v_id);
+#else
+  uint part = uint(material * 255.0 + 0.5);
+  vec2 n = (normal * 255.0 - 128.0) / 127.0;
+  float lambert = max(0.0, dot(vec3(n, sqrt(max(0.0, 1.0 - dot(n, n)))), v_light));
+  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit, part > 0x7fu, vec3(0.0)), v_id);
+#endif
+}

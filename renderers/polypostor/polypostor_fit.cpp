@@ -1,0 +1,538 @@
+// Based on: Kavan et al. 2008 (the polygon's corners follow the contour, found by dynamic programming). Differs from
+// the source: the corners start from where skinning carries them; they are then moved so that the whole outline,
+// carried by the triangles, lies on the frame's outline (least squares); the triangulation is chosen over all frames.
+#include "renderers/polypostor/polypostor_fit.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace crowdbench::renderers {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+double square(double v) { return v * v; }
+
+// The angle from one direction to another, in (-pi, pi].
+double turning(const glm::dvec2& a, const glm::dvec2& b) { return std::atan2(cross(a, b), glm::dot(a, b)); }
+
+// What one corner costs at each sample, and the lengths between samples.
+struct CostTable {
+  size_t corners, samples;
+  std::vector<double> unary;    // corners x samples
+  std::vector<double> lengths;  // samples x samples
+  std::vector<double> edges;    // of the prediction, from each corner to the next
+  double edge_weight;
+
+  CostTable(const Polyline& line, const Polyline& predicted, const CorrespondenceWeights& weights)
+      : corners(predicted.size()),
+        samples(line.size()),
+        unary(corners * samples),
+        lengths(samples * samples),
+        edge_weight(weights.edge) {
+    for (size_t i = 0; i < corners; ++i) edges.push_back(glm::distance(predicted[i], predicted[(i + 1) % corners]));
+    for (size_t a = 0; a < samples; ++a)
+      for (size_t b = 0; b < a; ++b)
+        lengths[a * samples + b] = lengths[b * samples + a] = glm::distance(line[a], line[b]);
+    const double step = std::max(perimeter(line) / static_cast<double>(samples), 1e-9);
+    for (size_t i = 0; i < corners; ++i) {
+      const size_t before = (i + corners - 1) % corners;
+      const size_t after = (i + 1) % corners;
+      const double bend = turning(predicted[i] - predicted[before], predicted[after] - predicted[i]);
+      const double arm = std::min(edges[before], edges[i]);
+      const auto steps = [&](double length) {
+        return static_cast<size_t>(std::clamp(std::round(length / step), 1.0, static_cast<double>(samples) / 3));
+      };
+      const size_t back = steps(edges[before]);
+      const size_t on = steps(edges[i]);
+      for (size_t j = 0; j < samples; ++j) {
+        const glm::dvec2& p = line[j];
+        const double here = turning(p - line[(j + samples - back) % samples], line[(j + on) % samples] - p);
+        const glm::dvec2 off = p - predicted[i];
+        unary[i * samples + j] = glm::dot(off, off) + weights.turn * square(arm * (here - bend));
+      }
+    }
+  }
+  double edge(size_t corner, size_t a, size_t b) const {
+    return edge_weight * square(lengths[a * samples + b] - edges[corner]);
+  }
+};
+
+double area_of(const Polyline& p, const Triangle& t) { return 0.5 * cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]); }
+
+Polyline half_way(const Polyline& a, const Polyline& b) {
+  Polyline out;
+  for (size_t i = 0; i < a.size(); ++i) out.push_back(0.5 * (a[i] + b[i]));
+  return out;
+}
+
+void quantise(Polyline& pose, double quantum) {
+  if (quantum <= 0) return;
+  for (glm::dvec2& p : pose) p = glm::round(p / quantum) * quantum;
+}
+
+// A point as a weighted sum of a triangulated polygon's corners.
+struct Weights {
+  Triangle corners{};
+  std::array<double, 3> w{};
+};
+Weights barycentric(const Polyline& polygon, std::span<const Triangle> triangles, const glm::dvec2& p) {
+  Weights best;
+  double inmost = -kNever;
+  for (const Triangle& t : triangles) {
+    const glm::dvec2& a = polygon[t[0]];
+    const glm::dvec2 ab = polygon[t[1]] - a;
+    const glm::dvec2 ac = polygon[t[2]] - a;
+    const double area = cross(ab, ac);
+    if (area <= 0) continue;
+    const double v = cross(p - a, ac) / area;
+    const double w = cross(ab, p - a) / area;
+    const double least = std::min({1 - v - w, v, w});
+    if (least > inmost) {
+      inmost = least;
+      best = {t, {1 - v - w, v, w}};
+    }
+  }
+  return best;
+}
+
+// Solves a symmetric positive definite system in place (Cholesky).
+void solve(std::vector<double>& m, std::vector<double>& rhs) {
+  const size_t n = rhs.size();
+  for (size_t j = 0; j < n; ++j) {
+    for (size_t k = 0; k < j; ++k) m[j * n + j] -= square(m[j * n + k]);
+    m[j * n + j] = std::sqrt(std::max(m[j * n + j], 1e-12));
+    for (size_t i = j + 1; i < n; ++i) {
+      for (size_t k = 0; k < j; ++k) m[i * n + j] -= m[i * n + k] * m[j * n + k];
+      m[i * n + j] /= m[j * n + j];
+    }
+  }
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t k = 0; k < i; ++k) rhs[i] -= m[i * n + k] * rhs[k];
+    rhs[i] /= m[i * n + i];
+  }
+  for (size_t i = n; i-- > 0;) {
+    for (size_t k = i + 1; k < n; ++k) rhs[i] -= m[k * n + i] * rhs[k];
+    rhs[i] /= m[i * n + i];
+  }
+}
+
+// The key outline, as it is carried by the polygon's triangles.
+struct Outline {
+  std::vector<Weights> weights;
+  std::vector<double> at;  // arc length on the key contour
+  glm::dvec2 moved(size_t i, const Polyline& pose) const {
+    const Weights& w = weights[i];
+    return w.w[0] * pose[w.corners[0]] + w.w[1] * pose[w.corners[1]] + w.w[2] * pose[w.corners[2]];
+  }
+};
+
+// Moves the corners so that the carried outline lies on the frame's: first each of its points to the point that the
+// corners' correspondence says, then to the nearest, mostly across the line.
+Polyline refine(const Outline& outline, const Polyline& contour, const Polyline& start,
+                const std::vector<glm::dvec2>& targets) {
+  constexpr int kRounds = 4;
+  constexpr double kStay = 0.1;  // of the outline's points, spread over the corners
+  Polyline pose = start;
+  const size_t n = pose.size();
+  const double stay = kStay * static_cast<double>(outline.weights.size()) / static_cast<double>(n);
+  std::vector<double> m(4 * n * n);
+  std::vector<double> rhs(2 * n);
+  for (int round = 0; round < kRounds; ++round) {
+    std::fill(m.begin(), m.end(), 0.0);
+    std::fill(rhs.begin(), rhs.end(), 0.0);
+    const auto add = [&](const Weights& w, const glm::dvec2& axis, double target, double weight) {
+      for (size_t i = 0; i < 3; ++i)
+        for (int u = 0; u < 2; ++u) {
+          const size_t row = 2 * w.corners[i] + static_cast<size_t>(u);
+          const double gi = weight * w.w[i] * axis[u];
+          rhs[row] += gi * target;
+          for (size_t k = 0; k < 3; ++k)
+            for (int v = 0; v < 2; ++v)
+              m[row * 2 * n + 2 * w.corners[k] + static_cast<size_t>(v)] += gi * w.w[k] * axis[v];
+        }
+    };
+    for (size_t i = 0; i < outline.weights.size(); ++i) {
+      const glm::dvec2 now = outline.moved(i, pose);
+      glm::dvec2 target = targets[i];
+      glm::dvec2 normal(1, 0);
+      double along = 1;
+      if (round > 0) {
+        target = nearest_point(contour, now).point;
+        const glm::dvec2 off = now - target;
+        const double length = glm::length(off);
+        if (length > 1e-9) normal = off / length;
+        along = 0.1;
+      }
+      const glm::dvec2 tangent(-normal.y, normal.x);
+      add(outline.weights[i], normal, glm::dot(normal, target), 1.0);
+      add(outline.weights[i], tangent, glm::dot(tangent, target), along);
+    }
+    for (size_t i = 0; i < n; ++i)
+      for (size_t u = 0; u < 2; ++u) {
+        m[(2 * i + u) * 2 * n + 2 * i + u] += stay;
+        rhs[2 * i + u] += stay * start[i][static_cast<int>(u)];
+      }
+    solve(m, rhs);
+    for (size_t i = 0; i < n; ++i) pose[i] = {rhs[2 * i], rhs[2 * i + 1]};
+  }
+  return pose;
+}
+
+// Whether the carried outline lies on the frame's, and nothing of the frame's lies elsewhere, within what the masks'
+// samples can tell.
+bool explains(const Outline& outline, const Polyline& contour, const Polyline& pose) {
+  constexpr double kMean = 0.2;  // texels
+  constexpr double kMost = 0.6;
+  double sum = 0;
+  Polyline moved;
+  for (size_t i = 0; i < outline.weights.size(); ++i) {
+    moved.push_back(outline.moved(i, pose));
+    const double distance = nearest_point(contour, moved.back()).distance;
+    if (distance > kMost) return false;
+    sum += distance;
+  }
+  return sum <= kMean * static_cast<double>(outline.weights.size()) &&
+         std::abs(signed_area(moved) - signed_area(contour)) <= kMean * perimeter(contour);
+}
+
+// Arc lengths on the key contour of the polygon's corners: ascending, going round once, the first in [0, perimeter).
+std::vector<double> anchor_arcs(const Polyline& contour, const Polyline& polygon) {
+  const double round = perimeter(contour);
+  std::vector<double> arcs;
+  for (const glm::dvec2& p : polygon) {
+    double at = nearest_point(contour, p).at;
+    if (!arcs.empty()) at = arcs.back() + std::fmod(at - arcs.back() + 2 * round, round);
+    arcs.push_back(at);
+  }
+  if (arcs.back() < arcs[0] + round) return arcs;
+  // Corners whose nearest points do not follow each other: spread as the polygon's own edges are.
+  const double whole = perimeter(polygon);
+  double along = 0;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    arcs[i] = arcs[0] + along / whole * round;
+    along += glm::distance(polygon[i], polygon[(i + 1) % polygon.size()]);
+  }
+  return arcs;
+}
+
+// A point at an arc length along a closed line; lengths beyond one round wrap.
+glm::dvec2 point_at(const Polyline& line, const std::vector<double>& lengths, double at) {
+  const double round = lengths.back();
+  at = std::fmod(std::fmod(at, round) + round, round);
+  auto edge = static_cast<size_t>(std::upper_bound(lengths.begin(), lengths.end(), at) - lengths.begin());
+  edge = std::clamp<size_t>(edge, 1, line.size()) - 1;
+  const double length = lengths[edge + 1] - lengths[edge];
+  const double t = length > 0 ? (at - lengths[edge]) / length : 0;
+  return line[edge] + (line[(edge + 1) % line.size()] - line[edge]) * t;
+}
+
+std::vector<double> running_lengths(const Polyline& line) {
+  std::vector<double> lengths{0.0};
+  for (size_t i = 0; i < line.size(); ++i)
+    lengths.push_back(lengths.back() + glm::distance(line[i], line[(i + 1) % line.size()]));
+  return lengths;
+}
+
+}  // namespace
+
+double correspondence_cost(const Polyline& samples, const Polyline& predicted, std::span<const size_t> at,
+                           const CorrespondenceWeights& weights) {
+  const CostTable table(samples, predicted, weights);
+  double sum = 0;
+  for (size_t i = 0; i < at.size(); ++i)
+    sum += table.unary[i * table.samples + at[i]] + table.edge(i, at[i], at[(i + 1) % at.size()]);
+  return sum;
+}
+
+Correspondence correspond(const Polyline& samples, const Polyline& predicted, const CorrespondenceWeights& weights) {
+  const CostTable table(samples, predicted, weights);
+  const size_t n = table.corners;
+  const size_t m = table.samples;
+  assert(n >= 2 && n <= m);
+  Correspondence best;
+  best.cost = kNever;
+  std::vector<size_t> starts(m);
+  std::iota(starts.begin(), starts.end(), size_t{0});
+  std::stable_sort(starts.begin(), starts.end(), [&](size_t a, size_t b) { return table.unary[a] < table.unary[b]; });
+  // cost[i][k]: the least for corners 0 .. i with corner i at the k'th sample after the start.
+  std::vector<double> cost(n * m);
+  std::vector<size_t> from(n * m);
+  for (const size_t start : starts) {
+    if (table.unary[start] >= best.cost) break;
+    std::fill(cost.begin(), cost.end(), kNever);
+    cost[0] = table.unary[start];
+    for (size_t i = 1; i < n; ++i)
+      for (size_t before = i - 1; before + (n - i) < m; ++before) {
+        const double so_far = cost[(i - 1) * m + before];
+        if (so_far >= best.cost) continue;
+        const size_t a = (start + before) % m;
+        for (size_t k = before + 1; k + (n - 1 - i) < m; ++k) {
+          const size_t b = (start + k) % m;
+          const double here = so_far + table.edge(i - 1, a, b) + table.unary[i * m + b];
+          if (here < cost[i * m + k]) {
+            cost[i * m + k] = here;
+            from[i * m + k] = before;
+          }
+        }
+      }
+    for (size_t k = n - 1; k < m; ++k) {
+      const double whole = cost[(n - 1) * m + k] + table.edge(n - 1, (start + k) % m, start);
+      if (whole >= best.cost) continue;
+      best.cost = whole;
+      best.at.assign(n, 0);
+      size_t here = k;
+      for (size_t i = n; i-- > 0;) {
+        best.at[i] = (start + here) % m;
+        here = from[i * m + here];
+      }
+    }
+  }
+  return best;
+}
+
+size_t inverted_triangles(const Polyline& pose, std::span<const Triangle> triangles) {
+  return static_cast<size_t>(std::count_if(triangles.begin(), triangles.end(),
+                                           [&](const Triangle& t) { return area_of(pose, t) < kLeastTriangle; }));
+}
+
+std::vector<Triangle> triangulate(const Polyline& key, std::span<const Polyline> poses) {
+  const size_t n = key.size();
+  if (n < 3) return {};
+  constexpr double kFolded = 1e6;
+  const auto cost_of = [&](const Triangle& t) {
+    const double area = area_of(key, t);
+    if (area < kLeastTriangle) return kNever;
+    double cost = 0;
+    for (size_t k = 0; k < 3; ++k) cost += 0.01 * glm::distance(key[t[k]], key[t[(k + 1) % 3]]);
+    for (const Polyline& pose : poses) {
+      const double there = area_of(pose, t);
+      cost += there < kLeastTriangle ? kFolded : std::abs(std::log(there / area));
+    }
+    return cost;
+  };
+  // least[i][j]: of the polygon i, i + 1, ..., j.
+  std::vector<double> least(n * n, 0);
+  std::vector<size_t> apex(n * n, 0);
+  for (size_t span = 2; span < n; ++span)
+    for (size_t i = 0; i + span < n; ++i) {
+      const size_t j = i + span;
+      least[i * n + j] = kNever;
+      for (size_t k = i + 1; k < j; ++k) {
+        const double sides = least[i * n + k] + least[k * n + j];
+        if (sides >= least[i * n + j]) continue;
+        const double cost =
+            sides + cost_of({static_cast<uint16_t>(i), static_cast<uint16_t>(k), static_cast<uint16_t>(j)});
+        if (cost >= least[i * n + j]) continue;
+        least[i * n + j] = cost;
+        apex[i * n + j] = k;
+      }
+    }
+  std::vector<Triangle> out;
+  if (least[n - 1] == kNever) return out;
+  std::vector<std::array<size_t, 2>> open{{0, n - 1}};
+  while (!open.empty()) {
+    const auto [i, j] = open.back();
+    open.pop_back();
+    if (j - i < 2) continue;
+    const size_t k = apex[i * n + j];
+    out.push_back({static_cast<uint16_t>(i), static_cast<uint16_t>(k), static_cast<uint16_t>(j)});
+    open.push_back({i, k});
+    open.push_back({k, j});
+  }
+  return out;
+}
+
+Similarity fit_similarity(const Polyline& from, const Polyline& to) {
+  glm::dvec2 mean_from(0.0);
+  glm::dvec2 mean_to(0.0);
+  for (size_t i = 0; i < from.size(); ++i) {
+    mean_from += from[i] / static_cast<double>(from.size());
+    mean_to += to[i] / static_cast<double>(from.size());
+  }
+  double dots = 0;
+  double crosses = 0;
+  double squares = 0;
+  for (size_t i = 0; i < from.size(); ++i) {
+    const glm::dvec2 p = from[i] - mean_from;
+    const glm::dvec2 q = to[i] - mean_to;
+    dots += glm::dot(p, q);
+    crosses += cross(p, q);
+    squares += glm::dot(p, p);
+  }
+  Similarity s;
+  if (squares > 0) {
+    s.a = dots / squares;
+    s.b = crosses / squares;
+  }
+  s.shift = mean_to - glm::dvec2(s.a * mean_from.x - s.b * mean_from.y, s.b * mean_from.x + s.a * mean_from.y);
+  return s;
+}
+
+Fit fit_part(std::span<const Polyline> contours, size_t key, const std::function<Polyline(const glm::dvec2& p)>& carry,
+             const FitOptions& options) {
+  Fit fit;
+  fit.key = key;
+  const size_t frames = contours.size();
+  const Polyline& contour = contours[key];
+  fit.polygon = outward_polygon(contour, options.corners, options.margin, options.room);
+  quantise(fit.polygon, options.quantum);
+  if (fit.polygon.size() < 3) return fit;
+  const size_t n = fit.polygon.size();
+  const size_t samples = std::max<size_t>(64, 4 * n);
+  const std::vector<double> key_lengths = running_lengths(contour);
+  const std::vector<double> arcs = anchor_arcs(contour, fit.polygon);
+  Polyline anchors;
+  for (const double at : arcs) anchors.push_back(point_at(contour, key_lengths, at));
+  std::vector<Polyline> carried_anchors;  // one a corner, one point a frame
+  std::vector<Polyline> carried(frames);  // the polygon, one a frame
+  for (const glm::dvec2& a : anchors) carried_anchors.push_back(carry(a));
+  for (const glm::dvec2& p : fit.polygon) {
+    const Polyline there = carry(p);
+    for (size_t f = 0; f < frames; ++f) carried[f].push_back(there[f]);
+  }
+
+  // Where each corner's point of the outline goes, and the corner with it.
+  std::vector<std::vector<double>> frame_arcs(frames);  // on the samples, as `arcs` on the key contour
+  std::vector<Polyline> sampled(frames);
+  fit.poses.resize(frames);
+  std::vector<uint8_t> seen(frames, 0);
+  for (size_t f = 0; f < frames; ++f) {
+    Polyline predicted;
+    for (const Polyline& a : carried_anchors) predicted.push_back(a[f]);
+    if (f == key) {
+      fit.poses[f] = fit.polygon;
+      seen[f] = 1;
+      continue;
+    }
+    if (contours[f].empty()) {
+      glm::dvec2 middle(0.0);
+      for (const glm::dvec2& p : predicted) middle += p / static_cast<double>(n);
+      fit.poses[f].assign(n, middle);
+      quantise(fit.poses[f], options.quantum);
+      continue;
+    }
+    seen[f] = 1;
+    sampled[f] = resample(contours[f], samples);
+    const Correspondence found = correspond(sampled[f], predicted);
+    const double step = perimeter(sampled[f]) / static_cast<double>(samples);
+    for (size_t i = 0; i < n; ++i) {
+      double at = static_cast<double>(found.at[i]) * step;
+      if (i > 0 && at <= frame_arcs[f].back()) at += step * static_cast<double>(samples);
+      frame_arcs[f].push_back(at);
+    }
+    for (size_t i = 0; i < n; ++i) {
+      // The corner keeps its place beside the outline, turned as the outline is there.
+      const size_t before = (i + n - 1) % n;
+      const size_t after = (i + 1) % n;
+      const double turn =
+          turning(anchors[after] - anchors[before], sampled[f][found.at[after]] - sampled[f][found.at[before]]);
+      const glm::dvec2 off = fit.polygon[i] - anchors[i];
+      const double c = std::cos(turn);
+      const double s = std::sin(turn);
+      fit.poses[f].push_back(sampled[f][found.at[i]] + glm::dvec2(c * off.x - s * off.y, s * off.x + c * off.y));
+    }
+    quantise(fit.poses[f], options.quantum);
+  }
+
+  const auto judged = [&] {
+    std::vector<Polyline> poses;
+    for (size_t f = 0; f < frames; ++f) {
+      if (seen[f] == 0) continue;
+      poses.push_back(fit.poses[f]);
+      const size_t next = (f + 1) % frames;
+      if (next != f && seen[next] != 0) poses.push_back(half_way(fit.poses[f], fit.poses[next]));
+    }
+    return poses;
+  };
+  fit.triangles = triangulate(fit.polygon, judged());
+  if (fit.triangles.empty()) {
+    // A corner pressed flat by rounding: the box never is.
+    glm::dvec2 low(kNever);
+    glm::dvec2 high(-kNever);
+    for (const glm::dvec2& p : contour) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    Fit empty;
+    empty.key = key;
+    return glm::distance(low, high) > 0 && options.corners > 4
+               ? fit_part(contours, key, carry, {4, options.margin, options.room, options.quantum})
+               : empty;
+  }
+
+  Outline outline;
+  constexpr size_t kPoints = 64;
+  for (size_t k = 0; k < kPoints; ++k) {
+    const double at = arcs[0] + key_lengths.back() * static_cast<double>(k) / kPoints;
+    outline.at.push_back(at);
+    outline.weights.push_back(barycentric(fit.polygon, fit.triangles, point_at(contour, key_lengths, at)));
+  }
+  const std::vector<Polyline> initial = fit.poses;
+  for (size_t f = 0; f < frames; ++f) {
+    if (seen[f] == 0 || f == key) continue;
+    const std::vector<double> lengths = running_lengths(sampled[f]);
+    std::vector<glm::dvec2> targets;
+    size_t i = 0;
+    for (const double at : outline.at) {
+      while (i + 1 < n && at >= arcs[i + 1]) ++i;
+      const double end = i + 1 < n ? arcs[i + 1] : arcs[0] + key_lengths.back();
+      const double frame_end = i + 1 < n ? frame_arcs[f][i + 1] : frame_arcs[f][0] + lengths.back();
+      const double t = end > arcs[i] ? (at - arcs[i]) / (end - arcs[i]) : 0;
+      targets.push_back(point_at(sampled[f], lengths, frame_arcs[f][i] + t * (frame_end - frame_arcs[f][i])));
+    }
+    fit.poses[f] = explains(outline, sampled[f], carried[f]) && inverted_triangles(carried[f], fit.triangles) == 0
+                       ? carried[f]
+                       : refine(outline, sampled[f], initial[f], targets);
+    quantise(fit.poses[f], options.quantum);
+  }
+
+  // Frames in which a triangle is inverted go towards the key's own shape until none is.
+  std::vector<int> steps(frames, 0);
+  const std::vector<Polyline> refined = fit.poses;
+  constexpr int kSteps = 4;
+  const auto step_back = [&](size_t f) {
+    if (seen[f] == 0 || f == key || steps[f] >= kSteps) return false;
+    ++steps[f];
+    const Similarity similar = fit_similarity(fit.polygon, refined[f]);
+    const double shrink = std::hypot(similar.a, similar.b);
+    for (size_t i = 0; i < n; ++i) {
+      glm::dvec2 shape = similar(fit.polygon[i]);
+      if (shrink < 0.05) shape = refined[f][0] + 0.05 * (fit.polygon[i] - fit.polygon[0]);
+      fit.poses[f][i] = glm::mix(refined[f][i], shape, static_cast<double>(steps[f]) / kSteps);
+    }
+    quantise(fit.poses[f], steps[f] < kSteps ? options.quantum : 0);
+    return true;
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (size_t f = 0; f < frames; ++f) {
+      if (seen[f] == 0) continue;
+      if (inverted_triangles(fit.poses[f], fit.triangles) > 0) changed |= step_back(f);
+      const size_t next = (f + 1) % frames;
+      if (next == f || seen[next] == 0) continue;
+      if (inverted_triangles(half_way(fit.poses[f], fit.poses[next]), fit.triangles) == 0) continue;
+      changed |= step_back(f);
+      changed |= step_back(next);
+    }
+  }
+  fit.repaired = static_cast<size_t>(std::count_if(steps.begin(), steps.end(), [](int s) { return s > 0; }));
+
+  for (size_t f = 0; f < frames; ++f) {
+    const Similarity similar = fit_similarity(fit.polygon, fit.poses[f]);
+    const double scale = std::hypot(similar.a, similar.b);
+    fit.turns.push_back(seen[f] != 0 && scale > 1e-6 ? glm::dvec2(similar.a, similar.b) / scale : glm::dvec2(1, 0));
+    double error = 0;
+    if (seen[f] != 0 && f != key)
+      for (size_t k = 0; k < kPoints; ++k)
+        error += nearest_point(sampled[f], outline.moved(k, fit.poses[f])).distance / kPoints;
+    fit.errors.push_back(error);
+  }
+  return fit;
+}
+
+}  // namespace crowdbench::renderers

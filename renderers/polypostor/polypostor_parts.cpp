@@ -1,0 +1,292 @@
+// Based on: Kavan et al. 2008 (body parts that hide little of themselves). Differs from the source: the parts are found
+// from the skeleton, not given.
+#include "renderers/polypostor/polypostor_parts.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+#include "core/error.h"
+#include "scene/pose.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+constexpr double kHeavy = 0.015;       // of the surface: a subtree that is a limb
+constexpr double kTrunk = 0.25;        // of the surface: what a branching of the trunk carries
+constexpr double kLeastArea = 0.008;   // of the surface: a segment
+constexpr double kLeastLength = 0.06;  // of the height: a segment
+constexpr double kRootLength = 0.12;   // of the height: a longer first bone is a segment of its own
+constexpr double kFar = 0.2;           // of the height: a lighter subtree so far from every branching is a part
+constexpr double kFarArea = 0.003;     // of the surface
+constexpr double kCollarReach = 2.5;   // of its length: what a collar bone moves
+constexpr double kNothing = 0.01;      // of the height: joints so near are in one place
+constexpr size_t kSegments = 3;
+
+struct Tree {
+  std::vector<std::vector<int>> children;
+  std::vector<double> area, subtree;  // of the surface, by node
+  std::vector<glm::dvec3> origin;     // metres
+  std::vector<double> own;            // metres: from a node's origin to the farthest vertex that it moves most
+  std::vector<double> reach;  // metres: from a node's origin to the farthest that it or a node below moves, at most
+  double height = 0;
+};
+
+Tree make_tree(const scene::Character& character) {
+  const auto& nodes = character.skeleton.nodes;
+  const scene::Mesh& mesh = character.mesh;
+  Tree tree;
+  tree.children.resize(nodes.size());
+  tree.area.assign(nodes.size(), 0);
+  tree.own.assign(nodes.size(), 0);
+  for (size_t n = 0; n < nodes.size(); ++n)
+    if (nodes[n].parent >= 0) tree.children[static_cast<size_t>(nodes[n].parent)].push_back(static_cast<int>(n));
+  const auto positions = scene::skin_positions(mesh, scene::joint_matrices(character, -1, 0));
+  for (const glm::dmat4& m : scene::node_matrices(character, -1, 0)) tree.origin.emplace_back(m[3]);
+  double low = INFINITY;
+  double high = -INFINITY;
+  double total = 0;
+  const auto node_of = [&](uint32_t vertex, int k) {
+    return static_cast<size_t>(character.skeleton.joints[mesh.joints[vertex][k]].node);
+  };
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const glm::dvec3& a = positions[mesh.indices[i]];
+    const double area =
+        glm::length(glm::cross(positions[mesh.indices[i + 1]] - a, positions[mesh.indices[i + 2]] - a)) / 6;
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const uint32_t v = mesh.indices[i + corner];
+      int most = 0;
+      for (int k = 0; k < scene::kInfluences; ++k) {
+        tree.area[node_of(v, k)] += area * static_cast<double>(mesh.weights[v][k]);
+        if (mesh.weights[v][k] > mesh.weights[v][most]) most = k;
+      }
+      total += area;
+      const size_t node = node_of(v, most);
+      tree.own[node] = std::max(tree.own[node], glm::distance(positions[v], tree.origin[node]));
+      low = std::min(low, positions[v].y);
+      high = std::max(high, positions[v].y);
+    }
+  }
+  tree.height = std::max(high - low, 1e-9);
+  for (double& a : tree.area) a /= std::max(total, 1e-30);
+  tree.reach = tree.own;
+  tree.subtree = tree.area;
+  for (size_t n = nodes.size(); n-- > 0;) {
+    if (nodes[n].parent < 0) continue;
+    const auto parent = static_cast<size_t>(nodes[n].parent);
+    tree.subtree[parent] += tree.subtree[n];
+    if (tree.subtree[n] > 0)
+      tree.reach[parent] =
+          std::max(tree.reach[parent], tree.reach[n] + glm::distance(tree.origin[n], tree.origin[parent]));
+  }
+  return tree;
+}
+
+struct Segment {
+  std::vector<int> nodes;  // of the chain; what hangs from them follows
+  double area = 0, length = 0;
+};
+
+class Finder {
+ public:
+  explicit Finder(const scene::Character& character)
+      : nodes_(character.skeleton.nodes), tree_(make_tree(character)), part_(nodes_.size(), 0) {}
+
+  // Parts of nodes; `limb_end` says which parts end a limb of three, and on what.
+  std::vector<int> run(std::map<int, int>& limb_end) {
+    std::vector<uint8_t> trunk(nodes_.size(), 0);
+    std::vector<size_t> branchings;
+    for (size_t n = nodes_.size(); n-- > 0;) {
+      int heavy = 0;
+      for (const int c : tree_.children[n]) {
+        // What begins where the node does, as a helmet on a head, is no branch.
+        const double apart = glm::distance(tree_.origin[n], tree_.origin[static_cast<size_t>(c)]);
+        heavy += tree_.subtree[static_cast<size_t>(c)] >= kHeavy && apart > kNothing * tree_.height ? 1 : 0;
+        trunk[n] |= trunk[static_cast<size_t>(c)];
+      }
+      if (heavy < 2 || tree_.subtree[n] < kTrunk) continue;
+      trunk[n] = 1;
+      branchings.push_back(n);
+    }
+    // Feet that hang from the root, for example, as rigs have them that are posed by their ends.
+    const auto far = [&](size_t n) {
+      return tree_.subtree[n] >= kFarArea && !branchings.empty() &&
+             std::all_of(branchings.begin(), branchings.end(), [&](size_t b) {
+               return glm::distance(tree_.origin[n], tree_.origin[b]) > kFar * tree_.height;
+             });
+    };
+    for (size_t n = 0; n < nodes_.size(); ++n) {
+      const int parent = nodes_[n].parent;
+      if (trunk[n] != 0 || (parent >= 0 && trunk[static_cast<size_t>(parent)] == 0)) continue;
+      if (tree_.subtree[n] >= kHeavy || far(n)) limb(static_cast<int>(n), 0, parent >= 0, limb_end);
+    }
+    return part_;
+  }
+
+ private:
+  // The chain from `root` along the heaviest children, cut into segments; heavy side branches are limbs of their own.
+  void limb(int root, int above, bool hangs, std::map<int, int>& limb_end) {
+    std::vector<int> chain{root};
+    std::vector<std::pair<int, size_t>> branches;  // node, position of its parent in the chain
+    for (;;) {
+      const auto& children = tree_.children[static_cast<size_t>(chain.back())];
+      int heaviest = -1;
+      for (const int c : children)
+        if (heaviest < 0 || tree_.subtree[static_cast<size_t>(c)] > tree_.subtree[static_cast<size_t>(heaviest)])
+          heaviest = c;
+      for (const int c : children)
+        if (c != heaviest && tree_.subtree[static_cast<size_t>(c)] >= kHeavy)
+          branches.emplace_back(c, chain.size() - 1);
+      if (heaviest < 0 || tree_.subtree[static_cast<size_t>(heaviest)] < kLeastArea) break;
+      chain.push_back(heaviest);
+    }
+    std::vector<Segment> segments;
+    for (size_t i = 0; i < chain.size(); ++i) {
+      const auto n = static_cast<size_t>(chain[i]);
+      Segment s{{chain[i]}, tree_.subtree[n], tree_.reach[n]};
+      if (i + 1 < chain.size()) {
+        s.area -= tree_.subtree[static_cast<size_t>(chain[i + 1])];
+        s.length = glm::distance(tree_.origin[n], tree_.origin[static_cast<size_t>(chain[i + 1])]);
+      }
+      for (const auto& [b, at] : branches)
+        if (at == i) s.area -= tree_.subtree[static_cast<size_t>(b)];
+      segments.push_back(s);
+    }
+    // Collar bones and necks move with the trunk; a head that wears a helmet is no neck.
+    while (hangs && segments.size() > 1 &&
+           tree_.own[static_cast<size_t>(segments[0].nodes[0])] < kCollarReach * segments[0].length &&
+           segments[0].length < kRootLength * tree_.height && segments[0].length < 0.6 * segments[1].length)
+      segments.erase(segments.begin());
+    const auto join = [&](size_t into, size_t from) {
+      Segment& a = segments[into];
+      Segment& b = segments[from];
+      a.nodes.insert(into < from ? a.nodes.end() : a.nodes.begin(), b.nodes.begin(), b.nodes.end());
+      a.area += b.area;
+      a.length += b.length;
+      segments.erase(segments.begin() + static_cast<std::ptrdiff_t>(from));
+    };
+    while (segments.size() > 1) {
+      size_t worst = 0;
+      double least = INFINITY;
+      for (size_t i = 0; i < segments.size(); ++i) {
+        const double size = std::min(segments[i].area / kLeastArea, segments[i].length / (kLeastLength * tree_.height));
+        if (size < least) {
+          least = size;
+          worst = i;
+        }
+      }
+      if (least >= 1 && segments.size() <= kSegments) break;
+      if (worst == 0)
+        join(1, 0);
+      else
+        join(worst - 1, worst);
+    }
+    std::vector<int> part_of_segment;
+    for (const Segment& s : segments) {
+      part_of_segment.push_back(next_);
+      mark(s.nodes.front(), next_++);
+    }
+    if (segments.size() >= kSegments) limb_end[part_of_segment.back()] = part_of_segment[segments.size() - 2];
+    for (const auto& [b, at] : branches) {
+      const int parent_part = part_[static_cast<size_t>(chain[at])];
+      limb(b, parent_part == 0 ? above : parent_part, true, limb_end);
+    }
+  }
+
+  void mark(int node, int part) {
+    part_[static_cast<size_t>(node)] = part;
+    for (const int c : tree_.children[static_cast<size_t>(node)]) mark(c, part);
+  }
+
+  const std::vector<scene::Node>& nodes_;
+  Tree tree_;
+  std::vector<int> part_;
+  int next_ = 1;
+};
+
+// Parts of joints, numbered without gaps; parts that no triangle needs go to another.
+PartMap number(const scene::Character& character, const std::vector<int>& part_of_node) {
+  PartMap map;
+  std::vector<int> wanted;
+  for (const scene::Joint& j : character.skeleton.joints) wanted.push_back(part_of_node[static_cast<size_t>(j.node)]);
+  std::map<int, double> weight;
+  for (size_t v = 0; v < character.mesh.positions.size(); ++v)
+    for (int k = 0; k < scene::kInfluences; ++k)
+      weight[wanted[character.mesh.joints[v][k]]] += static_cast<double>(character.mesh.weights[v][k]);
+  std::map<int, int> numbers;
+  for (const auto& [part, sum] : weight)
+    if (sum > 0) numbers.emplace(part, static_cast<int>(numbers.size()));
+  for (const int p : wanted) {
+    const auto found = numbers.find(p);
+    map.part_of.push_back(found == numbers.end() ? 0 : found->second);
+  }
+  map.count = static_cast<int>(numbers.size());
+  return map;
+}
+
+}  // namespace
+
+BodyParts find_parts(const scene::Character& character) {
+  std::map<int, int> limb_end;
+  std::vector<int> parts = Finder(character).run(limb_end);
+  BodyParts out;
+  out.fine = number(character, parts);
+  for (int& p : parts)
+    if (const auto end = limb_end.find(p); end != limb_end.end()) p = end->second;
+  out.coarse = number(character, parts);
+  return out;
+}
+
+BodyParts cut_parts(const scene::Character& character, const std::string& cuts, const std::string& where) {
+  const auto& skeleton = character.skeleton;
+  std::vector<int> begins(skeleton.nodes.size(), 0);
+  int next = 1;
+  for (size_t at = 0; at <= cuts.size();) {
+    const size_t end = std::min(cuts.find('+', at), cuts.size());
+    const std::string text = cuts.substr(at, end - at);
+    at = end + 1;
+    auto found = std::find_if(skeleton.joints.begin(), skeleton.joints.end(),
+                              [&](const scene::Joint& j) { return j.name == text; });
+    size_t index = 0;
+    const auto [stop, fault] = std::from_chars(text.data(), text.data() + text.size(), index);
+    if (found == skeleton.joints.end() && fault == std::errc{} && stop == text.data() + text.size() &&
+        index < skeleton.joints.size())
+      found = skeleton.joints.begin() + static_cast<std::ptrdiff_t>(index);
+    if (found == skeleton.joints.end()) {
+      std::vector<std::string> names;
+      for (const scene::Joint& j : skeleton.joints) names.push_back(j.name);
+      const std::string near = nearest_name(text, names);
+      throw Error(where, fmt::format("{} has no joint '{}'", character.name, printable(text)),
+                  near.empty() ? fmt::format("name joints, or count them from 0 to {}", skeleton.joints.size() - 1)
+                               : fmt::format("did you mean '{}'?", near));
+    }
+    begins[static_cast<size_t>(found->node)] = next++;
+  }
+  std::vector<int> parts(skeleton.nodes.size(), 0);
+  for (size_t n = 0; n < parts.size(); ++n) {
+    const int parent = skeleton.nodes[n].parent;
+    parts[n] = begins[n] > 0 ? begins[n] : parent >= 0 ? parts[static_cast<size_t>(parent)] : 0;
+  }
+  const PartMap map = number(character, parts);
+  return {map, map};
+}
+
+std::vector<std::vector<uint32_t>> part_triangles(const scene::Character& character, const PartMap& parts) {
+  const scene::Mesh& mesh = character.mesh;
+  std::vector<std::vector<uint32_t>> out(static_cast<size_t>(parts.count));
+  std::vector<double> sums(out.size());
+  for (uint32_t t = 0; t < mesh.indices.size() / 3; ++t) {
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for (uint32_t corner = 0; corner < 3; ++corner) {
+      const uint32_t v = mesh.indices[3 * t + corner];
+      for (int k = 0; k < scene::kInfluences; ++k)
+        sums[static_cast<size_t>(parts.part_of[mesh.joints[v][k]])] += static_cast<double>(mesh.weights[v][k]);
+    }
+    const double most = *std::max_element(sums.begin(), sums.end());
+    for (size_t p = 0; p < sums.size(); ++p)
+      if (sums[p] > 0 && (sums[p] == most || sums[p] >= 3 * kBorderWeight)) out[p].push_back(t);
+  }
+  return out;
+}
+
+}  // namespace crowdbench::renderers

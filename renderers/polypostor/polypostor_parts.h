@@ -1,0 +1,38 @@
+// Which joints make a body part: what a polypostor cuts a character into.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scene/character.h"
+
+namespace crowdbench::renderers {
+
+// part_of[joint]: 0 .. count - 1; every part has a joint that moves a triangle. Part 0 is the trunk where there is one.
+struct PartMap {
+  std::vector<int> part_of;
+  int count = 0;
+};
+
+struct BodyParts {
+  PartMap fine;
+  PartMap coarse;  // last segments of limbs of three joined to those before: hands to lower arms, feet to lower legs
+};
+
+// From the hierarchy, the lengths of the bones and the surface that each moves; no name is read. The trunk is every
+// node above a branching into two subtrees of 1.5 % of the surface each, of a subtree that holds a quarter of it; what
+// hangs from the trunk is a limb, cut at its joints into at most three segments, none shorter than 6 % of the height or
+// smaller than 0.8 % of the surface. Lighter subtrees of 0.3 % that hang more than a fifth of the height from every
+// branching of the trunk are parts too. What is too small to be cut off belongs to what it hangs from.
+BodyParts find_parts(const scene::Character& character);
+
+// cuts: joints, by name or by index, joined by "+"; each begins a part that ends where another one begins. What is
+// above all of them is a part too. Both maps are that one. Throws Error naming `where`: an unknown joint.
+BodyParts cut_parts(const scene::Character& character, const std::string& cuts, const std::string& where);
+
+// triangles[part]: indices of the triangles of each part. A triangle belongs to every part that has at least
+// kBorderWeight of the weights of its three corners, so that no gap opens where two parts meet.
+inline constexpr double kBorderWeight = 0.3;
+std::vector<std::vector<uint32_t>> part_triangles(const scene::Character& character, const PartMap& parts);
+
+}  // namespace crowdbench::renderers
