@@ -54,7 +54,8 @@ class TileCapture {
 
   // Draws every tile with 3 x 3 samples a texel, page by page. `done(page, texels)` is called from this thread for each
   // page: indices into `tiles`, and the texels of each in the form that build_tile_levels takes. Tiles without a
-  // rectangle and tiles that are not wanted are left out. Throws Error when a tile is larger than this driver's targets.
+  // rectangle and tiles that are not wanted are left out. Throws Error when a tile is larger than this driver's
+  // targets.
   using Done = std::function<void(std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels)>;
   void capture(std::span<const CaptureTile> tiles, const Done& done);
 
