@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -31,8 +32,15 @@ struct Options {
   bool no_cache = false;
   bool audit = false;
   std::string required_by;
+  bool report = false;
   bool json = false;
 };
+
+// A count as a whole number.
+ordered_json number(double value) {
+  if (value == std::floor(value) && std::abs(value) < 9e15) return static_cast<int64_t>(value);
+  return value;
+}
 
 ordered_json json_of(const AuditError& e) {
   return {{"views", e.views}, {"silhouette_iou", e.silhouette_iou}, {"ssim", e.ssim}, {"psnr", e.psnr}};
@@ -139,7 +147,9 @@ int run_bake(const Options& options) {
                         {"disk_bytes", bytes.disk_bytes}};
     if (!options.required_by.empty()) out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}};
     out["facts"] = ordered_json::object();
-    for (const auto& [name, value] : bake.facts) out["facts"][name] = value;
+    for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
+    if (options.report)
+      for (const auto& [name, value] : bake.facts) out[name] = number(value);
     out["characters"] = ordered_json::array();
     for (size_t c = 0; c < cast.characters.size(); ++c)
       out["characters"].push_back({{"name", cast.characters[c]->name}, {"triangles", representation->triangles(c)}});
@@ -186,6 +196,7 @@ void add_bake(CLI::App& app, Run& run) {
       "Examples:\n"
       "  crowdbench bake flat\n"
       "  crowdbench bake flat:views=sphere-32x9,frames=16 --character knight.glb --json\n"
+      "  crowdbench bake relief --report --json\n"
       "  crowdbench bake flat:views=sphere-17x8-mirrored --audit\n"
       "  crowdbench bake flat --required-by plaza.toml");
   auto options = std::make_shared<Options>();
@@ -209,6 +220,9 @@ void add_bake(CLI::App& app, Run& run) {
   command->add_flag("--force", options->force, "bake anew although it is in the cache");
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
+  command->add_flag("--report", options->report,
+                    "JSON: what the representation says of its bake (nominal_bytes, boxes, ...) beside the sizes, not "
+                    "only under facts");
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &run] { run = [options] { return run_bake(*options); }; });
 }

@@ -1,0 +1,31 @@
+// `bake --report`: the source's published sizes, from the command that claims to reproduce them.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/driver.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using nlohmann::json;
+
+json report(const std::string& arguments) {
+  const support::Outcome out = support::run_driver("", "bake " + arguments + " --no-cache --report --json", false);
+  EXPECT_EQ(out.status, 0) << arguments;
+  return json::parse(out.text, nullptr, false);
+}
+
+// 53 joints x 6 faces x 2 maps x 128 x 128 texels x 4 bytes. A few of the joints own no triangle: no box, no bytes.
+TEST(BakeReportGl, NominalBytesOfTheSource) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const json out = report("relief:capture=bind,merge=0 --character mannequin:joints=53,triangles=500");
+  ASSERT_TRUE(out.is_object());
+  EXPECT_EQ(out.value("nominal_bytes", json()).dump(), "41680896") << "a whole number";
+  EXPECT_LT(out.at("boxes").get<int>(), 53);
+  EXPECT_GT(out.at("actual_bytes").get<int64_t>(), 0);
+  EXPECT_EQ(out.at("facts").at("nominal_bytes"), out.at("nominal_bytes"));
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
