@@ -1,5 +1,6 @@
 #include "bench/quality.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -41,6 +42,28 @@ struct Side {
     return renderer->capture(frame, *representation);
   }
 };
+
+QualityCauses causes_of(const QualityPictures& pictures, double height) {
+  const renderers::Capture& mesh = pictures.reference;
+  const renderers::Capture& test = pictures.test;
+  enum Kind { silhouette, surface, shading };
+  const auto without = [&](Kind wanted) {
+    Image8 mended = test.colour;
+    for (int y = 0; y < mended.height; ++y) {
+      for (int x = 0; x < mended.width; ++x) {
+        const bool in_mesh = *mesh.ids.at(x, y) != 0;
+        const bool in_test = *test.ids.at(x, y) != 0;
+        if (!in_mesh && !in_test) continue;
+        const double gap =
+            std::abs(static_cast<double>(*mesh.depth.at(x, y)) - static_cast<double>(*test.depth.at(x, y)));
+        const Kind kind = in_mesh != in_test ? silhouette : gap > 0.01 * height ? surface : shading;
+        if (kind == wanted) std::copy_n(mesh.colour.at(x, y), mended.channels, mended.at(x, y));
+      }
+    }
+    return metrics::score_figure(mesh.colour, mended, metrics::mask_of(mesh.ids), metrics::mask_of(test.ids)).ssim;
+  };
+  return {without(silhouette), without(surface), without(shading)};
+}
 
 }  // namespace
 
@@ -137,6 +160,7 @@ std::vector<QualityRow> compute_quality(gl::Context& context, const QualitySetup
       pictures.test = side->second.capture(frame, row.phase);
       row.scores = metrics::score_figure(pictures.reference.colour, pictures.test.colour,
                                          metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids));
+      if (setup.causes) row.causes = causes_of(pictures, height);
       if (seen) seen(row, pictures);
       rows.push_back(std::move(row));
     }

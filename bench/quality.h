@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,20 @@ struct QualityView {
   double time = 0;           // the file's own seconds
 };
 
+// What a score owes to each kind of wrong pixel: `ssim` had the pixels of that kind been the mesh's own.
+struct QualityCauses {
+  std::optional<double> silhouette;  // covered by one of the two only
+  std::optional<double> surface;  // covered by both, at depths that differ by more than 1 % of the character's height
+  std::optional<double> shading;  // covered by both, at the same depth
+};
+
 struct QualityRow {
   std::string representation;  // canonical text
   QualityView view;
   double phase = 0;     // of the clip at that time, as the agent carries it
   double distance = 0;  // metres, eye to capture centre
   metrics::FigureScores scores;
+  QualityCauses causes;  // only when asked for
 };
 
 struct QualityPictures {
@@ -43,6 +52,7 @@ struct QualitySetup {
   bool exact_pose = false;  // give the representation the exact time too, so that only its drawing is judged
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
+  bool causes = false;  // fill QualityRow::causes
 };
 
 // The picture's size for a figure of that height.

@@ -36,6 +36,7 @@ struct Options {
   int rows = 480;
   bool exact_pose = false;
   bool no_cache = false;
+  bool causes = false;
   bool json = false;
 };
 
@@ -106,6 +107,7 @@ int run_quality(const Options& options) {
   setup.rows = options.rows;
   setup.exact_pose = options.exact_pose;
   setup.use_cache = !options.no_cache;
+  setup.causes = options.causes;
   setup.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
 
   QualityView view;
@@ -147,7 +149,13 @@ int run_quality(const Options& options) {
                         {"renderer", context.renderer()},
                         {"exact_pose", setup.exact_pose}};
     out["rows"] = ordered_json::array();
-    for (const QualityRow& row : rows) out["rows"].push_back(to_json(row, clip));
+    for (const QualityRow& row : rows) {
+      out["rows"].push_back(to_json(row, clip));
+      if (options.causes)
+        out["rows"].back()["ssim_if_right"] = {{"silhouette", number(row.causes.silhouette)},
+                                               {"surface", number(row.causes.surface)},
+                                               {"shading", number(row.causes.shading)}};
+    }
     fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
     return 0;
   }
@@ -161,11 +169,15 @@ int run_quality(const Options& options) {
                  "elev", "time", "IoU", "bound", "b p95", "ssim", "union", "psnr");
     }
     const metrics::FigureScores& s = row.scores;
-    fmt::print("{:>7g} {:>7g} {:>7g} {:>7.3f} | {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n", row.view.height_px,
+    fmt::print("{:>7g} {:>7g} {:>7g} {:>7.3f} | {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}", row.view.height_px,
                row.view.azimuth_deg, row.view.elevation_deg, row.view.time, cell(s.silhouette_iou, 4),
                cell(s.boundary ? std::optional(s.boundary->mean) : std::nullopt, 3),
                cell(s.boundary ? std::optional(s.boundary->p95) : std::nullopt, 2), cell(s.ssim, 4),
                cell(s.ssim_union, 4), cell(s.psnr, 2));
+    if (options.causes)
+      fmt::print(" | ssim with the mesh's silhouette {}, surface {}, shading {}", cell(row.causes.silhouette, 4),
+                 cell(row.causes.surface, 4), cell(row.causes.shading, 4));
+    fmt::print("\n");
   }
   return 0;
 }
@@ -200,6 +212,9 @@ void add_quality(CLI::App& app, Run& run) {
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
       ->check(CLI::Range(1.0, 1e6));
+  command->add_flag("--causes", options->causes,
+                    "ssim had the pixels of one kind been the mesh's own: outside one silhouette, on another surface, "
+                    "otherwise shaded");
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
   command->add_flag("--json", options->json, "print JSON");

@@ -240,7 +240,7 @@ void main() {
   }
   vec3 shown = shade_lit(colour.rgb, max(lambert, 0.0), uint(normal.a * 255.0 + 0.5), v_identity.x, colour.a > 0.5, vec3(0.0));
 #if defined(DEBUG) && DEBUG == RELIEF_DEBUG_STEPS
-  shown = heat(float(taps) / 32.0);
+  shown = heat(min(float(taps) / 64.0, 1.0));  // dark red: 64 taps and more
 #elif defined(DEBUG) && DEBUG == RELIEF_DEBUG_HIT_FACE
   shown = (axis == 0 ? vec3(1.0, 0.2, 0.2) : axis == 1 ? vec3(0.2, 1.0, 0.2) : vec3(0.2, 0.3, 1.0)) * (side == 0 ? 0.5 : 1.0);
 #endif

@@ -77,6 +77,27 @@ class QualityGl : public ::testing::Test {
   gl::Context context_;
 };
 
+// Each cause mended leaves the score between what it was and 1, and one of them must matter.
+TEST_F(QualityGl, CausesExplainTheScore) {
+  QualitySetup asked = setup();
+  asked.representations = {"mesh", "relief:map=32,capture=bind,merge=0"};
+  asked.exact_pose = true;
+  asked.causes = true;
+  const auto rows = compute_quality(context_, asked);
+  ASSERT_EQ(rows.size(), 2U);
+  for (const auto& value : {rows[0].causes.silhouette, rows[0].causes.surface, rows[0].causes.shading})
+    EXPECT_DOUBLE_EQ(value.value(), 1.0);
+  const double score = rows[1].scores.ssim.value();
+  EXPECT_LT(score, 0.999);
+  double best = 0;
+  for (const auto& value : {rows[1].causes.silhouette, rows[1].causes.surface, rows[1].causes.shading}) {
+    EXPECT_GE(value.value(), score - 0.01) << "windows shared by two kinds may lose a little";
+    EXPECT_LT(value.value(), 1.0);
+    best = std::max(best, *value);
+  }
+  EXPECT_GT(best, score + 0.001);
+}
+
 TEST_F(QualityGl, TheMeshAgainstItselfIsPerfect) {
   QualitySetup s = setup();
   s.representations = {"mesh"};
