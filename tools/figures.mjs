@@ -38,7 +38,7 @@ const speeds = [];
 const pairs = [
   ['flat', 'mesh', 250], ['flat', 'mesh', 1000], ['flat', 'flat:quad=square', 1000], ['flat', 'flat:floor=1', 1000],
   ['relief', 'mesh', 100], ['relief', 'mesh', 1000], ['relief', 'relief:search=linear,steps=16+7,proxy=box', 1000],
-  ['rigid', 'mesh', 1000], ['mesh', 'mesh:floor=1', 250],
+  ['polypostor', 'mesh', 1000], ['polypostor', 'polypostor:floor=1', 1000], ['rigid', 'mesh', 1000], ['mesh', 'mesh:floor=1', 250],
 ];
 for (const [of, to, agents] of pairs) {
   const args = ['ratio', '--of', of, '--to', to, '--agents', `${agents}`, '--occupancy', '0.15', '--size', '640x480'];
@@ -52,7 +52,7 @@ lines.push(...speeds.map((s) => s[1]), '', ...speeds.map((s) => s[0].trimEnd()),
 lines.push('## Quality against the mesh', '', 'One walking mannequin at the identical view, mean over azimuths 0 to 315 degrees.', '',
   '| representation | height, px | elevation | IoU | boundary, px | SSIM (crop) | PSNR, dB |', '|---|---|---|---|---|---|---|');
 const commands = [];
-for (const representation of ['flat', 'relief']) {
+for (const representation of ['flat', 'polypostor', 'relief']) {
   for (const elevation of ['0', '30']) {
     const args = ['quality', '--representation', representation, '--height-px', '30,60,120,240', '--azimuth-deg', '0:315:45',
       '--elevation-deg', elevation];

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "bench/commands.h"
 #include "bench/scene_options.h"
@@ -14,6 +16,7 @@
 #include "core/image_io.h"
 #include "core/progress.h"
 #include "metrics/pseudocolour.h"
+#include "metrics/temporal.h"
 #include "renderers/gl/context.h"
 #include "scene/gltf.h"
 
@@ -35,6 +38,7 @@ struct Options {
   double bake_budget_mib = 512;
   int rows = 480;
   bool exact_pose = false;
+  bool flicker = false;
   bool no_cache = false;
   bool causes = false;
   bool json = false;
@@ -93,6 +97,13 @@ void write_maps(const std::filesystem::path& folder, const QualityRow& row, cons
                                      "absolute difference, mean of R, G, B (code values)"));
 }
 
+// A view's pictures in the order of the times: representation, height, elevation, azimuth.
+using FilmKey = std::tuple<size_t, double, double, double>;
+struct Film {
+  std::vector<Image8> reference, test;
+  std::vector<metrics::Mask> silhouettes;
+};
+
 std::string cell(std::optional<double> value, int digits) {
   if (!value) return "-";
   return std::isinf(*value) ? "inf" : fmt::format("{:.{}f}", *value, digits);
@@ -115,6 +126,8 @@ int run_quality(const Options& options) {
               : options.clip.empty() ? character.placement.default_clip
                                      : scene::require_clip(character, options.clip);
   const double start = view.clip < 0 ? 0.0 : character.clips[static_cast<size_t>(view.clip)].start;
+  if (options.flicker && options.exact_pose)
+    throw Error("--flicker", "an exact pose has no frames between which it could jump", "leave --exact-pose out");
   const std::vector<double> times =
       options.times.empty() ? std::vector<double>{start} : parse_numbers(options.times, "--time", -1e6, 1e6);
   std::vector<double> azimuths;
@@ -136,7 +149,15 @@ int run_quality(const Options& options) {
   gl::Context context({.device = options.device});
   Progress progress("quality", setup.views.size() * setup.representations.size());
   size_t done = 0;
+  std::map<FilmKey, Film> films;
   const auto rows = compute_quality(context, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
+    if (options.flicker) {
+      Film& film = films[{done / setup.views.size(), row.view.height_px, row.view.elevation_deg, row.view.azimuth_deg}];
+      film.reference.push_back(pictures.reference.colour);
+      film.test.push_back(pictures.test.colour);
+      film.silhouettes.push_back(
+          metrics::union_of(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids)));
+    }
     if (!options.maps.empty()) write_maps(options.maps, row, pictures, done / setup.views.size());
     ++done;
     progress.advance();
@@ -155,6 +176,16 @@ int run_quality(const Options& options) {
         out["rows"].back()["ssim_if_right"] = {{"silhouette", number(row.causes.silhouette)},
                                                {"surface", number(row.causes.surface)},
                                                {"shading", number(row.causes.shading)}};
+    }
+    for (const auto& [key, film] : films) {
+      const auto& [spec, height, elevation, azimuth] = key;
+      const auto score = metrics::flicker(film.reference, film.test, film.silhouettes);
+      out["flicker"].push_back({{"representation", setup.representations[spec]},
+                                {"height_px", height},
+                                {"elevation_deg", elevation},
+                                {"azimuth_deg", azimuth},
+                                {"frames", film.test.size()},
+                                {"flicker", score ? ordered_json(*score) : ordered_json(nullptr)}});
     }
     fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
     return 0;
@@ -178,6 +209,15 @@ int run_quality(const Options& options) {
       fmt::print(" | ssim with the mesh's silhouette {}, surface {}, shading {}", cell(row.causes.silhouette, 4),
                  cell(row.causes.surface, 4), cell(row.causes.shading, 4));
     fmt::print("\n");
+  }
+  if (!films.empty()) {
+    fmt::print("\nflicker over {} times: mean |second difference in time, less the mesh's| over the silhouettes\n",
+               times.size());
+    for (const auto& [key, film] : films) {
+      const auto& [spec, height_px, elevation, azimuth] = key;
+      fmt::print("{:>7g} {:>7g} {:>7g} | {:>7}  {}\n", height_px, azimuth, elevation,
+                 cell(metrics::flicker(film.reference, film.test, film.silhouettes), 3), setup.representations[spec]);
+    }
   }
   return 0;
 }
@@ -209,6 +249,8 @@ void add_quality(CLI::App& app, Run& run) {
   command->add_option("--maps", options->maps, "a folder for the pictures and their differences; made where missing");
   command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
       ->check(CLI::Range(16, 8192));
+  command->add_flag("--flicker", options->flicker,
+                    "also the flicker of each view, over the times as successive frames (three at least)");
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
       ->check(CLI::Range(1.0, 1e6));

@@ -154,5 +154,22 @@ TEST_F(FactsGl, BakeRefusesWhatCannotBe) {
   refuses("bake flat --bake-budget 1 --character mannequin:triangles=500", "budget");
 }
 
+TEST_F(FactsGl, FlickerTellsJumpsFromMotion) {
+  std::string times;
+  for (int i = 0; i < 10; ++i) times += (i > 0 ? "," : "") + std::to_string(1.06 * i / 10);
+  const json flicker = facts("quality --character mannequin:triangles=500 --flicker --height-px 60 --rows 120 --time " +
+                             times + " --representation polypostor:views=sphere-4x1,frames=5,texels=64 " +
+                             "--representation flat:views=sphere-4x1,frames=5,texels=64")
+                           .at("flicker");
+  ASSERT_EQ(flicker.size(), 2U);
+  std::vector<double> scores;
+  for (const json& row : flicker) {
+    EXPECT_EQ(row.at("frames"), 10);
+    scores.push_back(row.at("flicker").get<double>());
+  }
+  EXPECT_LT(scores[0], scores[1]) << "at twice the stored rate, corners that move flicker less than frames that jump";
+  refuses("quality --representation mesh --flicker --exact-pose", "exact pose");
+}
+
 }  // namespace
 }  // namespace crowdbench::bench
