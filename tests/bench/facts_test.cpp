@@ -58,7 +58,7 @@ TEST_F(Facts, PosePrintsTheSkinnedVerticesAndTheirBounds) {
   const auto positions = scene::skin_positions(character.mesh, scene::joint_matrices(character, 1, 0.2));
   for (const size_t v : {size_t{0}, size_t{17}}) {
     const size_t drawn = character.mesh.file_vertices.empty() ? v : character.mesh.file_vertices[v];
-    const glm::dvec3 expected = positions[drawn];
+    const glm::dvec3& expected = positions[drawn];
     for (int k = 0; k < 3; ++k) {
       const double value = by_name.at("samples").at(std::to_string(v)).at(k).get<double>();
       EXPECT_NEAR(value, expected[k], 1e-9) << v << " " << k;
