@@ -7,7 +7,7 @@ commands=$build/compile_commands.json
 [ -f "$commands" ] || { echo "check_headers: no $commands; configure first" >&2; exit 2; }
 
 # Every include path and definition that any target uses, once.
-flags=$(grep -o '"command": ".*"' "$commands" | grep -oE '(-isystem [^ ]+|-I[^ ]+|-DGLM[^ ]+|-DFMT[^ ]+)' | sort -u)
+flags=$(grep -o '"command": ".*\.cpp"' "$commands" | grep -oE '(-isystem [^ ]+|-I[^ ]+|-DGLM[^ ]+|-DFMT[^ ]+)' | sort -u)
 compile() {
   local header=$1
   printf '#include "%s"\n' "$header" |
