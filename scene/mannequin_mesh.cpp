@@ -897,12 +897,13 @@ void build_trousers(Builder& b, const Detail& d) {
     // Once around the leg, from the back middle over the outside to the front middle, and back along the crotch.
     Ring previous;
     previous.v = 1.0;
-    for (int i = 0; i <= n / 2; ++i) {
+    const int half = n / 2;
+    for (int i = 0; i <= half; ++i) {
       previous.points.push_back(split.points[static_cast<size_t>(side == 0 ? i : (n - i) % n)]);
     }
     previous.points.insert(previous.points.end(), line.begin(), line.end());
     const auto columns = static_cast<int>(previous.points.size());
-    const double outer = static_cast<double>(n / 2) / columns;  // of the way around
+    const double outer = static_cast<double>(half) / columns;  // of the way around
     const auto leg_ring = [&](double y, double shrink, double v) {
       const auto p = along<4>(kLeg, y);
       Ring ring;
