@@ -1,5 +1,6 @@
 // Bakes on disk: what a representation precomputed, keyed by the content it was computed from.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -14,15 +15,23 @@
 
 namespace crowdbench::renderers {
 
+// What `ByteWriter::value` takes: numbers and arrays of them. A structure may have padding, whose bytes are anything;
+// the same bake would not be the same bytes.
+template <typename T>
+inline constexpr bool kIsPlain = std::is_arithmetic_v<T>;
+template <typename T, size_t N>
+inline constexpr bool kIsPlain<std::array<T, N>> = std::is_arithmetic_v<T>;
+
 // Appends plain values and arrays, little-endian as they lie in memory (x86-64).
 class ByteWriter {
  public:
   template <typename T>
   void value(const T& v) {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(kIsPlain<T>);
     const auto* p = reinterpret_cast<const uint8_t*>(&v);
     bytes_.insert(bytes_.end(), p, p + sizeof v);
   }
+  // Structures in v must be without padding.
   template <typename T>
   void values(const std::vector<T>& v) {
     static_assert(std::is_trivially_copyable_v<T>);

@@ -26,7 +26,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 2;
+constexpr uint32_t kBakeVersion = 3;
 constexpr int kGroup = 64;  // local_size_x of relief.comp
 
 // Distances at which joints may share boxes: pixels of the character's height, from the nearest tier on. A tier is
@@ -135,7 +135,9 @@ ReliefBox unstored(const StoredBox& from) {
 
 std::vector<uint8_t> serialise(const Bake& bake) {
   ByteWriter out;
-  out.value(bake.capture);
+  const CaptureScore& c = bake.capture;
+  out.value(c.pose.clip);
+  for (const double v : {c.pose.phase, c.silhouette_error, c.box_volume}) out.value(v);
   out.values(bake.tier_pixels);
   out.value(static_cast<uint32_t>(bake.models.size()));
   for (const ReliefModel& m : bake.models) {
@@ -155,7 +157,9 @@ std::vector<uint8_t> serialise(const Bake& bake) {
 std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints) {
   ByteReader in(bytes);
   Bake bake;
-  bake.capture = in.value<CaptureScore>();
+  CaptureScore& c = bake.capture;
+  c.pose.clip = in.value<int>();
+  for (double* v : {&c.pose.phase, &c.silhouette_error, &c.box_volume}) *v = in.value<double>();
   bake.tier_pixels = in.values<double>();
   const auto count = in.value<uint32_t>();
   for (uint32_t i = 0; i < count && in.ok(); ++i) {
