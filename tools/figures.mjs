@@ -1,5 +1,5 @@
 // Makes docs/figures.md: every public figure of this project, each below the command that made it.
-// Usage: ./run figures   (about ten minutes; a quiet machine gives narrower intervals)
+// Usage: ./run figures   (about five minutes on two cores; a quiet machine gives narrower intervals)
 import { execFileSync } from 'node:child_process';
 import { renameSync, writeFileSync } from 'node:fs';
 
