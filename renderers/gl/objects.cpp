@@ -195,6 +195,22 @@ Sampler::Sampler(Context& context, const SamplerOptions& options)
 
 void Sampler::bind(unsigned unit) const { glBindSampler(unit, name_); }
 
+namespace {
+
+// The attributes of one binding of a vertex array.
+void describe_attributes(unsigned array, unsigned binding, std::span<const Attribute> attributes) {
+  for (const Attribute& a : attributes) {
+    glEnableVertexArrayAttrib(array, a.location);
+    if (a.integer)
+      glVertexArrayAttribIFormat(array, a.location, a.components, a.type, a.offset);
+    else
+      glVertexArrayAttribFormat(array, a.location, a.components, a.type, a.normalised ? GL_TRUE : GL_FALSE, a.offset);
+    glVertexArrayAttribBinding(array, a.location, binding);
+  }
+}
+
+}  // namespace
+
 VertexArray::VertexArray(Context& context) : Object(context, [](unsigned name) { glDeleteVertexArrays(1, &name); }) {
   glCreateVertexArrays(1, &name_);
 }
@@ -203,14 +219,7 @@ VertexArray::VertexArray(Context& context, const Buffer& vertices, int stride, s
                          const Buffer* indices)
     : VertexArray(context) {
   glVertexArrayVertexBuffer(name_, 0, vertices.name(), 0, stride);
-  for (const Attribute& a : attributes) {
-    glEnableVertexArrayAttrib(name_, a.location);
-    if (a.integer)
-      glVertexArrayAttribIFormat(name_, a.location, a.components, a.type, a.offset);
-    else
-      glVertexArrayAttribFormat(name_, a.location, a.components, a.type, a.normalised ? GL_TRUE : GL_FALSE, a.offset);
-    glVertexArrayAttribBinding(name_, a.location, 0);
-  }
+  describe_attributes(name_, 0, attributes);
   if (indices) glVertexArrayElementBuffer(name_, indices->name());
 }
 
@@ -241,14 +250,7 @@ void VertexArray::set_instance_records(const Buffer& buffer, int stride, std::sp
   assert(binding > 0);
   glVertexArrayVertexBuffer(name_, binding, buffer.name(), 0, stride);
   glVertexArrayBindingDivisor(name_, binding, 1);
-  for (const Attribute& a : attributes) {
-    glEnableVertexArrayAttrib(name_, a.location);
-    if (a.integer)
-      glVertexArrayAttribIFormat(name_, a.location, a.components, a.type, a.offset);
-    else
-      glVertexArrayAttribFormat(name_, a.location, a.components, a.type, a.normalised ? GL_TRUE : GL_FALSE, a.offset);
-    glVertexArrayAttribBinding(name_, a.location, binding);
-  }
+  describe_attributes(name_, binding, attributes);
 }
 
 void VertexArray::bind() const { glBindVertexArray(name_); }

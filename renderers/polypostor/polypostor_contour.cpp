@@ -9,6 +9,8 @@
 #include <numbers>
 #include <optional>
 
+#include "renderers/tiles/half_plane.h"
+
 namespace crowdbench::renderers {
 namespace {
 
@@ -213,16 +215,7 @@ Polyline convex_around(const Polyline& contour, int corners, double margin, cons
     double reach = -std::numeric_limits<double>::infinity();
     for (const glm::dvec2& p : contour) reach = std::max(reach, glm::dot(p, out));
     reach += margin;
-    Polyline kept;
-    for (size_t k = 0; k < polygon.size(); ++k) {
-      const glm::dvec2& a = polygon[k];
-      const glm::dvec2& b = polygon[(k + 1) % polygon.size()];
-      const double da = glm::dot(a, out) - reach;
-      const double db = glm::dot(b, out) - reach;
-      if (da <= 0) kept.push_back(a);
-      if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.push_back(a + (b - a) * (da / (da - db)));
-    }
-    polygon = std::move(kept);
+    polygon = cut_by_half_plane(polygon, out, reach);
   }
   return polygon;
 }

@@ -13,6 +13,7 @@
 
 #include "core/colour.h"
 #include "core/error.h"
+#include "renderers/tiles/half_plane.h"
 #include "scene/pose.h"
 
 namespace crowdbench::renderers {
@@ -237,16 +238,7 @@ std::array<glm::vec3, kHullPoints> hull_of(const std::vector<glm::dvec3>& points
   for (const glm::dvec2& outward : {glm::dvec2(1, 1), glm::dvec2(-1, 1), glm::dvec2(-1, -1), glm::dvec2(1, -1)}) {
     double reach = -std::numeric_limits<double>::infinity();
     for (const glm::dvec3& p : points) reach = std::max(reach, outward.x * p[u] + outward.y * p[v]);
-    std::vector<glm::dvec2> kept;
-    for (size_t i = 0; i < outline.size(); ++i) {
-      const glm::dvec2& a = outline[i];
-      const glm::dvec2& b = outline[(i + 1) % outline.size()];
-      const double da = glm::dot(a, outward) - reach;
-      const double db = glm::dot(b, outward) - reach;
-      if (da <= 0) kept.push_back(a);
-      if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.push_back(a + (b - a) * (da / (da - db)));
-    }
-    outline = kept;
+    outline = cut_by_half_plane(outline, outward, reach);
   }
   std::array<glm::vec3, kHullPoints> hull{};
   for (size_t i = 0; i < kHullPoints; ++i) {

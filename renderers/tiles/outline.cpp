@@ -8,6 +8,8 @@
 #include <limits>
 #include <optional>
 
+#include "renderers/tiles/half_plane.h"
+
 namespace crowdbench::renderers {
 namespace {
 
@@ -80,16 +82,7 @@ Polygon bounded(const Polygon& hull, size_t directions, const Box& box) {
     const glm::dvec2 out{std::cos(angle), std::sin(angle)};
     double reach = -std::numeric_limits<double>::infinity();
     for (const glm::dvec2& p : hull) reach = std::max(reach, glm::dot(p, out));
-    Polygon kept;
-    for (size_t k = 0; k < polygon.size(); ++k) {
-      const glm::dvec2& a = polygon[k];
-      const glm::dvec2& b = polygon[(k + 1) % polygon.size()];
-      const double da = glm::dot(a, out) - reach;
-      const double db = glm::dot(b, out) - reach;
-      if (da <= 0) kept.push_back(a);
-      if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.push_back(a + (b - a) * (da / (da - db)));
-    }
-    polygon = std::move(kept);
+    polygon = cut_by_half_plane(polygon, out, reach);
   }
   return convex_hull(polygon);
 }

@@ -1,3 +1,22 @@
+// The cube's face that a direction goes through (0 +x, 1 -x, 2 +y, 3 -y, 4 +z, 5 -z), and where: 0..1 across it.
+int cube_face(vec3 d, out vec2 at) {
+  vec3 a = abs(d);
+  int face;
+  vec2 uv;
+  if (a.y >= a.x && a.y >= a.z) {
+    face = d.y < 0.0 ? 3 : 2;
+    uv = d.xz;
+  } else if (a.x >= a.z) {
+    face = d.x < 0.0 ? 1 : 0;
+    uv = d.zy;
+  } else {
+    face = d.z < 0.0 ? 5 : 4;
+    uv = d.xy;
+  }
+  at = uv / max(max(a.x, a.y), max(a.z, 1e-30)) * 0.5 + 0.5;
+  return face;
+}
+
 // The nearest view of a grid, by the same formulas as view_grid.cpp. d: from the capture centre to the eye in model
 // space, any length.
 // grid: x = kind (0 sphere, 1 cube, 2 hemi), y = azimuths or n, z = elevations, w = 1 when mirrored.
@@ -24,20 +43,9 @@ int pick_view(vec3 d, ivec4 grid, vec4 span, out int flipped) {
   vec3 a = abs(d);
   int n = grid.y;
   if (grid.x == 1) {
-    float largest = max(max(a.x, a.y), max(a.z, 1e-30));
-    int face;
-    vec2 uv;
-    if (a.y >= a.x && a.y >= a.z) {
-      face = d.y < 0.0 ? 3 : 2;
-      uv = d.xz;
-    } else if (a.x >= a.z) {
-      face = d.x < 0.0 ? 1 : 0;
-      uv = d.zy;
-    } else {
-      face = d.z < 0.0 ? 5 : 4;
-      uv = d.xy;
-    }
-    ivec2 cell = clamp(ivec2(floor((uv / largest * 0.5 + 0.5) * float(n))), ivec2(0), ivec2(n - 1));
+    vec2 at;
+    int face = cube_face(d, at);
+    ivec2 cell = clamp(ivec2(floor(at * float(n))), ivec2(0), ivec2(n - 1));
     return (face * n + cell.y) * n + cell.x;
   }
   vec2 uv = vec2(d.x + d.z, d.x - d.z) / max(a.x + a.y + a.z, 1e-30);
@@ -68,19 +76,8 @@ void blend_views(vec3 d, ivec4 grid, vec4 span, out ivec3 views, out vec3 weight
     d.y = max(d.y, length(d.xz) * span.w);
     vec3 a = abs(d);
     if (grid.x == 1) {
-      float largest = max(max(a.x, a.y), max(a.z, 1e-30));
-      vec2 uv;
-      if (a.y >= a.x && a.y >= a.z) {
-        face = d.y < 0.0 ? 3 : 2;
-        uv = d.xz;
-      } else if (a.x >= a.z) {
-        face = d.x < 0.0 ? 1 : 0;
-        uv = d.zy;
-      } else {
-        face = d.z < 0.0 ? 5 : 4;
-        uv = d.xy;
-      }
-      at = (uv / largest * 0.5 + 0.5) * float(grid.y) - 0.5;
+      face = cube_face(d, at);
+      at = at * float(grid.y) - 0.5;
     } else {
       vec2 uv = vec2(d.x + d.z, d.x - d.z) / max(a.x + a.y + a.z, 1e-30);
       at = clamp((uv * 0.5 + 0.5) * float(grid.y - 1), vec2(0.0), vec2(grid.y - 1));
