@@ -12,8 +12,9 @@ if(CROWDBENCH_SANITIZE)
                          -fno-omit-frame-pointer
                          # GCC 12 sees uninitialised members in the standard library's <regex> when it instruments.
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  target_link_options(crowdbench_flags INTERFACE -fsanitize=address,undefined -Wl,--export-dynamic-symbol=dlclose)
-  target_sources(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR}/cmake/keep_loaded.cpp)
+  target_link_options(crowdbench_flags INTERFACE -fsanitize=address,undefined -Wl,--export-dynamic-symbol=dlclose
+                      -Wl,--export-dynamic-symbol=__asan_default_options)
+  target_sources(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR}/cmake/sanitizer_runtime.cpp)
 endif()
 if(CROWDBENCH_FUZZ)
   target_compile_options(crowdbench_flags INTERFACE -fsanitize=fuzzer-no-link)
