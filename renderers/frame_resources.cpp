@@ -78,7 +78,7 @@ struct FrameResources::State {
       for (const scene::FrameAgent& a : all)
         records.push_back({glm::vec4(a.position, a.scale), glm::vec4(a.heading, a.pose.blend, a.phase),
                            glm::uvec4(a.pose.a, a.pose.b, static_cast<uint32_t>(a.bank_clip), 0U),
-                           glm::uvec4(a.outfit, a.id, 0U, 0U)});
+                           glm::uvec4(a.outfit, a.id, static_cast<uint32_t>(a.bank_clip), 0U)});
     agents.buffer.write(records);
   }
 

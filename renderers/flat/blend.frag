@@ -1,14 +1,12 @@
 #version 450 core
 // Three tiles, each lit with its own normals and coloured by its own material ids; what they show is averaged by weight
 // and coverage, and drawn where at least half of the weight covers.
-#include "renderers/flat/flat.shared.h"
+#include "renderers/flat/flat_table.glsl"
 #include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
 
 layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;
 layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;
-
-layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
 
 layout(location = 0) in vec3 v_texel[3];
 layout(location = 3) flat in vec4 v_bounds[3];
@@ -59,7 +57,7 @@ void main() {
   // Of the view that counts for most.
   int most = v_weights.x >= max(v_weights.y, v_weights.z) ? 0 : v_weights.y >= v_weights.z ? 1 : 2;
   vec2 there = v_texel[most].xy / v_texel[most].z * vec2(textureSize(albedo_map, 0).xy);
-  write_output(vec3(there * exp2(float(level)), float(level)), v_outfit_id.y);
+  write_output(vec3(there * exp2(table.scale.w), table.scale.w), v_outfit_id.y);
 #else
   write_output(colour / total, v_outfit_id.y);
 #endif

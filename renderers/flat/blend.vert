@@ -17,11 +17,11 @@ layout(location = 14) flat out float v_texel_height;
 void main() {
   uint slot = uint(gl_VertexID) / 4u;
   uint corner = uint(gl_VertexID) % 4u;
-  AgentRecord agent = agents[list[slot]];
-  vec2 heading = agent.heading_blend.xy;
+  Agent agent = listed_agent(slot);
+  vec2 heading = agent.heading;
   vec2 back = vec2(-heading.x, heading.y);
-  float scale = agent.position_scale.w;
-  vec3 centre = agent.position_scale.xyz + scale * turn(table.centre.xyz, heading);
+  float scale = agent.scale;
+  vec3 centre = agent.position + scale * turn(table.centre.xyz, heading);
   // Model axes, metres at scale 1, from the capture centre.
   vec3 eye = turn(-centre, back) / scale;
   vec3 light = turn(frame.light_direction.xyz, back);
@@ -34,27 +34,26 @@ void main() {
   vec3 weights;
   int flipped;
   blend_views(eye, table.grid, table.span, views, weights, flipped);
-  Level l = table.levels[level];
   vec2 low = vec2(1e30);
   vec2 high = vec2(-1e30);
   vec3 eye_there[3], right[3], up[3];
   vec4 place[3], plane[3];
   float side = 1.0;
   for (int i = 0; i < 3; ++i) {
-    uint tile = tile_of(agent, uint(views[i]), flipped);
+    int tile = tile_of(agent, uint(views[i]), flipped);
     side = view_axes(uint(views[i]), flipped, right[i], up[i]);
     vec3 to_eye = cross(right[i], up[i]);
     right[i] *= side;  // the tile's own x
     eye_there[i] = vec3(dot(right[i], eye), dot(up[i], eye), dot(to_eye, eye));
-    place[i] = tiles[2u * (l.first.x + tile)];
-    plane[i] = tiles[2u * (l.first.x + tile) + 1u];
+    place[i] = tile_place(tile);
+    plane[i] = tile_plane(tile);
     vec2 tile_low = vec2(1e30);
     vec2 tile_high = vec2(-1e30);
     for (uint c = 0u; c < uint(CB_CORNERS); ++c) {
-      vec2 p = outlines[l.first.y + tile * uint(CB_CORNERS) + c];
+      vec2 p = tile_corner(tile, c);
       tile_low = min(tile_low, p);
       tile_high = max(tile_high, p);
-      vec2 m = p * l.scale.x;
+      vec2 m = p * table.scale.x;
       vec3 point = right[i] * m.x + up[i] * m.y + to_eye * (plane[i].x * m.x + plane[i].y * m.y + plane[i].z);
       // Through the eye onto the quad's plane.
       vec2 there = vec2(dot(quad_right, point), dot(quad_up, point)) * (distance / max(distance - dot(facing, point), 1e-3));
@@ -63,7 +62,7 @@ void main() {
         high = max(high, there);
       }
     }
-    v_bounds[i] = vec4((tile_low + place[i].xy) * l.scale.yz, (tile_high + place[i].xy) * l.scale.yz);
+    v_bounds[i] = vec4((tile_low + place[i].xy) * table.scale.yz, (tile_high + place[i].xy) * table.scale.yz);
     v_light[i] = vec4(dot(light, right[i]), dot(light, up[i]), dot(light, to_eye), place[i].z);
   }
   vec2 at = mix(low, high, vec2(corner & 1u, corner >> 1u));
@@ -79,17 +78,17 @@ void main() {
     float across = ray.z - plane[i].x * ray.x - plane[i].y * ray.y;
     float along = plane[i].x * e.x + plane[i].y * e.y + plane[i].z - e.z;
     vec2 metres = e.xy * across + along * ray.xy;
-    v_texel[i] = vec3((metres / l.scale.x + place[i].xy * across) * l.scale.yz, across);
+    v_texel[i] = vec3((metres / table.scale.x + place[i].xy * across) * table.scale.yz, across);
 #ifdef CB_NAILBOARD
     vec3 forward = turn(-transpose(frame.view_from_world)[2].xyz, back);
-    vec2 slope = scale * vec2(dot(forward, right[i]), dot(forward, up[i])) * l.scale.x;  // a texel
-    v_depth[i] = vec4(slope / l.scale.yz, dot(turn(forward, heading), centre) - dot(slope, place[i].xy),
+    vec2 slope = scale * vec2(dot(forward, right[i]), dot(forward, up[i])) * table.scale.x;  // a texel
+    v_depth[i] = vec4(slope / table.scale.yz, dot(turn(forward, heading), centre) - dot(slope, place[i].xy),
                       scale * dot(forward, to_eye) * table.centre.w);
 #endif
   }
   v_weights = weights;
-  v_outfit_id = agent.identity.xy;
+  v_outfit_id = uvec2(agent.outfit, agent.id);
 #ifdef CB_NAILBOARD
-  v_texel_height = l.scale.x / table.centre.w;
+  v_texel_height = table.scale.x / table.centre.w;
 #endif
 }

@@ -27,17 +27,13 @@
 namespace crowdbench::renderers {
 namespace {
 
-// `Table` of flat.vert, std430, without its views.
-struct LevelRecord {
-  glm::vec4 scale;
-  glm::uvec4 first;
-};
-struct TableHeader {
+// `Table` of flat_table.glsl, std140.
+struct LevelTable {
   glm::vec4 centre;
   glm::ivec4 grid;
   glm::vec4 span;
-  glm::uvec4 counts;
-  LevelRecord levels[CB_FLAT_LEVELS];
+  glm::vec4 scale;
+  glm::uvec4 first;
   glm::uvec4 clips[CB_FLAT_CLIPS];
 };
 
@@ -46,11 +42,13 @@ constexpr uint32_t kBatch = 8192;
 
 struct CharacterTiles {
   struct Level {
+    gl::Buffer table;
     gl::Texture albedo, surface;
     int corners = 4;
   };
   std::vector<Level> levels;
-  gl::Buffer table, tiles, outlines;
+  gl::Buffer tiles, outlines, axes;
+  gl::Texture tile_texels, outline_texels, view_texels;
   glm::vec3 centre{0.0F};
   double texel = 0;
   uint64_t disk_bytes = 0;
@@ -72,27 +70,24 @@ double strip_area(const FlatLevel& level, size_t first) {
   return area;
 }
 
-TableHeader make_header(const FlatBake& bake, const ViewGrid& grid) {
-  TableHeader header{};
-  header.centre = {bake.centre[0], bake.centre[1], bake.centre[2], bake.radius};
+LevelTable make_table(const FlatBake& bake, const ViewGrid& grid, size_t l) {
+  LevelTable table{};
+  table.centre = {bake.centre[0], bake.centre[1], bake.centre[2], bake.radius};
   const ViewGridUniforms uniforms = view_grid_uniforms(grid);
-  header.grid = uniforms.grid;
-  header.span = uniforms.span;
-  header.counts = {bake.views, 0U, 0U, 0U};
-  uint32_t tile = 0;
-  uint32_t corner = 0;
-  for (size_t l = 0; l < bake.levels.size(); ++l) {
-    const FlatLevel& level = bake.levels[l];
-    header.levels[l].scale = {static_cast<float>(bake.texel * std::exp2(static_cast<double>(l))),
-                              1.0F / static_cast<float>(std::max(level.width, 1)),
-                              1.0F / static_cast<float>(std::max(level.height, 1)), 0.0F};
-    header.levels[l].first = {tile, corner, 0U, 0U};
-    tile += static_cast<uint32_t>(level.tiles.size());
-    corner += static_cast<uint32_t>(level.outlines.size());
+  table.grid = uniforms.grid;
+  table.span = uniforms.span;
+  const FlatLevel& level = bake.levels[l];
+  table.scale = {static_cast<float>(bake.texel * std::exp2(static_cast<double>(l))),
+                 1.0F / static_cast<float>(std::max(level.width, 1)),
+                 1.0F / static_cast<float>(std::max(level.height, 1)), static_cast<float>(l)};
+  table.first = {0U, 0U, bake.views, 0U};
+  for (size_t finer = 0; finer < l; ++finer) {
+    table.first.x += static_cast<uint32_t>(bake.levels[finer].tiles.size());
+    table.first.y += static_cast<uint32_t>(bake.levels[finer].outlines.size());
   }
   for (size_t c = 0; c < bake.clips.size(); ++c)
-    header.clips[c] = {bake.clips[c].first_frame, bake.clips[c].frames, 0U, 0U};
-  return header;
+    table.clips[c] = {bake.clips[c].first_frame, bake.clips[c].frames, 0U, 0U};
+  return table;
 }
 
 CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid& grid) {
@@ -100,25 +95,24 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
   out.texel = bake.texel;
   out.clips = bake.clips;
-  const TableHeader header = make_header(bake, grid);
-  std::vector<uint8_t> table(sizeof header + bake.views * 2 * sizeof(glm::vec4));
-  std::memcpy(table.data(), static_cast<const void*>(&header), sizeof header);
+  std::vector<std::array<glm::vec4, 2>> axes;
   for (uint32_t v = 0; v < bake.views; ++v) {
     const ViewBasis basis = grid.basis(static_cast<int>(v));
-    const std::array<float, 8> axes = {
-        static_cast<float>(basis.right.x), static_cast<float>(basis.right.y), static_cast<float>(basis.right.z), 0.0F,
-        static_cast<float>(basis.up.x),    static_cast<float>(basis.up.y),    static_cast<float>(basis.up.z),    0.0F};
-    std::memcpy(table.data() + sizeof header + v * sizeof axes, axes.data(), sizeof axes);
+    axes.push_back({glm::vec4(glm::vec3(basis.right), 0.0F), glm::vec4(glm::vec3(basis.up), 0.0F)});
   }
-  out.table = gl::Buffer(context, table);
+  out.axes = gl::Buffer(context, axes);
+  out.view_texels = gl::Texture::make_buffer(context, GL_RGBA32F, out.axes);
   std::vector<FlatTile> tiles;
   std::vector<std::array<float, 2>> outlines;
-  for (const FlatLevel& level : bake.levels) {
+  for (size_t i = 0; i < bake.levels.size(); ++i) {
+    const FlatLevel& level = bake.levels[i];
     tiles.insert(tiles.end(), level.tiles.begin(), level.tiles.end());
     outlines.insert(outlines.end(), level.outlines.begin(), level.outlines.end());
     CharacterTiles::Level& l = out.levels.emplace_back();
     l.corners = level.corners;
     if (level.layers == 0) continue;
+    const LevelTable table = make_table(bake, grid, i);
+    l.table = gl::Buffer(context, sizeof table, &table);
     const auto make = [&](const std::vector<uint8_t>& texels) {
       gl::Texture texture = gl::Texture::make_array(context, GL_RGBA8, level.width, level.height, level.layers, 1);
       const size_t layer_bytes = 4 * static_cast<size_t>(level.width) * static_cast<size_t>(level.height);
@@ -130,7 +124,9 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
     l.surface = make(level.surface);
   }
   out.tiles = gl::Buffer(context, tiles);
+  out.tile_texels = gl::Texture::make_buffer(context, GL_RGBA32F, out.tiles);
   out.outlines = gl::Buffer(context, outlines);
+  out.outline_texels = gl::Texture::make_buffer(context, GL_RG32F, out.outlines);
   return out;
 }
 
@@ -147,7 +143,7 @@ void check_limits(const gl::Context& context, const FlatBake& bake, const std::s
     if (level.albedo.size() >= (uint64_t{1} << 31))
       refuse(fmt::format("a texture of {} bytes is too large", level.albedo.size()));
   }
-  if (corners * sizeof(std::array<float, 2>) > static_cast<uint64_t>(limits.storage_block))
+  if (corners > static_cast<uint64_t>(limits.texel_buffer))
     refuse(fmt::format("{} tiles need too large a table", uint64_t{bake.frames} * bake.views));
 }
 
@@ -233,18 +229,17 @@ class FlatRepresentation : public Representation {
       if (agents[c].empty()) continue;
       const CharacterTiles& tiles = characters_[c];
       order_.sort(frame, frame.agents[c], agents[c], tiles.centre, tiles.texel, static_cast<int>(tiles.levels.size()));
-      tiles.table.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_VIEWS);
-      tiles.tiles.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_TILES);
-      tiles.outlines.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_OUTLINES);
+      tiles.tile_texels.bind(CB_TEXTURE_TILES);
+      tiles.outline_texels.bind(CB_TEXTURE_OUTLINES);
+      tiles.view_texels.bind(CB_TEXTURE_VIEWS);
       for (size_t l = 0; l < tiles.levels.size(); ++l) {
         const CharacterTiles::Level& level = tiles.levels[l];
         if (!level.albedo) continue;
         resources.draw_listed(c, order_.at_level(static_cast<int>(l)), [&](uint32_t n) {
+          level.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
           level.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
           level.surface.bind(CB_FLAT_TEXTURE_SURFACE);
-          const gl::Program& p = program(pass, level.corners);
-          p.use();
-          p.set(CB_FLAT_LOCATION_LEVEL, static_cast<int>(l));
+          program(pass, level.corners).use();
           draw_polygons(draw_.blend ? 4 : level.corners, n);
         });
       }
@@ -255,8 +250,11 @@ class FlatRepresentation : public Representation {
   Footprint footprint() const override {
     Footprint out;
     for (const CharacterTiles& c : characters_) {
-      for (const CharacterTiles::Level& l : c.levels) out.texture_bytes += l.albedo.bytes() + l.surface.bytes();
-      out.buffer_bytes += c.table.size() + c.tiles.size() + c.outlines.size();
+      for (const CharacterTiles::Level& l : c.levels) {
+        out.texture_bytes += l.albedo.bytes() + l.surface.bytes();
+        out.buffer_bytes += l.table.size();
+      }
+      out.buffer_bytes += c.tiles.size() + c.outlines.size() + c.axes.size();
       out.disk_bytes += c.disk_bytes;
     }
     for (const auto& [corners, polygons] : polygons_) out.buffer_bytes += polygons.indices.size();

@@ -1,12 +1,10 @@
 #version 450 core
-#include "renderers/flat/flat.shared.h"
+#include "renderers/flat/flat_table.glsl"
 #include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
 
 layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered
 layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;  // nearest: ids must not be mixed
-
-layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
 
 layout(location = 0) in vec3 v_texel;
 layout(location = 1) flat in vec3 v_light;
@@ -38,7 +36,7 @@ void main() {
 #endif
 #if defined(CB_TEXELS)
   vec2 texel = v_texel.xy * vec2(textureSize(albedo_map, 0).xy);
-  write_output(vec3(texel * exp2(float(level)), float(level)), v_id);
+  write_output(vec3(texel * exp2(table.scale.w), table.scale.w), v_id);
 #elif defined(CB_FLOOR)
   write_output(albedo.rgb + surface.rgb, v_id);
 #else

@@ -3,9 +3,6 @@
 #define CROWDBENCH_FLAT_SHARED_H
 
 #define CB_FLAT_CLIPS 256  // of one character's bank, at most
-#define CB_FLAT_LEVELS 12
-
-#define CB_FLAT_LOCATION_LEVEL 0  // int: the level being drawn
 
 #define CB_FLAT_TEXTURE_ALBEDO 0
 #define CB_FLAT_TEXTURE_SURFACE 1

@@ -19,38 +19,37 @@ layout(location = 6) flat out float v_texel_height; // of a surface that rises b
 void main() {
   uint slot = uint(gl_VertexID) / uint(CB_CORNERS);
   uint corner = uint(gl_VertexID) % uint(CB_CORNERS);
-  AgentRecord agent = agents[list[slot]];
-  vec2 heading = agent.heading_blend.xy;
+  Agent agent = listed_agent(slot);
+  vec2 heading = agent.heading;
   vec2 back = vec2(-heading.x, heading.y);
-  float scale = agent.position_scale.w;
-  vec3 centre = agent.position_scale.xyz + scale * turn(table.centre.xyz, heading);
+  vec3 centre = agent.position + agent.scale * turn(table.centre.xyz, heading);
 
   int flipped;
   uint view = uint(pick_view(turn(-centre, back), table.grid, table.span, flipped));
-  uint tile = tile_of(agent, view, flipped);
+  int tile = tile_of(agent, view, flipped);
   vec3 right, up;
   float side = view_axes(view, flipped, right, up);
-  Level l = table.levels[level];
-  vec2 p = outlines[l.first.y + tile * uint(CB_CORNERS) + corner];
-  vec4 place = tiles[2u * (l.first.x + tile)];
-  vec4 plane = tiles[2u * (l.first.x + tile) + 1u];
-  vec2 metres = p * l.scale.x;
+  vec2 p = tile_corner(tile, corner);
+  vec4 place = tile_place(tile);
+  vec4 plane = tile_plane(tile);
+  vec2 metres = p * table.scale.x;
   vec3 to_eye = cross(right, up);
   vec3 on_capture = right * (side * metres.x) + up * metres.y;
-  vec3 world = centre + scale * turn(on_capture + to_eye * (plane.x * metres.x + plane.y * metres.y + plane.z), heading);
+  float height = plane.x * metres.x + plane.y * metres.y + plane.z;
+  vec3 world = centre + agent.scale * turn(on_capture + to_eye * height, heading);
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 
-  v_texel = vec3((p + place.xy) * l.scale.yz, place.z);
+  v_texel = vec3((p + place.xy) * table.scale.yz, place.z);
   vec3 light = turn(frame.light_direction.xyz, back);
   v_light = vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye));
-  v_outfit = agent.identity.x;
+  v_outfit = agent.outfit;
 #ifdef CB_IDS
-  v_id = agent.identity.y;
+  v_id = agent.id;
 #endif
 #ifdef CB_NAILBOARD
   vec3 backward = transpose(frame.view_from_world)[2].xyz;
-  v_depth = -dot(backward, centre + scale * turn(on_capture, heading));
-  v_texel_height = l.scale.x / table.centre.w;
-  v_depth_range = -dot(backward, turn(to_eye, heading)) * scale * table.centre.w;
+  v_depth = -dot(backward, centre + agent.scale * turn(on_capture, heading));
+  v_texel_height = table.scale.x / table.centre.w;
+  v_depth_range = -dot(backward, turn(to_eye, heading)) * agent.scale * table.centre.w;
 #endif
 }

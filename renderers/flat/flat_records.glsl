@@ -1,36 +1,48 @@
-// The bake of the character being drawn, as the vertex shaders read it.
+// The bake of the character being drawn and the agents, as the vertex shaders read them.
 #include "renderers/shaders/frame.glsl"
-#include "renderers/flat/flat.shared.h"
+#include "renderers/flat/flat_table.glsl"
 #include "renderers/views/view_grid.glsl"
 
-struct Level {
-  vec4 scale;   // metres a texel, 1 / width, 1 / height of a page in texels
-  uvec4 first;  // of the level's tiles, of its outlines' corners
-};
-layout(std430, binding = CB_STORAGE_VIEWS) readonly restrict buffer Table {
-  vec4 centre;      // capture centre, model space, metres; w: what the ends of the stored depth stand for, metres
-  ivec4 grid;       // as pick_view takes them
-  vec4 span;
-  uvec4 counts;     // views
-  Level levels[CB_FLAT_LEVELS];
-  uvec4 clips[CB_FLAT_CLIPS];  // first frame, frames
-  vec4 views[];     // right, up of every view
-} table;
-layout(std430, binding = CB_STORAGE_TILES) readonly restrict buffer Tiles { vec4 tiles[]; };  // two a tile: FlatTile
-layout(std430, binding = CB_STORAGE_OUTLINES) readonly restrict buffer Outlines { vec2 outlines[]; };
-layout(location = CB_FLAT_LOCATION_LEVEL) uniform int level;
+layout(binding = CB_TEXTURE_TILES) uniform samplerBuffer tile_texels;        // two a tile: FlatTile
+layout(binding = CB_TEXTURE_OUTLINES) uniform samplerBuffer outline_texels;  // one a corner
+layout(binding = CB_TEXTURE_VIEWS) uniform samplerBuffer view_texels;        // right and up of every view
 
-// The tile of a view at the agent's nearest frame; a mirrored image is half a cycle late.
-uint tile_of(AgentRecord agent, uint view, int flipped) {
-  uvec4 clip = table.clips[agent.pose.z];
-  uint step = uint(floor(agent.heading_blend.w * float(clip.y) + 0.5)) + (flipped != 0 ? clip.y / 2u : 0u);
-  return (clip.x + step % clip.y) * table.counts.x + view;
+struct Agent {
+  vec3 position;  // relative to the eye, world axes, metres
+  float scale;
+  vec2 heading;  // sine and cosine
+  float phase;   // of the clip
+  uint outfit, id, clip;
+};
+
+Agent listed_agent(uint slot) {
+  uint at = list[slot];
+  vec4 place = agent_position_scale(at);
+  vec4 heading = agent_heading_blend(at);
+  uvec3 identity = agent_identity(at);
+  return Agent(place.xyz, place.w, heading.xy, heading.w, identity.x, identity.y, identity.z);
+}
+
+// The tile, of this level, of a view at the agent's nearest frame; a mirrored image is half a cycle late.
+int tile_of(Agent agent, uint view, int flipped) {
+  uvec2 clip = table.clips[agent.clip].xy;
+  uint step = uint(floor(agent.phase * float(clip.y) + 0.5)) + (flipped != 0 ? clip.y / 2u : 0u);
+  return int((clip.x + step % clip.y) * table.first.z + view);
+}
+
+// FlatTile's members in two.
+vec4 tile_place(int tile) { return texelFetch(tile_texels, 2 * (int(table.first.x) + tile)); }
+vec4 tile_plane(int tile) { return texelFetch(tile_texels, 2 * (int(table.first.x) + tile) + 1); }
+
+// A corner of a tile's outline, texels.
+vec2 tile_corner(int tile, uint corner) {
+  return texelFetch(outline_texels, int(table.first.y) + tile * CB_CORNERS + int(corner)).xy;
 }
 
 // The axes of a view's plane in model space. Returns -1 where the tile's x runs against `right`, else 1.
 float view_axes(uint view, int flipped, out vec3 right, out vec3 up) {
-  right = table.views[2u * view].xyz;
-  up = table.views[2u * view + 1u].xyz;
+  right = texelFetch(view_texels, 2 * int(view)).xyz;
+  up = texelFetch(view_texels, 2 * int(view) + 1).xyz;
   if (flipped == 0) return 1.0;
   right.z = -right.z;
   up.x = -up.x;

@@ -59,7 +59,7 @@ void main() {
   f_world = world;
 #endif
   v_v = in_uv.y;
-  uvec2 identity = agent_identity(in_agent);
+  uvec2 identity = agent_identity(in_agent).xy;
   v_outfit_material = identity.x | uint(in_position.w) << 16u;
 #ifdef CB_IDS
   v_id = identity.y;

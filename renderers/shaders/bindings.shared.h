@@ -5,6 +5,7 @@
 // Uniform blocks.
 #define CB_UNIFORM_FRAME 0   // FrameUniforms (frame.glsl, frame_resources.h)
 #define CB_UNIFORM_DITHER 1  // vec4: least and first excluded threshold of a dithered pass (output.glsl)
+#define CB_UNIFORM_TABLE 2   // of what is being drawn, a representation's own (flat)
 
 // Shader storage blocks 0 to 7 are common, 8 and above belong to a representation.
 #define CB_STORAGE_AGENTS 0     // AgentRecord[]: all agents of the frame, character after character
@@ -12,14 +13,14 @@
 #define CB_STORAGE_PALETTE 3    // vec4[]: posed joints of the listed agents, three rows a joint, list-major
 #define CB_STORAGE_POSE_BANK 4  // vec4[]: one character's bank, three rows a joint, sample-major
 #define CB_STORAGE_CAPTURE 9    // CaptureView[]: one orthographic view an agent, for bakes
-#define CB_STORAGE_TILES 10     // tiles of the character being drawn: where they lie (flat)
-#define CB_STORAGE_OUTLINES 11  // corners of the tiles' outlines (flat)
-#define CB_STORAGE_VIEWS 12     // the planes of a view grid, and a character's clips (flat)
 
 // Texture units.
 #define CB_TEXTURE_BASE_COLOUR 0
 #define CB_TEXTURE_EMISSIVE 1
 #define CB_TEXTURE_MATERIALS 2  // texels of the character being drawn (mesh)
+#define CB_TEXTURE_TILES 9      // tiles of the character being drawn: where they lie (flat)
+#define CB_TEXTURE_OUTLINES 10  // corners of the tiles' outlines (flat)
+#define CB_TEXTURE_VIEWS 11     // the planes of a view grid (flat)
 // Buffers as texels: where many lanes read different places, llvmpipe fetches a texel several times faster than a
 // storage block's element, and GPUs do not mind.
 #define CB_TEXTURE_AGENTS 13   // AGENTS, four RGBA32F texels an agent

@@ -17,7 +17,7 @@ struct AgentRecord {
   vec4 position_scale;  // relative to the eye; uniform scale
   vec4 heading_blend;   // sin, cos of the heading; blend of the pose's samples; phase in [0, 1)
   uvec4 pose;           // sample a, sample b, bank clip, unused
-  uvec4 identity;       // outfit, id, unused, unused
+  uvec4 identity;       // outfit, id, bank clip, unused
 };
 layout(std430, binding = CB_STORAGE_AGENTS) readonly restrict buffer Agents { AgentRecord agents[]; };
 layout(std430, binding = CB_STORAGE_LIST) readonly restrict buffer List { uint list[]; };
@@ -25,8 +25,8 @@ layout(std430, binding = CB_STORAGE_LIST) readonly restrict buffer List { uint l
 layout(binding = CB_TEXTURE_AGENTS) uniform samplerBuffer agent_texels;
 vec4 agent_position_scale(uint agent) { return texelFetch(agent_texels, int(agent) * 4); }
 vec4 agent_heading_blend(uint agent) { return texelFetch(agent_texels, int(agent) * 4 + 1); }
-// Outfit and id.
-uvec2 agent_identity(uint agent) { return floatBitsToUint(texelFetch(agent_texels, int(agent) * 4 + 3).xy); }
+// Outfit, id and bank clip.
+uvec3 agent_identity(uint agent) { return floatBitsToUint(texelFetch(agent_texels, int(agent) * 4 + 3).xyz); }
 
 // A model-space vector turned by the agent's heading: +Z goes to (sin, 0, cos).
 vec3 turn(vec3 v, vec2 heading) {
