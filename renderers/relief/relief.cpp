@@ -26,7 +26,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 3;
+constexpr uint32_t kBakeVersion = 4;
 constexpr int kGroup = 64;  // local_size_x of relief.comp
 
 // Distances at which joints may share boxes: pixels of the character's height, from the nearest tier on. A tier is

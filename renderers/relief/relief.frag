@@ -20,7 +20,11 @@ layout(location = 1) flat in vec4 v_eye_depth;
 layout(location = 2) flat in vec3 v_light;
 layout(location = 3) flat in uvec4 v_maps;
 layout(location = 4) flat in uvec4 v_identity;
+#ifdef CARVE
+layout(location = 5) in vec3 v_view;
+#else
 layout(location = 5) flat in vec3 v_view;
+#endif
 
 layout(binding = RELIEF_TEXTURE_DEPTH) uniform sampler2D depth_map;    // least and greatest depth along the axis
 layout(binding = RELIEF_TEXTURE_COLOUR) uniform sampler2D colour_map;  // sRGB colour, unlit; filtered
@@ -188,17 +192,19 @@ void main() {
 
   int side = down ? 1 : 0;
 #ifdef ATTRIBUTE
-  // The march finds the point; which of the faces that look toward the eye stores the surface there is another matter: a
-  // column's side wall belongs to another axis. Take the face whose stored depth is nearest to the point.
+  // The march finds the point; which of the six faces stores the surface there is another matter: a column's side wall
+  // belongs to another axis. Take the face whose stored depth is nearest to the point.
   vec3 edges = unpackUnorm4x8(v_maps.z).xyz;
   vec3 point = v_anchor - s * ray;
   float nearest = 1e30;
   ivec2 corner = ivec2(v_maps.x & 65535u, v_maps.x >> 16u) + ivec2(column, 0);
+  ivec2 found = texel;
   int main_axis = axis;
   for (int k = 0; k < 3; ++k) {
     vec3 p = k == 0 ? point.yzx : k == 1 ? point.zxy : point;
     ivec2 left = corner + ivec2(k * texels, 0);
-    ivec2 there = clamp(left + ivec2(p.xy * float(size)), left, left + (size - 1));
+    // The march's own texel: the point may lie in the next one, by rounding or by half a step.
+    ivec2 there = k == main_axis ? found : clamp(left + ivec2(p.xy * float(size)), left, left + (size - 1));
     vec2 bounds = texelFetch(depth_map, there, 0).rg;
     if (bounds.x > bounds.y) continue;
     // In metres of the longest edge. A face that the ray grazes costs a little; one that looks away, as at the rim of a round
@@ -206,6 +212,19 @@ void main() {
     float facing = reach[k] / reach[main_axis];
     vec2 miss = (abs(p.z - bounds) + (forward[k] ? vec2(0.02 * (1.0 - facing), 0.02 * (1.0 + facing))
                                                  : vec2(0.02 * (1.0 + facing), 0.02 * (1.0 - facing)))) * edges[k];
+#ifdef CARVE
+    // What looks away from the eye is not what the ray met, if anything else will do.
+    for (int far = 0; far < 2; ++far) {
+      vec3 seen = texelFetch(normal_map, there + ivec2(int(v_maps.x & 65535u) + (k + far) * texels, 0), 0).xyz * 2.0 - 1.0;
+      float cost = miss[far] + (dot(seen, v_view) < 0.0 ? 0.1 : 0.0);
+      if (cost < nearest) {
+        nearest = cost;
+        axis = k;
+        side = far;
+        texel = there;
+      }
+    }
+#else
     float least = min(miss.x, miss.y);
     if (least < nearest) {
       nearest = least;
@@ -213,6 +232,7 @@ void main() {
       side = miss.x <= miss.y ? 0 : 1;
       texel = there;
     }
+#endif
   }
 #endif
   // The colour and normal atlases hold two maps where the depth atlas holds one.
@@ -230,8 +250,10 @@ void main() {
                            vec2(textureSize(colour_map, 0)), 0.0);
   vec3 n = normal.xyz * 2.0 - 1.0;
   float square = max(dot(n, n), 1e-6);
-  // The inner side of an open piece shows as both sides of a surface do. Not at a rim, where normals look aside.
-  if (dot(n, v_view) < -0.6 * sqrt(square)) n = -n;
+  // What looks away is the inner side of an open piece, or beside a rim: mirrored, which does nothing at right angles and turns
+  // round what faces away.
+  float away = dot(n, v_view);
+  if (away < 0.0) n -= 2.0 * away / dot(v_view, v_view) * v_view;
   float lambert = dot(n, v_light) * inversesqrt(square);
   if ((v_maps.z >> 24u & 1u) != 0u) {
     // A joint that shears or stretches turns normals as the mesh's shader does.

@@ -15,7 +15,12 @@ layout(location = 1) flat out vec4 v_eye_depth;
 layout(location = 2) flat out vec3 v_light;
 layout(location = 3) flat out uvec4 v_maps;
 layout(location = 4) flat out uvec4 v_identity;  // outfit, id, box, top row of its colours
+#ifdef CARVE
+layout(std430, binding = RELIEF_STORAGE_BOXES) readonly restrict buffer Boxes { BoxRecord boxes[]; };
+layout(location = 5) out vec3 v_view;
+#else
 layout(location = 5) flat out vec3 v_view;
+#endif
 
 void main() {
   uint box = uint(gl_VertexID) / uint(CORNERS);
@@ -44,7 +49,12 @@ void main() {
   if (eye_depth.w < 0.0) gl_Position = vec4(0.0, 0.0, 0.5, 1.0);
   v_eye_depth = eye_depth;
   v_light = light.xyz;
+#ifdef CARVE
+  vec3 back = v_eye_depth.xyz - v_anchor;
+  v_view = vec3(dot(boxes[box].rows[0].xyz, back), dot(boxes[box].rows[1].xyz, back), dot(boxes[box].rows[2].xyz, back));
+#else
   v_view = posed[item].view.xyz;
+#endif
   uvec4 maps = posed[item].maps;
   v_identity = uvec4(agents[list[first + uint(gl_InstanceID)]].identity.xy, box, maps.w >> 16u);
   maps.w = ((uint(gl_InstanceID) + offset) * uint(JOINTS) + (maps.w & 65535u)) * 3u;

@@ -76,8 +76,8 @@ std::vector<uint8_t> bounds_of(const uint16_t* extent, size_t n, uint32_t level)
       uint16_t* out = rows.data() + (v * m + i) * 2;
       out[0] = 65535;
       out[1] = 0;
-      const long first = static_cast<long>(i) * 2 * step;
-      for (long u = std::max(0L, first); u <= std::min(last, first + 2 * step - 1); ++u) {
+      const long first = static_cast<long>(i) * 2 * step - step;
+      for (long u = std::max(0L, first); u <= std::min(last, first + 4 * step - 1); ++u) {
         const uint16_t* e = extent + (v * n + static_cast<size_t>(u)) * 2;
         out[0] = std::min(out[0], e[0]);
         out[1] = std::max(out[1], e[1]);
@@ -89,8 +89,8 @@ std::vector<uint8_t> bounds_of(const uint16_t* extent, size_t n, uint32_t level)
     for (size_t i = 0; i < m; ++i) {
       uint16_t low = 65535;
       uint16_t high = 0;
-      const long first = static_cast<long>(j) * 2 * step;
-      for (long v = std::max(0L, first); v <= std::min(last, first + 2 * step - 1); ++v) {
+      const long first = static_cast<long>(j) * 2 * step - step;
+      for (long v = std::max(0L, first); v <= std::min(last, first + 4 * step - 1); ++v) {
         const uint16_t* e = rows.data() + (static_cast<size_t>(v) * m + i) * 2;
         low = std::min(low, e[0]);
         high = std::max(high, e[1]);

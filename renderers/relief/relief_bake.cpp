@@ -220,8 +220,10 @@ void join(const Touched& a, const Touched& b, std::array<double, 2>& at_a, std::
   const Touched& above = ordered ? b : a;
   std::array<double, 2>& lower = ordered ? at_a : at_b;
   std::array<double, 2>& upper = ordered ? at_b : at_a;
-  if (lower[1] >= upper[0] || above.low > below.high) return;
-  const double meeting = std::clamp(0.5 * (lower[1] + upper[0]), above.low, below.high);
+  // Diagonal neighbours share one corner, where a sloping surface has one's least and the other's greatest depth: equal
+  // but for rounding.
+  if (lower[1] >= upper[0] || above.low > below.high + 1e-9) return;
+  const double meeting = std::clamp(0.5 * (lower[1] + upper[0]), std::min(above.low, below.high), below.high);
   lower[1] = std::max(lower[1], meeting);
   upper[0] = std::min(upper[0], meeting);
 }
