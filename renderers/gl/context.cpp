@@ -189,6 +189,18 @@ CurrentScope::~CurrentScope() {
   current_state = before_;
 }
 
+NoCurrentScope::NoCurrentScope() : before_(current_state) {
+  if (!before_) return;
+  eglMakeCurrent(eglGetCurrentDisplay(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  current_state = nullptr;
+}
+
+NoCurrentScope::~NoCurrentScope() {
+  if (!before_) return;
+  before_->make_current();
+  current_state = before_;
+}
+
 struct Context::Egl {
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;

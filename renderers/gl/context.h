@@ -61,6 +61,19 @@ class CurrentScope {
   const ContextState* before_ = nullptr;
 };
 
+// No context is current on this thread for a scope, and the one before it afterwards: a window system that makes its
+// own context current refuses to while another interface's is.
+class NoCurrentScope {
+ public:
+  NoCurrentScope();
+  ~NoCurrentScope();
+  NoCurrentScope(const NoCurrentScope&) = delete;
+  NoCurrentScope& operator=(const NoCurrentScope&) = delete;
+
+ private:
+  const ContextState* before_ = nullptr;
+};
+
 // While alive, its thread's current context. Neither copied nor moved: everything drawn holds a reference to it.
 // Several may live in one process; objects make their own context current when they are destroyed.
 class Context {

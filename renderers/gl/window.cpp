@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/module.h"
+#include "renderers/gl/context.h"
 #include "renderers/gl/module/window_api.h"
 
 namespace crowdbench::gl {
@@ -40,6 +41,7 @@ struct Window::State {
 };
 
 Window::Window(int width, int height, const std::string& title) : state_(std::make_unique<State>()) {
+  const NoCurrentScope nothing_is_current;
   state_->window = api().open(width, height, title.c_str(), state_->message);
   if (!state_->window) {
     throw Error("window", state_->message,

@@ -3,8 +3,11 @@
 #include <chrono>
 #include <cstdlib>
 #include <thread>
+#include <vector>
 
 #include "core/error.h"
+#include "renderers/gl/context.h"
+#include "renderers/gl/objects.h"
 #include "renderers/gl/window.h"
 #include "tests/support/xvfb.h"
 
@@ -27,6 +30,7 @@ TEST(PictureWindow, ShowsThePictureWholeAndUpright) {
       pixel[3] = 255;
     }
   }
+  Context headless;  // current before the window is there, and afterwards
   Window window(200, 150, "test");
   window.poll();
   window.show(picture);
@@ -44,6 +48,11 @@ TEST(PictureWindow, ShowsThePictureWholeAndUpright) {
     }
   }
   EXPECT_EQ(wrong, 0U);
+  const std::vector<int> values = {1, 2, 3};
+  const Buffer buffer(headless, values);
+  std::vector<int> back(values.size());
+  buffer.read(back.data(), back.size() * sizeof(int));
+  EXPECT_EQ(back, values);
 }
 
 TEST(PictureWindow, NoDisplayIsAnError) {
