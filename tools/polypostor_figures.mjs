@@ -1,14 +1,17 @@
-// usage: node tools/polypostor_figures.mjs DRIVER memory|quality|flicker [--quick]
-// Prints a table of renderers/polypostor/README.md: bytes against flat impostors, quality against the mesh, flicker.
-// --quick: few views and frames, to see that it runs.
+// usage: node tools/polypostor_figures.mjs DRIVER memory|quality|flicker|characters|speed|bake [--quick] [FILE...]
+// Prints a table of renderers/polypostor/README.md: bytes against flat impostors, quality against the mesh, flicker,
+// the same for the glTF files named, speed, bake time. --quick: few views and frames, to see that it runs.
 import { execFileSync } from 'node:child_process'
+import { basename } from 'node:path'
 
-const [driver, table, mode] = process.argv.slice(2)
-if (!driver || !['memory', 'quality', 'flicker'].includes(table)) {
-  console.error('usage: node tools/polypostor_figures.mjs DRIVER memory|quality|flicker [--quick]')
+const tables = ['memory', 'quality', 'flicker', 'characters', 'speed', 'bake']
+const [driver, table, ...rest] = process.argv.slice(2)
+if (!driver || !tables.includes(table)) {
+  console.error(`usage: node tools/polypostor_figures.mjs DRIVER ${tables.join('|')} [--quick] [FILE...]`)
   process.exit(2)
 }
-const quick = mode === '--quick'
+const quick = rest.includes('--quick')
+const files = rest.filter((r) => r !== '--quick')
 const run = (...args) =>
   JSON.parse(execFileSync(driver, [...args, '--json'], { maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] }))
 const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length
@@ -58,6 +61,43 @@ if (table === 'quality') {
   for (const spec of specs)
     console.log(`| ${spec} |` + moments(10).map((t) => ' ' + mean(rows.filter((r) => r.representation === spec &&
       r.height_px === 120 && Math.abs(r.time - t) < 1e-6).map((r) => r.silhouette_iou)).toFixed(3) + ' |').join(''))
+}
+
+// Stored views and frames of every character's default clip.
+if (table === 'characters') {
+  const specs = ['polypostor', 'polypostor:key=first']
+  console.log('| character | representation | pixels | IoU mean | worst | SSIM | PSNR dB |\n|---|---|---|---|---|---|---|')
+  for (const file of ['mannequin', ...files]) {
+    const clip = run('inspect', file).clips.find((c) => c.default)
+    const times = moments(10).map((t) => (clip.start + t / cycle * clip.cycle_seconds).toFixed(5))
+    const { rows } = run('quality', '--character', file, ...specs.flatMap((s) => ['--representation', s]), ...views,
+      '--time', times.join(','))
+    for (const spec of specs)
+      for (const height of [120, 60]) {
+        const some = rows.filter((r) => r.representation === spec && r.height_px === height)
+        const iou = some.map((r) => r.silhouette_iou)
+        console.log(`| ${basename(file, '.glb')} | ${spec} | ${height} | ${mean(iou).toFixed(4)} | ` +
+          `${Math.min(...iou).toFixed(4)} | ${mean(some.map((r) => r.ssim)).toFixed(4)} | ` +
+          `${mean(some.map((r) => r.psnr)).toFixed(2)} |`)
+      }
+  }
+}
+
+if (table === 'speed') {
+  const crowd = ['--agents', quick ? '100' : '1000', '--occupancy', '0.15', '--size', '640x480']
+  console.log('| times as fast as the mesh | process CPU | 95 % |\n|---|---|---|')
+  for (const spec of ['polypostor', 'polypostor:key=two_keys', 'flat']) {
+    const r = run('ratio', '--of', spec, '--to', 'mesh', ...crowd)
+    console.log(`| ${spec} | ${r.cpu_ratio.toFixed(1)} | ${r.interval.map((v) => v.toFixed(1)).join(' to ')} |`)
+  }
+}
+
+if (table === 'bake') {
+  console.log('| bake | seconds |\n|---|---|')
+  for (const key of ['first', 'most_visible', 'two_keys']) {
+    const spec = `polypostor:key=${key}` + (quick ? ',views=sphere-4x1' : '')
+    console.log(`| ${spec} | ${run('bake', spec, '--no-cache').bake_seconds.toFixed(1)} |`)
+  }
 }
 
 if (table === 'flicker') {

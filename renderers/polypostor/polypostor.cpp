@@ -438,7 +438,8 @@ const RepresentationType polypostor_type = {
      {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
      {"vertices", "4..32", "8", "corners of a part's polygon, at most; small figures have four"},
      {"key", "first|most_visible|two_keys", "most_visible",
-      "the frame whose image of a part is kept: the first that shows it, the one that shows most of it, or two"},
+      "the frame whose image of a part is kept: the first that shows it, the one that shows most of all frames, or "
+      "two"},
      {"parts", "auto|J+J+...", "auto", "found from the skeleton, or the joints that begin a part, by name or index"},
      {"debug", "none|wire|lines|parts|stretch", "none",
       "over the picture: polygons, where corners go in the next stored frame, parts in colour, stretch of the images"}},

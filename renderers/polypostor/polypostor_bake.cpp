@@ -1,7 +1,7 @@
 // Based on: Kavan, Dobbyn, Collins, Zara and O'Sullivan 2008, "Polypostors: 2D polygonal impostors for 3D crowds" (an
 // image a body part and view, deformed by a polygon whose corners follow the part's contour). Differs from the source:
-// parts are found from the skeleton; the key frame is the one in which the part shows most; each part has a depth
-// plane; far away fewer parts with fewer corners are drawn; colours and normals apart, lit at run time.
+// parts are found from the skeleton; the key frame is the one whose image looks best in all frames; each part has a
+// depth plane; far away fewer parts with fewer corners are drawn; colours and normals apart, lit at run time.
 #include "renderers/polypostor/polypostor_bake.h"
 
 #include <algorithm>
@@ -10,12 +10,14 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <numeric>
 #include <thread>
 
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake_cache.h"
 #include "renderers/polypostor/polypostor_fit.h"
+#include "renderers/polypostor/polypostor_key.h"
 #include "renderers/tiles/packing.h"
 #include "renderers/tiles/plane.h"
 #include "renderers/tiles/tile.h"
@@ -24,12 +26,13 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 13;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 14;  // raised whenever the same inputs give other bytes
 constexpr uint32_t kFineLevels = 2;    // the levels drawn with all parts; coarser ones have fewer, of four corners
 constexpr uint64_t kTexelBytes = 7;
 constexpr int kCoarseCorners = 4;
 constexpr double kRoom =
     0.5;  // texels of a tier's finest level around an image: bilinear filtering then reads one gutter
+constexpr double kSeen = 1;      // texels: a part that shows less is not worth an image
 constexpr double kReach = 1.25;  // of the radius: what positions may take
 
 int level_count(int texels) {
@@ -50,6 +53,7 @@ struct Tier {
 struct Sheet {
   Fit fit;
   TileRect rect;
+  std::vector<double> costs;      // one a frame: fit_costs; where one of two sheets is chosen
   std::vector<TilePlane> planes;  // one a frame
 };
 struct ViewParts {
@@ -66,14 +70,33 @@ struct Plan {
   std::vector<scene::PoseSample> samples;            // by frame
   std::vector<std::vector<scene::Mat3x4>> palettes;  // by frame
   std::vector<std::vector<glm::vec3>> positions;     // by frame
+  std::vector<std::vector<glm::vec3>> normals;       // by frame, of any length
+  std::vector<glm::vec3> tones;
   std::vector<Tier> tiers;
   std::vector<std::vector<std::vector<SurfaceMoments>>> moments;  // tier, part, frame
 };
+
+// Rotated as the positions are: joints scale little.
+std::vector<glm::vec3> posed_normals(const scene::Mesh& mesh, const std::vector<scene::Mat3x4>& palette) {
+  std::vector<glm::vec3> normals(mesh.normals.size());
+  for (size_t v = 0; v < normals.size(); ++v) {
+    glm::vec3 sum(0.0F);
+    for (int k = 0; k < scene::kInfluences; ++k) {
+      const scene::Mat3x4& m = palette[mesh.joints[v][k]];
+      const glm::vec3& n = mesh.normals[v];
+      sum += mesh.weights[v][k] * glm::vec3(glm::dot(glm::vec3(m.rows[0]), n), glm::dot(glm::vec3(m.rows[1]), n),
+                                            glm::dot(glm::vec3(m.rows[2]), n));
+    }
+    normals[v] = sum;
+  }
+  return normals;
+}
 
 Plan make_plan(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                const PolypostorBakeOptions& options) {
   Plan plan;
   plan.still = bank;
+  plan.tones = vertex_tones(character);
   std::vector<int> moving_clips;
   for (const scene::BankClip& c : bank->clips())
     if (c.samples > 1) moving_clips.push_back(c.clip);
@@ -92,6 +115,7 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
                                    : from.sample(static_cast<int>(c), 0));
       plan.palettes.push_back(from.palette(plan.samples.back()));
       plan.positions.push_back(posed_positions(character.mesh, plan.palettes.back()));
+      plan.normals.push_back(posed_normals(character.mesh, plan.palettes.back()));
     }
     if (moves) ++next_moving;
     plan.clips.push_back(clip);
@@ -201,32 +225,6 @@ class Carrier {
   size_t first_, frames_, key_;
 };
 
-// The frames whose images of a part are kept. shown: the frame that shows most of the whole figure.
-std::vector<size_t> choose_keys(const std::vector<double>& areas, KeyChoice choice, size_t shown) {
-  constexpr double kSeen = 1;    // texels: less is not worth an image
-  constexpr double kMost = 0.6;  // of what the part shows at most
-  const auto largest = std::max_element(areas.begin(), areas.end());
-  if (*largest < kSeen) return {};
-  if (choice == KeyChoice::first) {
-    const auto first = std::find_if(areas.begin(), areas.end(), [](double a) { return a >= kSeen; });
-    return {static_cast<size_t>(first - areas.begin())};
-  }
-  // Parts taken from one frame fit together where they meet.
-  const auto most = areas[shown] >= kMost * *largest ? shown : static_cast<size_t>(largest - areas.begin());
-  std::vector<size_t> keys{most};
-  if (choice == KeyChoice::two_keys) {
-    // The largest that is at least a quarter of the cycle away.
-    size_t second = most;
-    for (size_t f = 0; f < areas.size(); ++f) {
-      const size_t apart = f > most ? f - most : most - f;
-      if (4 * std::min(apart, areas.size() - apart) < areas.size() || areas[f] < kSeen) continue;
-      if (second == most || areas[f] > areas[second]) second = f;
-    }
-    if (second != most) keys.push_back(second);
-  }
-  return keys;
-}
-
 TileRect rect_around(const Polyline& contour) {
   glm::dvec2 low(INFINITY);
   glm::dvec2 high(-INFINITY);
@@ -239,43 +237,130 @@ TileRect rect_around(const Polyline& contour) {
   return {first.x, first.y, last.x - first.x, last.y - first.y};
 }
 
+// What a view sees of one part through a clip.
+struct SeenPart {
+  std::vector<Polyline> contours;           // by frame
+  std::vector<double> areas;                // by frame, texels
+  std::vector<std::vector<double>> errors;  // by key and frame: look_error; empty where the key does not show the part
+};
+
+// looks: whether keys are to be compared.
+std::vector<SeenPart> see_parts(const Plan& plan, const Tier& tier, const PolypostorClip& clip, const ViewBasis& basis,
+                                bool looks) {
+  std::vector<std::vector<glm::dvec3>> positions;  // by frame and vertex: view axes, texels
+  std::vector<std::vector<glm::vec3>> normals;     // view axes
+  const glm::mat3 to_view = glm::transpose(glm::mat3(basis.right, basis.up, basis.to_eye));
+  for (uint32_t f = 0; f < clip.frames; ++f) {
+    auto& points = positions.emplace_back();
+    for (const glm::vec3& p : plan.positions[clip.first_frame + f]) {
+      const glm::dvec3 d = (glm::dvec3(p) - plan.sphere.centre) / plan.texel;
+      points.emplace_back(glm::dot(d, basis.right), glm::dot(d, basis.up), glm::dot(d, basis.to_eye));
+    }
+    auto& turned = normals.emplace_back();
+    for (const glm::vec3& n : plan.normals[clip.first_frame + f]) turned.push_back(to_view * n);
+  }
+  std::vector<SeenPart> out;
+  for (const auto& corners : tier.corners) {
+    SeenPart& part = out.emplace_back();
+    std::vector<PartLook> images;
+    std::vector<glm::dvec2> flat;
+    for (uint32_t f = 0; f < clip.frames; ++f) {
+      flat.clear();
+      for (const uint32_t v : corners) flat.emplace_back(positions[f][v]);
+      const PartMask mask = rasterise(flat);
+      part.areas.push_back(facing_area(mask));
+      part.contours.push_back(part.areas.back() > 0 ? trace_contour(mask) : Polyline{});
+      if (looks) images.push_back(look_at_part(corners, positions[f], normals[f], plan.tones));
+    }
+    part.errors.resize(clip.frames);
+    if (!looks) continue;
+    for (uint32_t k = 0; k < clip.frames; ++k)
+      for (uint32_t f = 0; f < clip.frames && part.areas[k] >= kSeen; ++f)
+        part.errors[k].push_back(f == k ? 0.0 : look_error(images[k], images[f], corners, positions[k], positions[f]));
+  }
+  return out;
+}
+
+// What a frame costs that a fit shows: by its looks, and by the texels between its outline and the frame's own.
+std::vector<double> fit_costs(const SeenPart& part, const Fit& fit) {
+  constexpr double kOutline = 3;  // square texel between the outlines
+  std::vector<double> costs = part.errors[fit.key];
+  for (size_t f = 0; f < costs.size(); ++f) costs[f] += kOutline * fit.errors[f] * perimeter(part.contours[f]);
+  return costs;
+}
+
+double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+// The fits whose images of a part are kept: none, one, or two.
+std::vector<Fit> fit_keys(const SeenPart& part, KeyChoice choice, const std::function<Fit(size_t)>& fit) {
+  constexpr size_t kTried = 6;
+  const size_t frames = part.areas.size();
+  std::vector<size_t> keys;
+  for (size_t k = 0; k < frames; ++k)
+    if (part.areas[k] >= kSeen) keys.push_back(k);
+  std::vector<Fit> out;
+  const auto keep = [&](Fit one) {
+    if (!one.polygon.empty()) out.push_back(std::move(one));
+  };
+  if (keys.empty()) return out;
+  if (choice == KeyChoice::first) {
+    keep(fit(keys[0]));
+    return out;
+  }
+  if (choice == KeyChoice::two_keys && keys.size() > 1) {
+    // The pair that looks best, each step between stored frames shown by the better one.
+    std::array<size_t, 2> best{};
+    double least = INFINITY;
+    for (size_t i = 0; i < keys.size(); ++i)
+      for (size_t j = 0; j < i; ++j) {
+        double cost = 0;
+        for (size_t f = 0; f < frames; ++f) {
+          const size_t next = (f + 1) % frames;
+          cost += std::min(part.errors[keys[i]][f] + part.errors[keys[i]][next],
+                           part.errors[keys[j]][f] + part.errors[keys[j]][next]);
+        }
+        if (cost >= least) continue;
+        least = cost;
+        best = {keys[j], keys[i]};
+      }
+    for (const size_t k : best) keep(fit(k));
+    return out;
+  }
+  // By their looks first; of the best of those, by what their polygons make of them.
+  std::stable_sort(keys.begin(), keys.end(),
+                   [&](size_t a, size_t b) { return sum(part.errors[a]) < sum(part.errors[b]); });
+  keys.resize(std::min(keys.size(), kTried));
+  double least = INFINITY;
+  for (const size_t k : keys) {
+    Fit one = fit(k);
+    if (one.polygon.empty()) continue;
+    const double cost = sum(fit_costs(part, one));
+    if (cost >= least) continue;
+    least = cost;
+    out.clear();
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
 ViewParts fit_view(const scene::Mesh& mesh, const Plan& plan, size_t tier_index, const PolypostorClip& clip,
                    const ViewBasis& basis, KeyChoice choice) {
   const Tier& tier = plan.tiers[tier_index];
+  const std::vector<SeenPart> seen = see_parts(plan, tier, clip, basis, choice != KeyChoice::first);
   ViewParts out;
-  out.sheets.resize(tier.corners.size());
-  std::vector<std::vector<glm::dvec2>> projected;  // by frame and vertex
-  for (uint32_t f = 0; f < clip.frames; ++f) {
-    auto& points = projected.emplace_back();
-    for (const glm::vec3& p : plan.positions[clip.first_frame + f]) {
-      const glm::dvec3 d = (glm::dvec3(p) - plan.sphere.centre) / plan.texel;
-      points.emplace_back(glm::dot(d, basis.right), glm::dot(d, basis.up));
-    }
-  }
-  std::vector<std::vector<Polyline>> contours(tier.corners.size());  // by part and frame
-  std::vector<std::vector<double>> areas(tier.corners.size());
-  std::vector<double> whole(clip.frames, 0);
-  for (size_t part = 0; part < tier.corners.size(); ++part) {
-    std::vector<glm::dvec2> corners;
-    for (uint32_t f = 0; f < clip.frames; ++f) {
-      corners.clear();
-      for (const uint32_t v : tier.corners[part]) corners.push_back(projected[f][v]);
-      const PartMask mask = rasterise(corners);
-      areas[part].push_back(facing_area(mask));
-      whole[f] += areas[part].back();
-      contours[part].push_back(areas[part].back() > 0 ? trace_contour(mask) : Polyline{});
-    }
-  }
-  const auto shown = static_cast<size_t>(std::max_element(whole.begin(), whole.end()) - whole.begin());
-  for (size_t part = 0; part < tier.corners.size(); ++part) {
-    for (const size_t key : choose_keys(areas[part], choice, shown)) {
-      Sheet sheet;
-      sheet.fit = fit_part(
-          contours[part], key,
+  out.sheets.resize(seen.size());
+  for (size_t part = 0; part < seen.size(); ++part) {
+    const auto fit = [&](size_t key) {
+      return fit_part(
+          seen[part].contours, key,
           Carrier(mesh, plan, basis, tier.corners[part], clip.first_frame, clip.frames, clip.first_frame + key),
           tier.fit);
-      if (sheet.fit.polygon.empty()) continue;
-      sheet.rect = rect_around(contours[part][key]);
+    };
+    for (Fit& one : fit_keys(seen[part], choice, fit)) {
+      Sheet sheet;
+      sheet.rect = rect_around(seen[part].contours[one.key]);
+      if (choice == KeyChoice::two_keys) sheet.costs = fit_costs(seen[part], one);
+      sheet.fit = std::move(one);
       for (uint32_t f = 0; f < clip.frames; ++f)
         sheet.planes.push_back(
             fit_plane(plan.moments[tier_index][part][clip.first_frame + f], plan.sphere.centre, basis));
@@ -392,14 +477,15 @@ Packing pack_tightly(std::span<const PackSize> sizes) {
   return best;
 }
 
-// Which of a part's sheets shows the way from frame f to the next: the one whose outlines lie nearest to both.
+// Which of a part's sheets shows the way from frame f to the next.
 size_t sheet_for(const std::vector<Sheet>& sheets, size_t f, size_t frames) {
   size_t best = 0;
+  if (sheets.size() < 2) return best;
   double least = INFINITY;
   for (size_t s = 0; s < sheets.size(); ++s) {
-    const double error = sheets[s].fit.errors[f] + sheets[s].fit.errors[(f + 1) % frames];
-    if (error < least) {
-      least = error;
+    const double cost = sheets[s].costs[f] + sheets[s].costs[(f + 1) % frames];
+    if (cost < least) {
+      least = cost;
       best = s;
     }
   }

@@ -381,16 +381,37 @@ Polyline resample(const Polyline& closed, size_t count) {
 NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p) {
   NearestPoint best;
   best.distance = std::numeric_limits<double>::infinity();
-  double before = 0;
+  if (closed.empty()) return best;
+  // This is where bakes spend their time: squares only, and a division only for an edge that is the nearest so far.
+  double least = best.distance;
+  size_t edge = 0;
+  double along = 0;
   for (size_t i = 0; i < closed.size(); ++i) {
     const glm::dvec2& a = closed[i];
-    const glm::dvec2 along = closed[(i + 1) % closed.size()] - a;
-    const double square = glm::dot(along, along);
-    const double t = square > 0 ? std::clamp(glm::dot(p - a, along) / square, 0.0, 1.0) : 0.0;
-    const double distance = glm::distance(a + along * t, p);
-    if (distance < best.distance) best = {a + along * t, distance, before + t * std::sqrt(square)};
-    before += std::sqrt(square);
+    const glm::dvec2 ab = closed[i + 1 < closed.size() ? i + 1 : 0] - a;
+    const glm::dvec2 ap = p - a;
+    const double dot = glm::dot(ap, ab);
+    const double square = glm::dot(ab, ab);
+    double t = 0;
+    if (dot > 0 && dot < square) {
+      const double off = cross(ab, ap);
+      if (off * off >= least * square) continue;
+      t = dot / square;
+    } else if (dot > 0) {
+      t = 1;
+    }
+    const glm::dvec2 away = ap - ab * t;
+    const double distance = glm::dot(away, away);
+    if (distance >= least) continue;
+    least = distance;
+    edge = i;
+    along = t;
   }
+  const glm::dvec2& a = closed[edge];
+  best.edge = edge;
+  best.along = along;
+  best.point = a + (closed[(edge + 1) % closed.size()] - a) * along;
+  best.distance = glm::distance(best.point, p);
   return best;
 }
 

@@ -44,11 +44,12 @@ bool is_simple(const Polyline& polygon);
 
 // `count` points evenly spaced along a closed line, the first at its first point.
 Polyline resample(const Polyline& closed, size_t count);
-// The point of a closed line that lies nearest; `at` is its arc length from the first point.
+// The point of a closed line that lies nearest: on which edge, and which share of the way along it.
 struct NearestPoint {
   glm::dvec2 point{0.0};
   double distance = 0;
-  double at = 0;
+  size_t edge = 0;
+  double along = 0;
 };
 NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p);
 

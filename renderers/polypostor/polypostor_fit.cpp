@@ -200,12 +200,14 @@ bool explains(const Outline& outline, const Polyline& contour, const Polyline& p
          std::abs(signed_area(moved) - signed_area(contour)) <= kMean * perimeter(contour);
 }
 
-// Arc lengths on the key contour of the polygon's corners: ascending, going round once, the first in [0, perimeter).
-std::vector<double> anchor_arcs(const Polyline& contour, const Polyline& polygon) {
-  const double round = perimeter(contour);
+// Arc lengths on the key contour (of the running `lengths`) of the polygon's corners: ascending, going round once, the
+// first in [0, perimeter).
+std::vector<double> anchor_arcs(const Polyline& contour, const std::vector<double>& lengths, const Polyline& polygon) {
+  const double round = lengths.back();
   std::vector<double> arcs;
   for (const glm::dvec2& p : polygon) {
-    double at = nearest_point(contour, p).at;
+    const NearestPoint near = nearest_point(contour, p);
+    double at = lengths[near.edge] + near.along * (lengths[near.edge + 1] - lengths[near.edge]);
     if (!arcs.empty()) at = arcs.back() + std::fmod(at - arcs.back() + 2 * round, round);
     arcs.push_back(at);
   }
@@ -385,7 +387,7 @@ Fit fit_part(std::span<const Polyline> contours, size_t key, const std::function
   const size_t n = fit.polygon.size();
   const size_t samples = std::max<size_t>(64, 4 * n);
   const std::vector<double> key_lengths = running_lengths(contour);
-  const std::vector<double> arcs = anchor_arcs(contour, fit.polygon);
+  const std::vector<double> arcs = anchor_arcs(contour, key_lengths, fit.polygon);
   Polyline anchors;
   for (const double at : arcs) anchors.push_back(point_at(contour, key_lengths, at));
   std::vector<Polyline> carried_anchors;  // one a corner, one point a frame
