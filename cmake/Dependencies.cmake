@@ -13,6 +13,12 @@ find_package(Threads REQUIRED)
 find_package(glfw3 3.3 REQUIRED)
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(LIBMD REQUIRED IMPORTED_TARGET libmd)
+# Debian's libsquish.pc names folders that do not exist.
+find_path(SQUISH_INCLUDE_DIR squish.h REQUIRED)
+find_library(SQUISH_LIBRARY squish REQUIRED)
+add_library(crowdbench_squish INTERFACE)
+target_include_directories(crowdbench_squish SYSTEM INTERFACE ${SQUISH_INCLUDE_DIR})
+target_link_libraries(crowdbench_squish INTERFACE ${SQUISH_LIBRARY})
 pkg_check_modules(AV REQUIRED IMPORTED_TARGET libavcodec libavformat libswscale libavutil)
 # Its CMake package wants Imath's Python bindings; pkg-config does not.
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO>=2.4)

@@ -1,12 +1,10 @@
 #version 450 core
 // Three tiles, each lit with its own normals and coloured by its own material ids; what they show is averaged by weight
 // and coverage, and drawn where at least half of the weight covers.
+#include "renderers/flat/flat_maps.glsl"
 #include "renderers/flat/flat_table.glsl"
 #include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
-
-layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;
-layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;
 
 layout(location = 0) in vec3 v_texel[3];
 layout(location = 3) flat in vec4 v_bounds[3];
@@ -27,7 +25,7 @@ void main() {
     vec2 at = v_texel[i].xy / v_texel[i].z;
     vec3 texel = vec3(clamp(at, v_bounds[i].xy, v_bounds[i].zw), v_light[i].w);
     vec4 albedo = texture(albedo_map, texel);
-    vec4 surface = texture(surface_map, texel);
+    vec4 surface = surface_at(texel);
     float weight = texel.xy == at ? v_weights[i] : 0.0;
     coverage += weight * albedo.a;
     weight *= albedo.a < 0.5 ? 0.0 : 1.0;

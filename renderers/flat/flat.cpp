@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -37,6 +38,9 @@ struct LevelTable {
   glm::uvec4 clips[CB_FLAT_CLIPS];
 };
 
+// BC3, which is no part of OpenGL.
+constexpr const char* kS3tc = "GL_EXT_texture_compression_s3tc";
+
 // Agents drawn by one call: bounds the index buffer.
 constexpr uint32_t kBatch = 8192;
 
@@ -44,7 +48,9 @@ struct CharacterTiles {
   struct Level {
     gl::Buffer table;
     gl::Texture albedo, surface;
+    gl::Texture parts, depth;  // of compressed tiles; depth where it was baked
     int corners = 4;
+    uint64_t texture_bytes() const { return albedo.bytes() + surface.bytes() + parts.bytes() + depth.bytes(); }
   };
   std::vector<Level> levels;
   gl::Buffer tiles, outlines, axes;
@@ -52,6 +58,7 @@ struct CharacterTiles {
   glm::vec3 centre{0.0F};
   double texel = 0;
   uint64_t disk_bytes = 0;
+  int part_bits = 0;
   std::string cache_key;
   bool cached = false;
   uint64_t tiles_baked = 0;
@@ -95,6 +102,7 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
   out.texel = bake.texel;
   out.clips = bake.clips;
+  out.part_bits = bake.part_bits;
   std::vector<std::array<glm::vec4, 2>> axes;
   for (uint32_t v = 0; v < bake.views; ++v) {
     const ViewBasis basis = grid.basis(static_cast<int>(v));
@@ -113,15 +121,22 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
     if (level.layers == 0) continue;
     const LevelTable table = make_table(bake, grid, i);
     l.table = gl::Buffer(context, sizeof table, &table);
-    const auto make = [&](const std::vector<uint8_t>& texels) {
-      gl::Texture texture = gl::Texture::make_array(context, GL_RGBA8, level.width, level.height, level.layers, 1);
-      const size_t layer_bytes = 4 * static_cast<size_t>(level.width) * static_cast<size_t>(level.height);
+    const auto make = [&](unsigned internal, unsigned format, int width, const std::vector<uint8_t>& texels) {
+      gl::Texture texture = gl::Texture::make_array(context, internal, width, level.height, level.layers, 1);
+      const size_t layer_bytes = texels.size() / static_cast<size_t>(level.layers);
       for (int layer = 0; layer < level.layers; ++layer)
-        texture.write(0, layer, GL_RGBA, GL_UNSIGNED_BYTE, texels.data() + static_cast<size_t>(layer) * layer_bytes);
+        texture.write(0, layer, format, GL_UNSIGNED_BYTE, texels.data() + static_cast<size_t>(layer) * layer_bytes);
       return texture;
     };
-    l.albedo = make(level.albedo);
-    l.surface = make(level.surface);
+    if (bake.part_bits == 0) {
+      l.albedo = make(GL_RGBA8, GL_RGBA, level.width, level.albedo);
+      l.surface = make(GL_RGBA8, GL_RGBA, level.width, level.surface);
+      continue;
+    }
+    l.albedo = make(GL_COMPRESSED_RGBA_S3TC_DXT5_EXT, 0, level.width, level.albedo);
+    l.surface = make(GL_COMPRESSED_RG_RGTC2, 0, level.width, level.normal);
+    l.parts = make(GL_R8UI, GL_RED_INTEGER, level.width * bake.part_bits / 8, level.parts);
+    if (!level.depth.empty()) l.depth = make(GL_COMPRESSED_RED_RGTC1, 0, level.width, level.depth);
   }
   out.tiles = gl::Buffer(context, tiles);
   out.tile_texels = gl::Texture::make_buffer(context, GL_RGBA32F, out.tiles);
@@ -160,6 +175,13 @@ class FlatRepresentation : public Representation {
       : context_(make.context), draw_(draw), grid_(options.grid) {
     const auto start = std::chrono::steady_clock::now();
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
+    if (options.compressed && !context_.has_extension(kS3tc)) {
+      // One line a process, however many of these are made. RGTC is part of OpenGL 3.0.
+      static std::atomic<bool> said = false;
+      if (!said.exchange(true))
+        fmt::print(stderr, "crowdbench: warning: this driver lacks {}: flat impostors use RGBA8, not blocks\n", kS3tc);
+      options.compressed = false;
+    }
     uint64_t left = make.bake_budget;
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const auto& character = make.cast.characters[c];
@@ -224,7 +246,7 @@ class FlatRepresentation : public Representation {
   void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
             const Pass& pass) override {
     filtered_.bind(CB_FLAT_TEXTURE_ALBEDO);
-    nearest_.bind(CB_FLAT_TEXTURE_SURFACE);
+    for (const unsigned unit : kNearest) nearest_.bind(unit);
     for (size_t c = 0; c < characters_.size(); ++c) {
       if (agents[c].empty()) continue;
       const CharacterTiles& tiles = characters_[c];
@@ -239,19 +261,22 @@ class FlatRepresentation : public Representation {
           level.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
           level.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
           level.surface.bind(CB_FLAT_TEXTURE_SURFACE);
-          program(pass, level.corners).use();
+          if (level.parts) level.parts.bind(CB_FLAT_TEXTURE_PARTS);
+          if (level.depth) level.depth.bind(CB_FLAT_TEXTURE_DEPTH);
+          program(pass, level.corners, tiles.part_bits).use();
           draw_polygons(draw_.blend ? 4 : level.corners, n);
         });
       }
     }
-    for (const unsigned unit : {CB_FLAT_TEXTURE_ALBEDO, CB_FLAT_TEXTURE_SURFACE}) glBindSampler(unit, 0);
+    glBindSampler(CB_FLAT_TEXTURE_ALBEDO, 0);
+    for (const unsigned unit : kNearest) glBindSampler(unit, 0);
   }
 
   Footprint footprint() const override {
     Footprint out;
     for (const CharacterTiles& c : characters_) {
       for (const CharacterTiles::Level& l : c.levels) {
-        out.texture_bytes += l.albedo.bytes() + l.surface.bytes();
+        out.texture_bytes += l.texture_bytes();
         out.buffer_bytes += l.table.size();
       }
       out.buffer_bytes += c.tiles.size() + c.outlines.size() + c.axes.size();
@@ -285,6 +310,7 @@ class FlatRepresentation : public Representation {
                     {"tiles", tiles},
                     {"levels", static_cast<double>(characters_[0].levels.size())},
                     {"texel_mm", characters_[0].texel * 1000},
+                    {"compressed", characters_[0].part_bits > 0 ? 1.0 : 0.0},
                     {"drawn_over_covered", covered > 0 ? drawn / covered : 0.0}};
       const ViewErrors errors = compute_view_errors(grid_);
       info.facts.emplace_back("view_error_deg_mean", errors.mean * 180 / std::numbers::pi);
@@ -314,9 +340,13 @@ class FlatRepresentation : public Representation {
   }
 
  private:
+  // Units that are read without filtering.
+  static constexpr unsigned kNearest[] = {CB_FLAT_TEXTURE_SURFACE, CB_FLAT_TEXTURE_PARTS, CB_FLAT_TEXTURE_DEPTH};
+
   struct Variant {
     bool ids, touched, texels, dithered;
     int corners;
+    int part_bits;
     auto operator<=>(const Variant&) const = default;
   };
   struct Polygons {
@@ -347,11 +377,12 @@ class FlatRepresentation : public Representation {
     }
   }
 
-  const gl::Program& program(const Pass& pass, int corners) {
-    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners};
+  const gl::Program& program(const Pass& pass, int corners, int part_bits) {
+    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, part_bits};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
+      if (part_bits > 0) defines.emplace_back("CB_PART_BITS", std::to_string(part_bits));
       if (v.ids) defines.emplace_back("CB_IDS", "");
       if (v.touched) defines.emplace_back("CB_TOUCHED", "");
       if (draw_.nailboard) defines.emplace_back("CB_NAILBOARD", "");
@@ -394,6 +425,8 @@ FlatBakeOptions flat_bake_options(const Spec& spec) {
   options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
   options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
   options.corners = static_cast<int>(reader.integer("corners", 4, 8));
+  options.compressed = reader.choice("compress", {"none", "bc"}) == 1;
+  options.depth = reader.choice("depth", {"flat", "nailboard"}) == 1;
   return options;
 }
 
@@ -409,6 +442,7 @@ const RepresentationType flat_type = {
      {"plane", "fitted|facing", "fitted",
       "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through the centre"},
      {"corners", "4..8", "8", "of the outlines of large tiles; small ones have four"},
+     {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
      {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
      {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {

@@ -1,10 +1,8 @@
 #version 450 core
+#include "renderers/flat/flat_maps.glsl"
 #include "renderers/flat/flat_table.glsl"
 #include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
-
-layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered
-layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;  // nearest: ids must not be mixed
 
 layout(location = 0) in vec3 v_texel;
 layout(location = 1) flat in vec3 v_light;
@@ -23,7 +21,7 @@ layout(location = 6) flat in float v_texel_height;
 void main() {
   vec4 albedo = texture(albedo_map, v_texel);
   if (albedo.a < 0.5) discard;
-  vec4 surface = texture(surface_map, v_texel);
+  vec4 surface = surface_at(v_texel);
   vec2 n = (surface.rg * 255.0 - 128.0) / 127.0;
   float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
 #ifdef CB_NAILBOARD

@@ -5,6 +5,8 @@
 #define CB_FLAT_CLIPS 256  // of one character's bank, at most
 
 #define CB_FLAT_TEXTURE_ALBEDO 0
-#define CB_FLAT_TEXTURE_SURFACE 1
+#define CB_FLAT_TEXTURE_SURFACE 1  // of compressed tiles: the normals
+#define CB_FLAT_TEXTURE_PARTS 2    // of compressed tiles
+#define CB_FLAT_TEXTURE_DEPTH 3    // of compressed tiles drawn with depth=nailboard
 
 #endif

@@ -14,13 +14,14 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake_cache.h"
+#include "renderers/tiles/block_compression.h"
 #include "renderers/tiles/outline.h"
 #include "renderers/tiles/packing.h"
 
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 7;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 8;  // raised whenever the same inputs give other bytes
 constexpr int kFineLevels = 2;        // levels whose outlines have `corners` corners
 
 // The coarsest level still has sixteen texels along the figure, and smaller pictures of it are point-sampled from
@@ -45,6 +46,7 @@ struct Plan {
   std::vector<double> steps;                      // metres: a frame's farthest vertex from where it is in the next
   size_t frames = 0;
   size_t wanted = 0;  // of both kinds of tiles
+  int part_bits = 0;  // FlatBake's
 };
 
 std::vector<ViewBasis> view_bases(const ViewGrid& grid) {
@@ -57,6 +59,12 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
                const FlatBakeOptions& options) {
   Plan plan;
   plan.still = bank;
+  if (options.compressed) {
+    int largest = 0;
+    for (const scene::Material& material : character.materials)
+      largest = std::max(largest, std::min<int>(material.part, 0x7f));
+    plan.part_bits = part_bits(largest);
+  }
   std::vector<int> moving_clips;
   for (const scene::BankClip& c : bank->clips())
     if (c.samples > 1) moving_clips.push_back(c.clip);
@@ -131,11 +139,19 @@ struct Layout {
   Packing packing;
   std::vector<int> layer;  // of the packing's, its place among those that are kept; -1: left out
   int layers = 0;
+  int texel_bits = 64;  // of all maps
   uint64_t bytes() const {
-    return uint64_t{8} * static_cast<uint64_t>(packing.width) * static_cast<uint64_t>(packing.height) *
-           static_cast<uint64_t>(layers);
+    return static_cast<uint64_t>(packing.width) * static_cast<uint64_t>(packing.height) *
+           static_cast<uint64_t>(layers) * static_cast<uint64_t>(texel_bits) / 8;
   }
 };
+
+// Bits that one texel takes in all maps of a bake.
+int texel_bits(const FlatBakeOptions& options, int part_bits) {
+  if (!options.compressed) return 64;
+  return (kColourBlockBytes + kNormalBlockBytes + (options.depth ? kDepthBlockBytes : 0)) * 8 / (kBlock * kBlock) +
+         part_bits;
+}
 
 // Elevations that are stored together: the rows of a sphere, bands of 15 degrees of the others.
 int elevation_group(const ViewGrid& grid, int view) {
@@ -157,8 +173,10 @@ Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) 
   std::vector<int> groups;
   for (const size_t i : order) {
     const TileRect rect = level_rect(plan.bounds[i], level);
-    sizes.push_back(rect.width == 0 ? PackSize{}
-                                    : PackSize{rect.width + 2 * kTileGutter, rect.height + 2 * kTileGutter});
+    PackSize size =
+        rect.width == 0 ? PackSize{} : PackSize{rect.width + 2 * kTileGutter, rect.height + 2 * kTileGutter};
+    if (options.compressed) size = {blocks(size.width) * kBlock, blocks(size.height) * kBlock};
+    sizes.push_back(size);
     groups.push_back(group_of_view[i % views]);
   }
   // The page that wastes least; of equal ones the first. Small tiles lie one below the other: their rows are then
@@ -188,6 +206,7 @@ Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) 
     }
   Layout layout;
   layout.packing = best;
+  layout.texel_bits = texel_bits(options, plan.part_bits);
   layout.packing.places.assign(order.size(), {});
   std::vector<bool> kept(static_cast<size_t>(best.layers));
   for (size_t k = 0; k < order.size(); ++k) {
@@ -216,9 +235,38 @@ void copy_tile(const Tile& tile, const PackPlace& place, FlatLevel& level) {
   }
 }
 
+// The same of a compressed tile, whose place is a multiple of four.
+void copy_blocks(const CompressedTile& tile, const PackPlace& place, int part_bits, FlatLevel& level) {
+  const auto pitch = static_cast<size_t>(level.width / kBlock);
+  const auto copy = [&](const std::vector<uint8_t>& from, size_t block_bytes, std::vector<uint8_t>& to) {
+    const size_t row_bytes = static_cast<size_t>(tile.blocks_x) * block_bytes;
+    for (int row = 0; row < tile.blocks_y; ++row) {
+      const size_t first = static_cast<size_t>(place.layer) * static_cast<size_t>(level.height / kBlock) +
+                           static_cast<size_t>(place.y / kBlock + row);
+      std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(static_cast<size_t>(row) * row_bytes), row_bytes,
+                  to.begin() + static_cast<std::ptrdiff_t>((first * pitch + static_cast<size_t>(place.x / kBlock)) *
+                                                           block_bytes));
+    }
+  };
+  copy(tile.albedo, kColourBlockBytes, level.albedo);
+  copy(tile.normal, kNormalBlockBytes, level.normal);
+  if (!level.depth.empty()) copy(tile.depth, kDepthBlockBytes, level.depth);
+  const int texels = 8 / part_bits;  // a byte
+  const int row_texels = tile.blocks_x * kBlock;
+  for (int row = 0; row < tile.blocks_y * kBlock; ++row) {
+    const uint8_t* from = &tile.parts[static_cast<size_t>(row) * static_cast<size_t>(row_texels)];
+    uint8_t* to = &level.parts[(static_cast<size_t>(place.layer) * static_cast<size_t>(level.height) +
+                                static_cast<size_t>(place.y + row)) *
+                                   static_cast<size_t>(level.width / texels) +
+                               static_cast<size_t>(place.x / texels)];
+    for (int x = 0; x < row_texels; x += texels) *to++ = texels == 1 ? from[x] : pack_parts(from[x], from[x + 1]);
+  }
+}
+
 // What one tile becomes at every level.
 struct Built {
   std::vector<Tile> levels;
+  std::vector<CompressedTile> compressed;  // in place of the levels' texels
   std::vector<std::vector<glm::vec2>> outlines;
 };
 
@@ -237,19 +285,32 @@ Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, cons
                         : rectangle_strip(glm::vec2(tile.rect.x, tile.rect.y),
                                           glm::vec2(tile.rect.x + tile.rect.width, tile.rect.y + tile.rect.height)));
   }
+  if (options.compressed)
+    for (Tile& tile : built.levels) {
+      built.compressed.push_back(compress(tile));
+      tile.albedo = tile.surface = {};
+    }
   return built;
 }
 
 FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& planes, const Layout& layout,
-                     size_t level) {
+                     const FlatBakeOptions& options, int part_bits, size_t level) {
   FlatLevel out;
   out.width = layout.packing.width;
   out.height = layout.packing.height;
   out.layers = layout.layers;
-  const size_t bytes =
-      4 * static_cast<size_t>(out.width) * static_cast<size_t>(out.height) * static_cast<size_t>(out.layers);
-  out.albedo.assign(bytes, 0);
-  out.surface.assign(bytes, 0);
+  const size_t texels =
+      static_cast<size_t>(out.width) * static_cast<size_t>(out.height) * static_cast<size_t>(out.layers);
+  if (part_bits == 0) {
+    out.albedo.assign(texels * 4, 0);
+    out.surface.assign(texels * 4, 0);
+  } else {
+    const size_t all_blocks = texels / (kBlock * kBlock);
+    out.albedo.assign(all_blocks * kColourBlockBytes, 0);
+    out.normal.assign(all_blocks * kNormalBlockBytes, 0);
+    if (options.depth) out.depth.assign(all_blocks * kDepthBlockBytes, 0);
+    out.parts.assign(texels * static_cast<size_t>(part_bits) / 8, 0);
+  }
   for (const Built& b : built)
     if (!b.outlines.empty()) out.corners = static_cast<int>(b.outlines[level].size());
   for (size_t i = 0; i < built.size(); ++i) {
@@ -261,7 +322,10 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     Tile& tile = built[i].levels[level];
     PackPlace place = layout.packing.places[i];
     place.layer = layout.layer[static_cast<size_t>(place.layer)];
-    copy_tile(tile, place, out);
+    if (part_bits == 0)
+      copy_tile(tile, place, out);
+    else
+      copy_blocks(built[i].compressed[level], place, part_bits, out);
     out.tiles.push_back({static_cast<float>(place.x + kTileGutter - tile.rect.x),
                          static_cast<float>(place.y + kTileGutter - tile.rect.y), static_cast<float>(place.layer),
                          static_cast<float>(tile.coverage), static_cast<float>(planes[i].slope_x),
@@ -269,6 +333,7 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     const auto& outline = built[i].outlines[level];
     for (const glm::vec2& p : outline) out.outlines.push_back({p.x, p.y});
     tile = {};  // its texels live on the page now
+    if (part_bits > 0) built[i].compressed[level] = {};
   }
   return out;
 }
@@ -338,6 +403,7 @@ std::string flat_cache_key(const scene::Character& character, const scene::PoseB
   hash.text("flat").value(kBakeVersion).text(character.content_hash).text(gl_renderer).text(gl_version);
   hash.text(options.grid.text()).value(options.grid.el_min);
   hash.value(options.frames).value(options.texels).value(options.trimmed).value(options.corners).value(options.fitted);
+  hash.value(options.compressed).value(options.compressed && options.depth);
   hash.value(options.needed.size()).bytes(options.needed.data(), options.needed.size());
   for (const scene::BankClip& c : bank.clips()) {
     hash.value(c.clip).value(c.samples > 1);
@@ -377,6 +443,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   bake.frames = static_cast<uint32_t>(plan.frames);
   bake.views = static_cast<uint32_t>(options.grid.size());
   bake.clips = plan.clips;
+  bake.part_bits = plan.part_bits;
 
   const size_t total = plan.wanted;
   std::vector<Built> built(plan.frames * bake.views);
@@ -406,8 +473,8 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   run(plan.moving, plan.moving_tiles, plan.moving_index);
   run(plan.still, plan.still_tiles, plan.still_index);
   for (int level = 0; level < levels; ++level)
-    bake.levels.push_back(
-        pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], static_cast<size_t>(level)));
+    bake.levels.push_back(pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], options, plan.part_bits,
+                                     static_cast<size_t>(level)));
   return bake;
 }
 
@@ -419,6 +486,7 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
   out.value(bake.texel);
   out.value(bake.frames);
   out.value(bake.views);
+  out.value(bake.part_bits);
   out.values(bake.clips);
   out.value(static_cast<uint32_t>(bake.levels.size()));
   for (const FlatLevel& l : bake.levels) {
@@ -430,6 +498,9 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
     out.values(l.outlines);
     out.values(l.albedo);
     out.values(l.surface);
+    out.values(l.normal);
+    out.values(l.depth);
+    out.values(l.parts);
   }
   return out.bytes();
 }
@@ -442,6 +513,8 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
   bake.texel = in.value<float>();
   bake.frames = in.value<uint32_t>();
   bake.views = in.value<uint32_t>();
+  bake.part_bits = in.value<int>();
+  if (bake.part_bits != 0 && bake.part_bits != 4 && bake.part_bits != 8) return std::nullopt;
   bake.clips = in.values<FlatClip>();
   const auto levels = in.value<uint32_t>();
   const uint64_t tiles = uint64_t{bake.frames} * bake.views;
@@ -455,12 +528,22 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
     l.outlines = in.values<std::array<float, 2>>();
     l.albedo = in.values<uint8_t>();
     l.surface = in.values<uint8_t>();
+    l.normal = in.values<uint8_t>();
+    l.depth = in.values<uint8_t>();
+    l.parts = in.values<uint8_t>();
     const auto texels =
         static_cast<uint64_t>(l.width) * static_cast<uint64_t>(l.height) * static_cast<uint64_t>(l.layers);
     if (l.width < 0 || l.height < 0 || l.layers < 0 || l.corners < 4 || l.corners > 16 || l.tiles.size() != tiles ||
-        l.outlines.size() != tiles * static_cast<uint64_t>(l.corners) || l.albedo.size() != texels * 4 ||
-        l.surface.size() != texels * 4)
+        l.outlines.size() != tiles * static_cast<uint64_t>(l.corners))
       return std::nullopt;
+    const auto bits = static_cast<uint64_t>(bake.part_bits);
+    const bool fits = bits == 0 ? l.albedo.size() == texels * 4 && l.surface.size() == texels * 4 && l.normal.empty() &&
+                                      l.depth.empty() && l.parts.empty()
+                                : l.width % kBlock == 0 && l.height % kBlock == 0 && l.albedo.size() == texels &&
+                                      l.surface.empty() && l.normal.size() == texels &&
+                                      (l.depth.empty() || l.depth.size() == texels / 2) &&
+                                      l.parts.size() == texels * bits / 8;
+    if (!fits) return std::nullopt;
     bake.levels.push_back(std::move(l));
   }
   for (const FlatClip& c : bake.clips)

@@ -19,11 +19,14 @@ namespace crowdbench::renderers {
 
 struct FlatBakeOptions {
   ViewGrid grid;
-  int frames = 10;      // a clip
-  int texels = 128;     // across the enclosing sphere: the texel size is its diameter over this
-  bool fitted = true;   // planes fitted to the posed body; false: through the capture centre, facing the view
-  bool trimmed = true;  // false: every tile is the whole square, as the source has it
-  int corners = 8;      // of the outlines of the finer levels, 4..8; coarser ones have four
+  int frames = 10;          // a clip
+  int texels = 128;         // across the enclosing sphere: the texel size is its diameter over this
+  bool fitted = true;       // planes fitted to the posed body; false: through the capture centre, facing the view
+  bool trimmed = true;      // false: every tile is the whole square, as the source has it
+  int corners = 8;          // of the outlines of the finer levels, 4..8; coarser ones have four
+  bool compressed = false;  // blocks (renderers/tiles/block_compression.h) instead of RGBA8 texels; tiles lie at
+                            // multiples of four, so that none shares a block
+  bool depth = true;        // of a compressed bake: with the depth map, which only nailboards read
   // Frames x views, frame-major: the tiles to bake; empty: all of them. Those that are baked are the same texels at the
   // same place of a layer whatever else is, so that pictures do not change by a bit; layers without any are left out.
   std::vector<uint8_t> needed;
@@ -51,14 +54,19 @@ struct FlatTile {
   float unused = 0;
 };
 
-// One level: an albedo and a surface map (renderers/tiles/tile.h), layers of width x height RGBA8 texels, row 0 lowest.
+// One level: layers of width x height texels, row 0 lowest. An albedo and a surface map (renderers/tiles/tile.h) of
+// RGBA8 texels; of a compressed bake albedo as BC3 blocks, and in place of the surface map BC5 normals, BC4 depths
+// where they are wanted, and material ids of FlatBake::part_bits, rows of width * part_bits / 8 bytes.
 struct FlatLevel {
   int width = 0, height = 0, layers = 0;
   int corners = 4;
   std::vector<FlatTile> tiles;                 // frames x views, frame-major
   std::vector<std::array<float, 2>> outlines;  // `corners` a tile, lattice coordinates, in strip order
   std::vector<uint8_t> albedo, surface;
-  uint64_t texture_bytes() const { return albedo.size() + surface.size(); }
+  std::vector<uint8_t> normal, depth, parts;
+  uint64_t texture_bytes() const {
+    return albedo.size() + surface.size() + normal.size() + depth.size() + parts.size();
+  }
 };
 
 struct FlatBake {
@@ -67,6 +75,7 @@ struct FlatBake {
   float texel = 0;                // metres, of level 0
   uint32_t frames = 0;
   uint32_t views = 0;
+  int part_bits = 0;            // of a compressed bake: 4 or 8 bits a material id; 0: RGBA8
   std::vector<FlatClip> clips;  // one a clip of the bank
   std::vector<FlatLevel> levels;
   uint64_t texture_bytes() const;

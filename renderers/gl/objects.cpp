@@ -73,9 +73,11 @@ void Buffer::bind_range(unsigned target, unsigned index, size_t offset, size_t b
 
 TexelSize texel_size(unsigned format) {
   switch (format) {
-    case GL_R8: return {1, 1};
+    case GL_R8:
+    case GL_R8UI: return {1, 1};
     case GL_RG8:
     case GL_R16: return {2, 1};
+    case GL_RGB8: return {3, 1};
     case GL_RGB10_A2:
     case GL_RGBA8:
     case GL_SRGB8_ALPHA8:
@@ -88,7 +90,9 @@ TexelSize texel_size(unsigned format) {
     case GL_RG32F: return {8, 1};
     case GL_RGBA32F:
     case GL_RGBA32UI: return {16, 1};
+    case GL_COMPRESSED_RGB_S3TC_DXT1_EXT:
     case GL_COMPRESSED_RED_RGTC1: return {8, 4};
+    case GL_COMPRESSED_RGBA_S3TC_DXT5_EXT:
     case GL_COMPRESSED_RG_RGTC2:
     case GL_COMPRESSED_RGBA_BPTC_UNORM:
     case GL_COMPRESSED_SRGB_ALPHA_BPTC_UNORM: return {16, 4};
@@ -100,6 +104,17 @@ int mip_levels(int width, int height) {
   int levels = 1;
   for (int side = std::max(width, height); side > 1; side /= 2) ++levels;
   return levels;
+}
+
+uint64_t texture_bytes(unsigned format, int width, int height, int layers, int levels) {
+  const TexelSize texel = texel_size(format);
+  uint64_t bytes = 0;
+  for (int level = 0; level < levels; ++level) {
+    const auto blocks = [&](int side) { return (std::max(side >> level, 1) + texel.block - 1) / texel.block; };
+    bytes += static_cast<uint64_t>(blocks(width)) * static_cast<uint64_t>(blocks(height)) *
+             static_cast<uint64_t>(layers) * static_cast<uint64_t>(texel.bytes);
+  }
+  return bytes;
 }
 
 Texture::Texture(Context& context, unsigned target, unsigned format, int width, int height, int layers, int levels)
@@ -117,12 +132,7 @@ Texture::Texture(Context& context, unsigned target, unsigned format, int width, 
                 fmt::format("a texture of {} x {} x {} is outside this driver's limit of {} x {} x {}", width, height,
                             layers, limits.texture_size, limits.texture_size, limits.array_layers),
                 "use a smaller size");
-  const TexelSize texel = texel_size(format);
-  for (int level = 0; level < levels_; ++level) {
-    const auto blocks = [&](int side) { return (std::max(side >> level, 1) + texel.block - 1) / texel.block; };
-    bytes_ += static_cast<uint64_t>(blocks(width)) * static_cast<uint64_t>(blocks(height)) *
-              static_cast<uint64_t>(layers) * static_cast<uint64_t>(texel.bytes);
-  }
+  bytes_ = texture_bytes(format, width, height, layers, levels_);
   glCreateTextures(target, 1, &name_);
   while (glGetError() != GL_NO_ERROR) {
   }

@@ -125,6 +125,8 @@ struct TexelSize {
 TexelSize texel_size(unsigned format);
 // Levels of a whole mip chain.
 int mip_levels(int width, int height);
+// Bytes of a texture: every level and layer.
+uint64_t texture_bytes(unsigned format, int width, int height, int layers = 1, int levels = 1);
 
 struct SamplerOptions {
   unsigned min_filter = 0x2703;  // GL_LINEAR_MIPMAP_LINEAR

@@ -147,6 +147,31 @@ TEST_F(FactsGl, BakeTellsBytesAndReadsItsCacheTheSecondTime) {
             first.at("cache_key"));
 }
 
+// A driver without S3TC, as Mesa pretends to be one on demand: RGBA8, and one line that says so.
+TEST_F(FactsGl, CompressionFallsBackWhereTheDriverLacksIt) {
+  const std::string common = "bake flat:views=sphere-4x1,texels=32,frames=1";
+  const std::string cast = " --character mannequin:triangles=500 --character mannequin:triangles=2200 --no-cache";
+  const std::string without = "MESA_EXTENSION_OVERRIDE=-GL_EXT_texture_compression_s3tc";
+  const json plain = facts(common + cast);
+  const json compressed = facts(common + ",compress=bc" + cast);
+  if (plain.at("renderer").get<std::string>().find("llvmpipe") == std::string::npos)
+    GTEST_SKIP() << "only Mesa hides an extension on demand";
+  EXPECT_EQ(compressed.at("facts").at("compressed"), 1);
+  EXPECT_LT(compressed.at("texture_bytes").get<uint64_t>(), plain.at("texture_bytes").get<uint64_t>() / 2);
+  const support::Outcome fallen = run_driver(without, common + ",compress=bc" + cast + " --json", false);
+  ASSERT_EQ(fallen.status, 0);
+  const json facts_of = json::parse(fallen.text);
+  EXPECT_EQ(facts_of.at("facts").at("compressed"), 0);
+  EXPECT_EQ(facts_of.at("texture_bytes"), plain.at("texture_bytes"));
+  EXPECT_EQ(facts_of.at("cache_key"), plain.at("cache_key"));
+  const support::Outcome said = run_driver(without, common + ",compress=bc" + cast + "");
+  size_t warnings = 0;
+  for (size_t at = said.text.find("warning"); at != std::string::npos; at = said.text.find("warning", at + 1))
+    ++warnings;
+  EXPECT_EQ(warnings, 1U) << said.text;
+  EXPECT_NE(said.text.find("GL_EXT_texture_compression_s3tc"), std::string::npos) << said.text;
+}
+
 TEST_F(FactsGl, BakeRefusesWhatCannotBe) {
   refuses("bake flatt", "flat");
   refuses("bake flat:texels=lots", "texels");

@@ -129,6 +129,27 @@ TEST_F(QualityGl, AnImpostorIsGoodAtItsStoredViewAndWorseBesideIt) {
   EXPECT_LT(*rows[1].scores.ssim, *rows[0].scores.ssim);
 }
 
+TEST_F(QualityGl, CompressedTilesCostLittle) {
+  QualitySetup s = setup();
+  s.representations = {"flat:views=sphere-6x2,frames=2,texels=128",
+                       "flat:views=sphere-6x2,frames=2,texels=128,compress=bc"};
+  QualityView view = s.views[0];
+  view.height_px = 120;
+  s.views = {view, view};
+  s.views[1].azimuth_deg = 60;
+  const auto rows = compute_quality(context_, s);
+  ASSERT_EQ(rows.size(), 4U);
+  for (const QualityRow& row : rows) EXPECT_GT(*row.scores.silhouette_iou, 0.93) << row.representation;
+  for (size_t v = 0; v < 2; ++v) {
+    const metrics::FigureScores& plain = rows[v].scores;
+    const metrics::FigureScores& blocks = rows[v + 2].scores;
+    EXPECT_GT(*blocks.silhouette_iou, *plain.silhouette_iou - 0.005);
+    EXPECT_GT(*blocks.ssim, *plain.ssim - 0.02);
+    EXPECT_GT(*blocks.psnr, *plain.psnr - 1);
+    EXPECT_NE(*blocks.psnr, *plain.psnr) << "both drawn the same way";
+  }
+}
+
 // The representation's own frame is a quarter of a cycle off; given the exact time, only its drawing is judged.
 TEST_F(QualityGl, ExactPoseTakesTheStoredFramesErrorAway) {
   QualitySetup s = setup();

@@ -63,7 +63,8 @@ TEST_F(RequiredGl, PicturesAreIdenticalAndBytesAreFewer) {
   const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
   constexpr uint64_t kTicks = 16;
   renderers::Renderer renderer(context_, cast);
-  for (const char* text : {"flat:frames=4,texels=48", "flat:frames=4,texels=48,blend=3"}) {
+  for (const char* text :
+       {"flat:frames=4,texels=48", "flat:frames=4,texels=48,blend=3", "flat:frames=4,texels=48,compress=bc"}) {
     renderers::MakeContext make{.context = context_, .cast = cast};
     make.use_cache = false;
     make.progress = false;
