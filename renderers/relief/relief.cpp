@@ -21,6 +21,7 @@
 #include "renderers/relief/relief.shared.h"
 #include "renderers/relief/relief_atlas.h"
 #include "renderers/relief/relief_bake.h"
+#include "renderers/relief/relief_cone.h"
 #include "renderers/shaders/bindings.shared.h"
 
 namespace crowdbench::renderers {
@@ -53,6 +54,7 @@ struct Bake {
   CaptureScore capture;
   std::vector<double> tier_pixels;  // of each model after the first
   std::vector<ReliefModel> models;
+  std::vector<std::vector<uint8_t>> cones;  // of each model; none unless the search uses them
 };
 
 double number_of(const char* begin, const char* end, const char* where, const std::string& text, double low,
@@ -97,7 +99,7 @@ std::string cache_key(const scene::Character& character, const scene::PoseBank& 
   Sha256 hash;
   hash.text("relief").value(kBakeVersion).text(character.content_hash).text(options.capture);
   hash.value(options.bake.map_size).value(options.bake.rule).value(options.bake.threshold).value(options.bake.by_area);
-  hash.value(options.merge).value(options.budget);
+  hash.value(options.merge).value(options.budget).value(options.search == RELIEF_SEARCH_CONE);
   // Which poses were measured.
   if (options.capture == "best" || options.merge > 0)
     for (const scene::Mat3x4& m : bank.matrices()) hash.bytes(&m, sizeof m);
@@ -150,11 +152,12 @@ std::vector<uint8_t> serialise(const Bake& bake) {
     out.values(m.colour);
     out.values(m.normal);
   }
+  for (const std::vector<uint8_t>& cones : bake.cones) out.values(cones);
   return out.bytes();
 }
 
 // std::nullopt when the bytes are not a bake of this version.
-std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints) {
+std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints, bool cones) {
   ByteReader in(bytes);
   Bake bake;
   CaptureScore& c = bake.capture;
@@ -181,16 +184,42 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
         m.extent.size() != texels * 6 || m.colour.size() != texels * 24 || m.normal.size() != texels * 24)
       return std::nullopt;
   }
+  for (uint32_t i = 0; cones && i < count && in.ok(); ++i) {
+    bake.cones.push_back(in.values<uint8_t>());
+    const AtlasPlan plan = plan_atlas(bake.models[i]);
+    if (bake.cones.back().size() != static_cast<size_t>(plan.width) * static_cast<size_t>(plan.height) * 4)
+      return std::nullopt;
+  }
   if (!in.ok() || !in.at_end() || bake.models.empty() || bake.tier_pixels.size() + 1 != bake.models.size())
     return std::nullopt;
   return bake;
 }
 
-uint64_t atlas_bytes(const ReliefModel& model, int depth_bits) {
+// Bytes of a depth texel: two depths, and four cones when they are searched.
+uint64_t depth_texel_bytes(const Options& options) {
+  return static_cast<uint64_t>(options.depth_bits) / 4 + (options.search == RELIEF_SEARCH_CONE ? 4 : 0);
+}
+
+uint64_t atlas_bytes(const ReliefModel& model, const Options& options) {
   const AtlasPlan plan = plan_atlas(model);
   return static_cast<uint64_t>(plan.width) * static_cast<uint64_t>(plan.height) *
-             (static_cast<uint64_t>(depth_bits) / 4 + 2 * 2 * 4) +
+             (depth_texel_bytes(options) + 2 * 2 * 4) +
          static_cast<uint64_t>(plan.width / 2) * static_cast<uint64_t>(plan.height / 2) * 2;
+}
+
+// Models of fewer boxes for smaller pictures. `what`: how the nearest tier was baked.
+void add_tiers(const scene::Character& character, const scene::PoseBank& bank, const Options& options,
+               ReliefBakeOptions what, Bake& bake) {
+  JointMerger merger(character, bank, what.capture);
+  for (size_t tier = 0; tier < kTierPixels.size(); ++tier) {
+    what.carriers = merger.merged(options.merge * character.placement.height / kTierPixels[tier]);
+    what.map_size = std::max(32, options.bake.map_size >> (tier + 1));
+    ReliefModel model = bake_relief(character, what);
+    if (model.boxes.size() < bake.models.back().boxes.size()) {
+      bake.tier_pixels.push_back(kTierPixels[tier]);
+      bake.models.push_back(std::move(model));
+    }
+  }
 }
 
 Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, const Options& options) {
@@ -203,7 +232,7 @@ Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, c
   what.capture = bake.capture.pose;
   bake.models.push_back(bake_relief(character, what));
   // Under a budget the texels grow until the maps fit.
-  while (options.budget > 0 && atlas_bytes(bake.models[0], options.depth_bits) > options.budget) {
+  while (options.budget > 0 && atlas_bytes(bake.models[0], options) > options.budget) {
     if (what.by_area) {
       double texel = 0;
       for (const ReliefBox& box : bake.models[0].boxes)
@@ -217,17 +246,12 @@ Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, c
                   "raise the budget");
     bake.models[0] = bake_relief(character, what);
   }
-  if (options.merge <= 0) return bake;
-  JointMerger merger(character, bank, what.capture);
-  for (size_t tier = 0; tier < kTierPixels.size(); ++tier) {
-    what.carriers = merger.merged(options.merge * character.placement.height / kTierPixels[tier]);
-    what.map_size = std::max(32, options.bake.map_size >> (tier + 1));
-    ReliefModel model = bake_relief(character, what);
-    if (model.boxes.size() < bake.models.back().boxes.size()) {
-      bake.tier_pixels.push_back(kTierPixels[tier]);
-      bake.models.push_back(std::move(model));
+  if (options.merge > 0) add_tiers(character, bank, options, what, bake);
+  if (options.search == RELIEF_SEARCH_CONE)
+    for (const ReliefModel& model : bake.models) {
+      const AtlasPlan plan = plan_atlas(model);
+      bake.cones.push_back(derive_cones(model, plan, fill_atlas(model, plan)));
     }
-  }
   return bake;
 }
 
@@ -241,7 +265,10 @@ struct Tier {
   gl::Texture colour;
   gl::Texture normal;
   gl::Texture bounds;
-  uint64_t texture_bytes() const { return depth.bytes() + colour.bytes() + normal.bytes() + bounds.bytes(); }
+  gl::Texture cones;  // with search=cone
+  uint64_t texture_bytes() const {
+    return depth.bytes() + colour.bytes() + normal.bytes() + bounds.bytes() + cones.bytes();
+  }
   gl::Buffer records;
   gl::Buffer points;
   gl::Buffer indices;
@@ -359,7 +386,7 @@ class Relief final : public Representation {
     Options options = options_;
     if (options.budget == 0) {
       const uint64_t bytes =
-          character.skeleton.joints.size() * (3 * 2 * (options_.depth_bits / 8U) + 6 * 8) * n * n * 3 / 2;
+          character.skeleton.joints.size() * (3 * depth_texel_bytes(options_) + 6 * 8) * n * n * 3 / 2;
       if (bytes > left)
         throw Error(
             "relief",
@@ -372,7 +399,8 @@ class Relief final : public Representation {
     const std::string key = cache_key(character, bank, options_);
     std::optional<Bake> bake;
     if (!make.rebake)
-      if (const auto stored = cache.load("relief", key)) bake = deserialise(*stored, character.skeleton.joints.size());
+      if (const auto stored = cache.load("relief", key))
+        bake = deserialise(*stored, character.skeleton.joints.size(), options_.search == RELIEF_SEARCH_CONE);
     const bool cached = bake.has_value();
     if (!bake) {
       bake = make_bake(character, bank, options_);
@@ -389,13 +417,15 @@ class Relief final : public Representation {
     for (const ReliefBox& box : bake->models[0].boxes)
       baked.texel = std::max(baked.texel, std::max({box.size.x, box.size.y, box.size.z}) / box.texels);
     for (size_t i = 0; i < bake->models.size(); ++i) {
-      baked.tiers.push_back(upload(character, bake->models[i], i == 0));
+      baked.tiers.push_back(upload(character, *bake, i));
       const Tier& tier = baked.tiers.back();
       left -= std::min(left, tier.texture_bytes());
     }
   }
 
-  Tier upload(const scene::Character& character, const ReliefModel& model, bool large) {
+  Tier upload(const scene::Character& character, const Bake& bake, size_t index) {
+    const ReliefModel& model = bake.models[index];
+    const bool large = index == 0;
     const AtlasPlan plan = plan_atlas(model);
     if (2 * plan.width > context_.limits().texture_size || plan.height > context_.limits().texture_size)
       throw Error(
@@ -411,6 +441,10 @@ class Relief final : public Representation {
     tier.carve = large;
     tier.depth = gl::Texture::make_2d(context_, options_.depth_bits == 8 ? GL_RG8 : GL_RG16, plan.width, plan.height);
     tier.depth.write(0, 0, GL_RG, GL_UNSIGNED_SHORT, atlas.depth.data());
+    if (!bake.cones.empty()) {
+      tier.cones = gl::Texture::make_2d(context_, GL_RGBA8, plan.width, plan.height);
+      tier.cones.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, bake.cones[index].data());
+    }
     tier.colour = gl::Texture::make_2d(context_, GL_SRGB8_ALPHA8, 2 * plan.width, plan.height);
     tier.colour.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, atlas.colour.data());
     for (const unsigned which : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
@@ -520,6 +554,7 @@ class Relief final : public Representation {
       tier.colour.bind(RELIEF_TEXTURE_COLOUR);
       tier.normal.bind(RELIEF_TEXTURE_NORMAL);
       tier.bounds.bind(RELIEF_TEXTURE_BOUNDS);
+      if (tier.cones) tier.cones.bind(RELIEF_TEXTURE_CONES);
       tier.vertices.bind();
       if (options_.hull) {
         glDisable(GL_CULL_FACE);
@@ -561,7 +596,7 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   options.bake.by_area = read.choice("size", {"uniform", "by_area"}) == 1;
   options.budget = static_cast<uint64_t>(read.number("budget", 0, 65536) * (1 << 20));
   options.depth_bits = read.choice("depth", {"8", "16"}) == 0 ? 8 : 16;
-  options.search = static_cast<int>(read.choice("search", {"adaptive", "linear"}));
+  options.search = static_cast<int>(read.choice("search", {"adaptive", "linear", "cone"}));
   std::tie(options.linear_steps, options.binary_steps) = parse_steps(read.text("steps"));
   options.level_bias = read.number("bias", -4.0, 4.0);
   options.hull = read.choice("proxy", {"hull", "box"}) == 0;
@@ -583,9 +618,11 @@ const RepresentationType relief_type{
      {"size", "uniform|by_area", "uniform", "by_area: boxes smaller than the largest get maps of fewer texels"},
      {"budget", "0..65536", "0", "MiB of maps at full detail, met by coarser texels; 0: none"},
      {"depth", "8|16", "16", "bits of a stored depth"},
-     {"search", "adaptive|linear", "adaptive",
-      "adaptive: two intervals a texel crossed; linear: the source's fixed steps"},
-     {"steps", "LINEAR+BINARY", "256+7", "most adaptive steps, or the linear and binary steps of search=linear"},
+     {"search", "adaptive|linear|cone", "adaptive",
+      "adaptive: two intervals a texel crossed; linear: the source's fixed steps; cone: adaptive, past what relaxed "
+      "cone maps show to be air"},
+     {"steps", "LINEAR+BINARY", "256+7",
+      "most adaptive steps, or the linear steps of search=linear; binary refinements of linear and cone"},
      {"bias", "-4..4", "-3",
       "mip levels added to one texel a pixel of a depth, for the silhouette; below 100 pixels of height one more"},
      {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},

@@ -14,6 +14,9 @@
 #include "renderers/shaders/shading.glsl"
 #include "renderers/shaders/output.glsl"
 #include "renderers/relief/relief_records.glsl"
+#if SEARCH == RELIEF_SEARCH_CONE
+#include "renderers/relief/relief_cone.glsl"
+#endif
 
 layout(location = 0) in vec3 v_anchor;
 layout(location = 1) flat in vec4 v_eye_depth;
@@ -30,6 +33,9 @@ layout(binding = RELIEF_TEXTURE_DEPTH) uniform sampler2D depth_map;    // least 
 layout(binding = RELIEF_TEXTURE_COLOUR) uniform sampler2D colour_map;  // sRGB colour, unlit; filtered
 layout(binding = RELIEF_TEXTURE_NORMAL) uniform sampler2D normal_map;  // bind-space normal, part
 layout(binding = RELIEF_TEXTURE_BOUNDS) uniform sampler2D bounds_map;  // conservative least and greatest depth
+#if SEARCH == RELIEF_SEARCH_CONE
+layout(binding = RELIEF_TEXTURE_CONES) uniform sampler2D cone_map;  // roots of the approaching and leaving cone, up and down
+#endif
 layout(std430, binding = CB_STORAGE_PALETTE) readonly restrict buffer Palette { vec4 palette[]; };
 
 float stored_depth(float metres) { return -frame.projection[2][2] + frame.projection[3][2] / metres; }
@@ -89,7 +95,7 @@ void main() {
 #endif
 
   if (span > 0.0) {
-#if SEARCH == RELIEF_SEARCH_ADAPTIVE
+#if SEARCH != RELIEF_SEARCH_LINEAR
 #ifdef CARVE
     // Where the other two axes' bounds lie. Their (u, v, depth) are turns of the march's: its axis's depth is the next axis's v
     // and the one after's u.
@@ -111,11 +117,44 @@ void main() {
     float rise = delta.z * inverse_steps;
     vec2 at = start + 0.5 * move;
     float c = from.z - SLACK;
+#if SEARCH == RELIEF_SEARCH_CONE
+    float slope = max(abs(delta.x), abs(delta.y)) / max(delta.z, 1e-20);
+    float a_step = 1.0 / max(rise, 1e-20);
+    int skipped = 0;  // steps between the last one tested and this one
+    int behind = 0;   // the same of a step that began inside a surface
+#endif
     // Nested, since a branch costs its whole content on every step where lanes run together: the inner loop takes one tap a
     // step, the outer one looks at what it found.
     int i = 0;
     while (i < steps) {
       float enter = -1.0;
+#if SEARCH == RELIEF_SEARCH_CONE
+      at = start + (float(i) + 0.5) * move;
+      skipped = 0;
+#endif
+#if SEARCH == RELIEF_SEARCH_CONE
+      while (i < steps && enter < 0.0) {
+        texel = clamp(ivec2(at), low, high);
+        vec2 bounds = texelFetch(depth_map, texel, 0).rg;
+        COUNT_TAP;
+        if (down) bounds = 1.0 - bounds.yx;
+        float from_here = max(bounds.x, c);
+        int ahead = 1;
+        if (from_here <= min(bounds.y, c + rise + 2.0 * SLACK)) {
+          enter = max(from_here, 0.0);
+          behind = c > bounds.x ? skipped : 0;
+        } else {
+          COUNT_TAP;
+          float reach = cone_reach(cones_of(texelFetch(cone_map, texel, 0), down), bounds, c + 0.5 * rise, slope, 1.0 / float(size));
+          // The last step is always tested: a skip may end beyond the box in a surface.
+          ahead = reach >= 2.0 ? steps - i : max(1, min(int(0.5 + reach * a_step), steps - 1 - i));
+        }
+        skipped = ahead - 1;
+        i += ahead;
+        c += float(ahead) * rise;
+        at += float(ahead) * move;
+      }
+#else
       for (; i < steps && enter < 0.0; ++i) {
         texel = clamp(ivec2(at), low, high);
         vec2 bounds = texelFetch(depth_map, texel, 0).rg;
@@ -126,7 +165,30 @@ void main() {
         c += rise;
         at += move;
       }
+#endif
       if (enter < 0.0) break;
+#if SEARCH == RELIEF_SEARCH_CONE
+      // Where a skip ended inside, the surface lies behind: between the last step tested and this one. (A loop that most
+      // rays leave at once: unrolled, or inside the other one, it would cost every ray its taps.)
+      float below = float(i - 1 - behind);
+      float above = float(i - 1);
+      for (int k = behind > 0 ? 0 : BINARY; k < BINARY; ++k) {
+        float middle = 0.5 * (below + above);
+        float depth = from.z + middle * rise;
+        ivec2 there = clamp(ivec2(start + middle * move), low, high);
+        vec2 bounds = texelFetch(depth_map, there, 0).rg;
+        COUNT_TAP;
+        if (down) bounds = 1.0 - bounds.yx;
+        if (bounds.x - SLACK <= depth && depth <= bounds.y + SLACK) {
+          above = middle;
+          texel = there;
+          enter = depth;
+          at = start + (middle + 1.0) * move;
+        } else {
+          below = middle;
+        }
+      }
+#endif
 #ifdef CARVE
       // In one axis's map alone everything between the nearest and the farthest surface counts as solid. What another axis
       // shows to be air is not.
@@ -182,6 +244,14 @@ void main() {
   if (hit < 0.0) {
     gl_FragDepth = stored_depth(anchor_depth);
     write_output(vec3(0.8, 0.05, 0.05), 0u);
+    return;
+  }
+#endif
+#if defined(DEBUG) && DEBUG == RELIEF_DEBUG_STEPS
+  // Rays that meet nothing cost too: they show where nothing else does.
+  if (hit < 0.0) {
+    gl_FragDepth = stored_depth(1e6);
+    write_output(heat(min(float(taps) / 64.0, 1.0)), 0u);
     return;
   }
 #endif

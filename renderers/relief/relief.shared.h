@@ -12,6 +12,7 @@
 #define RELIEF_TEXTURE_COLOUR 1
 #define RELIEF_TEXTURE_NORMAL 2
 #define RELIEF_TEXTURE_BOUNDS 3
+#define RELIEF_TEXTURE_CONES 4
 
 #define RELIEF_LOCATION_COUNT 1   // uint: agents to pose
 #define RELIEF_LOCATION_OFFSET 2  // uint: position in PALETTE of the first agent to pose
@@ -20,6 +21,7 @@
 // Search methods.
 #define RELIEF_SEARCH_ADAPTIVE 0  // one step a texel crossed, each tested as an interval
 #define RELIEF_SEARCH_LINEAR 1    // fixed steps, then binary refinement: the source's
+#define RELIEF_SEARCH_CONE 2      // adaptive, passing over steps that the texel's cones show to be air
 
 // Debug views.
 #define RELIEF_DEBUG_BOXES 1

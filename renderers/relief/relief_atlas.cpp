@@ -229,6 +229,11 @@ AtlasPlan plan_atlas(const ReliefModel& model) {
   return plan;
 }
 
+AtlasPlace atlas_place(const AtlasPlan& plan, size_t box, size_t texels, uint32_t level) {
+  return {plan.left[box] + (level == 0 ? 0 : texels - (texels >> (level - 1))),
+          plan.top[box] + (level == 0 ? 0 : texels)};
+}
+
 Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
   const auto width = static_cast<size_t>(plan.width);
   const auto height = static_cast<size_t>(plan.height);

@@ -21,6 +21,13 @@ struct AtlasPlan {
 };
 AtlasPlan plan_atlas(const ReliefModel& model);
 
+// First texel, in the depth picture, of a box's axis 0 at one level; the other axes follow `texels` to the right each.
+struct AtlasPlace {
+  size_t left = 0;
+  size_t top = 0;
+};
+AtlasPlace atlas_place(const AtlasPlan& plan, size_t box, size_t texels, uint32_t level);
+
 struct Atlas {
   std::vector<uint16_t> depth;  // width x height x 2
   std::vector<uint8_t> colour;  // 2 width x height x 4; six columns a box

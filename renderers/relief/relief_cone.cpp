@@ -1,0 +1,197 @@
+// Based on: Policarpo and Oliveira, "Relaxed Cone Stepping for Relief Mapping" (GPU Gems 3, chapter 18): the widest
+// cone at each texel such that a ray inside it meets the surface at most once. Differs from the source: texels store an
+// interval, so that a ray may also pass beyond the surface that it started over (the leaving cones) and may come from
+// either side; a cone is a pyramid, bounded by where rays can come out of a surface at all, which is found from each
+// texel and its next one outward instead of by walking every ray; it holds from anywhere in the texel.
+#include "renderers/relief/relief_cone.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <thread>
+
+namespace crowdbench::renderers {
+namespace {
+
+// Least value in any run of one row (or column) of an n x n picture.
+class RunMinimum {
+ public:
+  RunMinimum(const std::vector<uint16_t>& values, size_t n, size_t step, size_t line) : step_(step), line_(line) {
+    levels_.push_back(values);
+    for (size_t width = 2; width <= n; width *= 2) {
+      const std::vector<uint16_t>& half = levels_.back();
+      std::vector<uint16_t> level(half);
+      for (size_t other = 0; other < n; ++other)
+        for (size_t i = 0; i + width <= n; ++i)
+          level[other * line + i * step] =
+              std::min(half[other * line + i * step], half[other * line + (i + width / 2) * step]);
+      levels_.push_back(std::move(level));
+    }
+  }
+  // Over [from, to], both inside the picture.
+  uint16_t of(size_t other, size_t from, size_t to) const {
+    const auto level = static_cast<size_t>(std::bit_width(to - from + 1) - 1);
+    const uint16_t* row = levels_[level].data() + other * line_;
+    return std::min(row[from * step_], row[(to + 1 - (size_t{1} << level)) * step_]);
+  }
+
+ private:
+  size_t step_, line_;
+  std::vector<std::vector<uint16_t>> levels_;
+};
+
+struct Both {
+  RunMinimum rows, columns;
+  Both(const std::vector<uint16_t>& values, size_t n) : rows(values, n, 1, n), columns(values, n, n, 1) {}
+};
+
+constexpr double kOne = 65535.0;
+
+uint8_t code_of(double ratio) {
+  return static_cast<uint8_t>(std::floor(255.0 * std::sqrt(std::clamp(ratio, 0.0, 1.0))));
+}
+
+// Cones of rays that go up over [front, back].
+struct Upward {
+  std::vector<uint8_t> approach, leave;
+};
+Upward upward(const std::vector<uint16_t>& front, const std::vector<uint16_t>& back, size_t n) {
+  const auto covered = [&](size_t texel) { return front[texel] <= back[texel]; };
+  // The least depth at which a ray that moves toward (right, down) can come out of each texel's interval: through its
+  // back, or into the next texel where that holds nothing at this depth.
+  const auto exits = [&](bool right, bool down) {
+    std::vector<uint16_t> least(n * n, 65535);
+    for (size_t v = 0; v < n; ++v) {
+      for (size_t u = 0; u < n; ++u) {
+        const size_t texel = v * n + u;
+        if (!covered(texel)) continue;
+        uint16_t out = back[texel];
+        const auto into = [&](size_t next) {
+          if (!covered(next) || front[next] > front[texel])
+            out = std::min(out, front[texel]);
+          else if (back[next] < back[texel])
+            out = std::min(out, std::max(front[texel], back[next]));
+        };
+        // Beyond the map's edge the ray has left the box.
+        if (right ? u + 1 < n : u > 0) into(right ? texel + 1 : texel - 1);
+        if (down ? v + 1 < n : v > 0) into(down ? texel + n : texel - n);
+        least[texel] = out;
+      }
+    }
+    return least;
+  };
+  const std::array<Both, 4> exit{Both(exits(false, false), n), Both(exits(true, false), n), Both(exits(false, true), n),
+                                 Both(exits(true, true), n)};
+  std::vector<uint16_t> complement(n * n);
+  for (size_t i = 0; i < complement.size(); ++i)
+    complement[i] = covered(i) ? static_cast<uint16_t>(65535 - back[i]) : uint16_t{65535};
+  const Both highest(complement, n);
+
+  Upward cones{std::vector<uint8_t>(n * n), std::vector<uint8_t>(n * n)};
+  const double texel = 1.0 / static_cast<double>(n);
+  for (size_t v = 0; v < n; ++v) {
+    for (size_t u = 0; u < n; ++u) {
+      const size_t here = v * n + u;
+      const double before = covered(here) ? front[here] / kOne : 1.0;
+      const double behind = covered(here) ? back[here] / kOne : 0.0;
+      double approach = 1;
+      double leave = 1;
+      for (size_t k = 1; k < n; ++k) {
+        const double across = static_cast<double>(k) * texel;
+        // No ray from this column gets to ring k below this depth.
+        const double floor = across - texel;
+        const bool seek_approach = floor < before && across < approach * (before - floor);
+        const bool seek_leave = across < leave * (1.0 - behind);
+        if (!seek_approach && !seek_leave) break;
+        const size_t left = u >= k ? u - k : 0;
+        const size_t right = std::min(u + k, n - 1);
+        const size_t top = v >= k ? v - k : 0;
+        const size_t bottom = std::min(v + k, n - 1);
+        if (seek_approach) {
+          uint16_t least = 65535;
+          if (v >= k) least = std::min({least, exit[0].rows.of(top, left, u), exit[1].rows.of(top, u, right)});
+          if (v + k < n) least = std::min({least, exit[2].rows.of(bottom, left, u), exit[3].rows.of(bottom, u, right)});
+          if (u >= k) least = std::min({least, exit[0].columns.of(left, top, v), exit[2].columns.of(left, v, bottom)});
+          if (u + k < n)
+            least = std::min({least, exit[1].columns.of(right, top, v), exit[3].columns.of(right, v, bottom)});
+          const double depth = std::max(least / kOne, floor);
+          if (depth < before) approach = std::min(approach, across / (before - depth));
+        }
+        if (seek_leave) {
+          uint16_t least = 65535;
+          if (v >= k) least = std::min(least, highest.rows.of(top, left, right));
+          if (v + k < n) least = std::min(least, highest.rows.of(bottom, left, right));
+          if (u >= k) least = std::min(least, highest.columns.of(left, top, bottom));
+          if (u + k < n) least = std::min(least, highest.columns.of(right, top, bottom));
+          const double depth = 1.0 - least / kOne;
+          if (least < 65535 && depth > behind) leave = std::min(leave, across / (depth - behind));
+        }
+      }
+      cones.approach[here] = code_of(approach);
+      cones.leave[here] = code_of(leave);
+    }
+  }
+  return cones;
+}
+
+}  // namespace
+
+double cone_ratio(uint8_t code) { return code / 255.0 * (code / 255.0); }
+
+std::vector<TexelCones> derive_cones(const uint16_t* depth, size_t n) {
+  std::vector<uint16_t> front(n * n);
+  std::vector<uint16_t> back(n * n);
+  for (size_t i = 0; i < n * n; ++i) {
+    front[i] = depth[2 * i];
+    back[i] = depth[2 * i + 1];
+  }
+  const Upward up = upward(front, back, n);
+  for (size_t i = 0; i < n * n; ++i) {
+    front[i] = static_cast<uint16_t>(65535 - depth[2 * i + 1]);
+    back[i] = static_cast<uint16_t>(65535 - depth[2 * i]);
+  }
+  const Upward down = upward(front, back, n);
+  std::vector<TexelCones> cones(n * n);
+  for (size_t i = 0; i < n * n; ++i) cones[i] = {up.approach[i], up.leave[i], down.approach[i], down.leave[i]};
+  return cones;
+}
+
+std::vector<uint8_t> derive_cones(const ReliefModel& model, const AtlasPlan& plan, const Atlas& atlas) {
+  const auto width = static_cast<size_t>(plan.width);
+  std::vector<uint8_t> cones(atlas.depth.size() * 2);
+  std::atomic<size_t> next{0};
+  const auto work = [&] {
+    for (size_t job = next++; job < model.boxes.size() * 3; job = next++) {
+      const size_t box = job / 3;
+      const auto texels = static_cast<size_t>(model.boxes[box].texels);
+      for (uint32_t level = 0; level < atlas_levels(model.boxes[box].texels); ++level) {
+        const size_t n = texels >> level;
+        const AtlasPlace place = atlas_place(plan, box, texels, level);
+        const size_t first = place.top * width + place.left + job % 3 * texels;
+        std::vector<uint16_t> depth(n * n * 2);
+        for (size_t v = 0; v < n; ++v)
+          std::copy_n(atlas.depth.begin() + static_cast<std::ptrdiff_t>((first + v * width) * 2), n * 2,
+                      depth.begin() + static_cast<std::ptrdiff_t>(v * n * 2));
+        const std::vector<TexelCones> of = derive_cones(depth.data(), n);
+        for (size_t v = 0; v < n; ++v) {
+          for (size_t u = 0; u < n; ++u) {
+            const TexelCones& c = of[v * n + u];
+            uint8_t* to = cones.data() + (first + v * width + u) * 4;
+            to[0] = c.approach_up;
+            to[1] = c.leave_up;
+            to[2] = c.approach_down;
+            to[3] = c.leave_down;
+          }
+        }
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  return cones;
+}
+
+}  // namespace crowdbench::renderers
