@@ -4,42 +4,43 @@
 #include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
 
-layout(location = 0) in vec3 v_texel;
-layout(location = 1) flat in vec3 v_light;
-layout(location = 2) flat in uint v_outfit;
+layout(location = 0) in vec2 v_texel;
+layout(location = 1) flat in uvec4 v_agent;
 #ifdef CB_IDS
-layout(location = 3) flat in uint v_id;
+layout(location = 2) flat in uint v_id;
 #else
 const uint v_id = 0u;
 #endif
 #ifdef CB_NAILBOARD
-layout(location = 4) in float v_depth;
-layout(location = 5) flat in float v_depth_range;
-layout(location = 6) flat in float v_texel_height;
+layout(location = 3) in float v_depth;
+layout(location = 4) flat in float v_depth_range;
+layout(location = 5) flat in float v_texel_height;
 #endif
 
 void main() {
-  vec4 albedo = texture(albedo_map, v_texel);
+  vec3 texel = vec3(v_texel, float(v_agent.w & ((1u << CB_FLAT_LAYER_BITS) - 1u)));
+  vec4 albedo = texture(albedo_map, texel);
   if (albedo.a < 0.5) discard;
-  vec4 surface = surface_at(v_texel);
-  vec2 n = (surface.rg * 255.0 - 128.0) / 127.0;
+  vec4 surface = surface_at(texel);
+  vec2 n = surface.rg * (255.0 / 127.0) - 128.0 / 127.0;
   float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
 #ifdef CB_NAILBOARD
   // The point of the capture plane moved along the view's axis by the stored depth, through the projection in force.
   // Within a texel the surface slopes as its normal says; silhouettes would slope without end.
-  vec2 within = fract(v_texel.xy * vec2(textureSize(surface_map, 0).xy)) - 0.5;
+  vec2 within = fract(v_texel * vec2(textureSize(surface_map, 0).xy)) - 0.5;
   float height = (surface.a * 255.0 - 128.0) / 127.0 - v_texel_height * dot(n, within) / max(n_z, 0.35);
   float depth = max(v_depth + v_depth_range * height, frame.lens.x);
   gl_FragDepth = frame.projection[3][2] / depth - frame.projection[2][2];
 #endif
 #if defined(CB_TEXELS)
-  vec2 texel = v_texel.xy * vec2(textureSize(albedo_map, 0).xy);
-  write_output(vec3(texel * exp2(table.scale.w), table.scale.w), v_id);
+  vec2 place = v_texel * vec2(textureSize(albedo_map, 0).xy);
+  write_output(vec3(place * exp2(table.scale.w), table.scale.w), v_id);
 #elif defined(CB_FLOOR)
   write_output(albedo.rgb + surface.rgb, v_id);
 #else
   uint part = uint(surface.b * 255.0 + 0.5);
-  float lambert = max(0.0, dot(vec3(n, n_z), v_light));
-  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit, part > 0x7fu, vec3(0.0)), v_id);
+  float lambert = max(0.0, dot(vec3(n, n_z), uintBitsToFloat(v_agent.xyz)));
+  uint outfit = v_agent.w >> CB_FLAT_LAYER_BITS;
+  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, outfit, part > 0x7fu, vec3(0.0)), v_id);
 #endif
 }

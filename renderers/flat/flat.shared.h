@@ -2,7 +2,8 @@
 #ifndef CROWDBENCH_FLAT_SHARED_H
 #define CROWDBENCH_FLAT_SHARED_H
 
-#define CB_FLAT_CLIPS 256  // of one character's bank, at most
+#define CB_FLAT_CLIPS 256     // of one character's bank, at most
+#define CB_FLAT_LAYER_BITS 12  // of a level's textures, at most
 
 #define CB_FLAT_TEXTURE_ALBEDO 0
 #define CB_FLAT_TEXTURE_SURFACE 1  // of compressed tiles: the normals

@@ -4,16 +4,15 @@
 // does not lean. CB_CORNERS vertices an agent, in strip order.
 #include "renderers/flat/flat_records.glsl"
 
-layout(location = 0) out vec3 v_texel;              // page coordinates in [0, 1], layer
-layout(location = 1) flat out vec3 v_light;         // towards the light, in the tile's axes
-layout(location = 2) flat out uint v_outfit;
+layout(location = 0) out vec2 v_texel;              // page coordinates in [0, 1]
+layout(location = 1) flat out uvec4 v_agent;        // towards the light in the tile's axes, as floats; outfit and layer
 #ifdef CB_IDS
-layout(location = 3) flat out uint v_id;
+layout(location = 2) flat out uint v_id;
 #endif
 #ifdef CB_NAILBOARD
-layout(location = 4) out float v_depth;             // eye-space depth of the capture plane, metres
-layout(location = 5) flat out float v_depth_range;  // added to it at the end of the stored depth
-layout(location = 6) flat out float v_texel_height; // of a surface that rises by a texel over a texel, as stored
+layout(location = 3) out float v_depth;             // eye-space depth of the capture plane, metres
+layout(location = 4) flat out float v_depth_range;  // added to it at the end of the stored depth
+layout(location = 5) flat out float v_texel_height; // of a surface that rises by a texel over a texel, as stored
 #endif
 
 void main() {
@@ -39,10 +38,10 @@ void main() {
   vec3 world = centre + agent.scale * turn(on_capture + to_eye * height, heading);
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 
-  v_texel = vec3((p + place.xy) * table.scale.yz, place.z);
+  v_texel = (p + place.xy) * table.scale.yz;
   vec3 light = turn(frame.light_direction.xyz, back);
-  v_light = vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye));
-  v_outfit = agent.outfit;
+  v_agent.xyz = floatBitsToUint(vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye)));
+  v_agent.w = agent.outfit << CB_FLAT_LAYER_BITS | uint(place.z);
 #ifdef CB_IDS
   v_id = agent.id;
 #endif
