@@ -49,8 +49,15 @@ void main() {
     plane[i] = tile_plane(tile);
     vec2 tile_low = vec2(1e30);
     vec2 tile_high = vec2(-1e30);
-    for (uint c = 0u; c < uint(CB_CORNERS); ++c) {
+#if CB_CORNERS == 3
+    vec4 bounds = tile_bounds(tile);
+#endif
+    for (uint c = 0u; c < uint(max(CB_CORNERS, 4)); ++c) {
+#if CB_CORNERS == 3
+      vec2 p = vec2(c % 2u == 0u ? bounds.x : bounds.z, c < 2u ? bounds.y : bounds.w);
+#else
       vec2 p = tile_corner(tile, c);
+#endif
       tile_low = min(tile_low, p);
       tile_high = max(tile_high, p);
       vec2 m = p * table.scale.x;

@@ -441,7 +441,7 @@ const RepresentationType flat_type = {
      {"quad", "trimmed|square", "trimmed", "what is drawn: the outline of each tile, or the whole captured square"},
      {"plane", "fitted|facing", "fitted",
       "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through the centre"},
-     {"corners", "4..8", "8", "of the outlines of large tiles; small ones have four"},
+     {"corners", "4..8", "8", "of the outlines of large tiles; small ones are triangles"},
      {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
      {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
      {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"}},

@@ -16,9 +16,17 @@ layout(location = 3) in float v_depth;
 layout(location = 4) flat in float v_depth_range;
 layout(location = 5) flat in float v_texel_height;
 #endif
+#if CB_CORNERS == 3
+layout(location = 6) flat in vec4 v_bounds;
+#endif
 
 void main() {
-  vec3 texel = vec3(v_texel, float(v_agent.w & ((1u << CB_FLAT_LAYER_BITS) - 1u)));
+#if CB_CORNERS == 3
+  vec2 at = clamp(v_texel, v_bounds.xy, v_bounds.zw);  // a triangle reaches beyond its tile; the gutter is empty
+#else
+  vec2 at = v_texel;
+#endif
+  vec3 texel = vec3(at, float(v_agent.w & ((1u << CB_FLAT_LAYER_BITS) - 1u)));
   vec4 albedo = texture(albedo_map, texel);
   if (albedo.a < 0.5) discard;
   vec4 surface = surface_at(texel);

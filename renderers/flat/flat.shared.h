@@ -2,7 +2,7 @@
 #ifndef CROWDBENCH_FLAT_SHARED_H
 #define CROWDBENCH_FLAT_SHARED_H
 
-#define CB_FLAT_CLIPS 256     // of one character's bank, at most
+#define CB_FLAT_CLIPS 256      // of one character's bank, at most
 #define CB_FLAT_LAYER_BITS 12  // of a level's textures, at most
 
 #define CB_FLAT_TEXTURE_ALBEDO 0

@@ -14,6 +14,9 @@ layout(location = 3) out float v_depth;             // eye-space depth of the ca
 layout(location = 4) flat out float v_depth_range;  // added to it at the end of the stored depth
 layout(location = 5) flat out float v_texel_height; // of a surface that rises by a texel over a texel, as stored
 #endif
+#if CB_CORNERS == 3
+layout(location = 6) flat out vec4 v_bounds;        // page coordinates of the gutter's texels: low, high
+#endif
 
 void main() {
   uint slot = uint(gl_VertexID) / uint(CB_CORNERS);
@@ -39,6 +42,9 @@ void main() {
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 
   v_texel = (p + place.xy) * table.scale.yz;
+#if CB_CORNERS == 3
+  v_bounds = (tile_bounds(tile) + vec4(-0.5, -0.5, 0.5, 0.5) + place.xyxy) * table.scale.yzyz;
+#endif
   vec3 light = turn(frame.light_direction.xyz, back);
   v_agent.xyz = floatBitsToUint(vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye)));
   v_agent.w = agent.outfit << CB_FLAT_LAYER_BITS | uint(place.z);

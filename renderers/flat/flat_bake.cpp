@@ -21,8 +21,8 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 8;  // raised whenever the same inputs give other bytes
-constexpr int kFineLevels = 2;        // levels whose outlines have `corners` corners
+constexpr uint32_t kBakeVersion = 9;  // raised whenever the same inputs give other bytes
+constexpr int kFineLevels = 2;        // levels whose outlines have `corners` corners; the others are triangles
 
 // The coarsest level still has sixteen texels along the figure, and smaller pictures of it are point-sampled from
 // there: coarser ones are blobs that overlap less in a dense crowd than figures do (at four texels 5 % more of the
@@ -271,7 +271,7 @@ struct Built {
 };
 
 int corners_of(const FlatBakeOptions& options, int level) {
-  return options.trimmed && level < kFineLevels ? options.corners : 4;
+  return !options.trimmed ? 4 : level < kFineLevels ? options.corners : 3;
 }
 
 Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, const FlatBakeOptions& options,
@@ -280,10 +280,12 @@ Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, cons
   built.levels = build_tile_levels(rect, texels, levels, options.trimmed);
   for (int level = 0; level < levels; ++level) {
     const Tile& tile = built.levels[static_cast<size_t>(level)];
+    const int corners = corners_of(options, level);
     built.outlines.push_back(
-        options.trimmed ? tile_outline(tile, corners_of(options, level))
-                        : rectangle_strip(glm::vec2(tile.rect.x, tile.rect.y),
-                                          glm::vec2(tile.rect.x + tile.rect.width, tile.rect.y + tile.rect.height)));
+        !options.trimmed ? rectangle_strip(glm::vec2(tile.rect.x, tile.rect.y),
+                                           glm::vec2(tile.rect.x + tile.rect.width, tile.rect.y + tile.rect.height))
+        : corners == 3   ? tile_triangle(tile)
+                         : tile_outline(tile, corners));
   }
   if (options.compressed)
     for (Tile& tile : built.levels) {
@@ -329,7 +331,10 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     out.tiles.push_back({static_cast<float>(place.x + kTileGutter - tile.rect.x),
                          static_cast<float>(place.y + kTileGutter - tile.rect.y), static_cast<float>(place.layer),
                          static_cast<float>(tile.coverage), static_cast<float>(planes[i].slope_x),
-                         static_cast<float>(planes[i].slope_y), static_cast<float>(planes[i].height), 0.0F});
+                         static_cast<float>(planes[i].slope_y), static_cast<float>(planes[i].height), 0.0F,
+                         static_cast<float>(tile.rect.x), static_cast<float>(tile.rect.y),
+                         static_cast<float>(tile.rect.x + tile.rect.width),
+                         static_cast<float>(tile.rect.y + tile.rect.height)});
     const auto& outline = built[i].outlines[level];
     for (const glm::vec2& p : outline) out.outlines.push_back({p.x, p.y});
     tile = {};  // its texels live on the page now
@@ -533,7 +538,7 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
     l.parts = in.values<uint8_t>();
     const auto texels =
         static_cast<uint64_t>(l.width) * static_cast<uint64_t>(l.height) * static_cast<uint64_t>(l.layers);
-    if (l.width < 0 || l.height < 0 || l.layers < 0 || l.corners < 4 || l.corners > 16 || l.tiles.size() != tiles ||
+    if (l.width < 0 || l.height < 0 || l.layers < 0 || l.corners < 3 || l.corners > 16 || l.tiles.size() != tiles ||
         l.outlines.size() != tiles * static_cast<uint64_t>(l.corners))
       return std::nullopt;
     const auto bits = static_cast<uint64_t>(bake.part_bits);

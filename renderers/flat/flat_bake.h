@@ -23,7 +23,7 @@ struct FlatBakeOptions {
   int texels = 128;         // across the enclosing sphere: the texel size is its diameter over this
   bool fitted = true;       // planes fitted to the posed body; false: through the capture centre, facing the view
   bool trimmed = true;      // false: every tile is the whole square, as the source has it
-  int corners = 8;          // of the outlines of the finer levels, 4..8; coarser ones have four
+  int corners = 8;          // of the outlines of the finer levels, 4..8; coarser ones are triangles
   bool compressed = false;  // blocks (renderers/tiles/block_compression.h) instead of RGBA8 texels; tiles lie at
                             // multiples of four, so that none shares a block
   bool depth = true;        // of a compressed bake: with the depth map, which only nailboards read
@@ -52,6 +52,7 @@ struct FlatTile {
   float slope_y = 0;
   float height = 0;
   float unused = 0;
+  float low_x = 0, low_y = 0, high_x = 0, high_y = 0;  // what holds the tile without its gutter, lattice coordinates
 };
 
 // One level: layers of width x height texels, row 0 lowest. An albedo and a surface map (renderers/tiles/tile.h) of
@@ -59,7 +60,7 @@ struct FlatTile {
 // where they are wanted, and material ids of FlatBake::part_bits, rows of width * part_bits / 8 bytes.
 struct FlatLevel {
   int width = 0, height = 0, layers = 0;
-  int corners = 4;
+  int corners = 4;                             // 3: triangles that reach beyond the tiles (tile_triangle)
   std::vector<FlatTile> tiles;                 // frames x views, frame-major
   std::vector<std::array<float, 2>> outlines;  // `corners` a tile, lattice coordinates, in strip order
   std::vector<uint8_t> albedo, surface;

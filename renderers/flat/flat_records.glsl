@@ -3,7 +3,7 @@
 #include "renderers/flat/flat_table.glsl"
 #include "renderers/views/view_grid.glsl"
 
-layout(binding = CB_TEXTURE_TILES) uniform samplerBuffer tile_texels;        // two a tile: FlatTile
+layout(binding = CB_TEXTURE_TILES) uniform samplerBuffer tile_texels;        // three a tile: FlatTile
 layout(binding = CB_TEXTURE_OUTLINES) uniform samplerBuffer outline_texels;  // one a corner
 layout(binding = CB_TEXTURE_VIEWS) uniform samplerBuffer view_texels;        // right and up of every view
 
@@ -30,9 +30,10 @@ int tile_of(Agent agent, uint view, int flipped) {
   return int((clip.x + step % clip.y) * table.first.z + view);
 }
 
-// FlatTile's members in two.
-vec4 tile_place(int tile) { return texelFetch(tile_texels, 2 * (int(table.first.x) + tile)); }
-vec4 tile_plane(int tile) { return texelFetch(tile_texels, 2 * (int(table.first.x) + tile) + 1); }
+// FlatTile's members in three.
+vec4 tile_place(int tile) { return texelFetch(tile_texels, 3 * (int(table.first.x) + tile)); }
+vec4 tile_plane(int tile) { return texelFetch(tile_texels, 3 * (int(table.first.x) + tile) + 1); }
+vec4 tile_bounds(int tile) { return texelFetch(tile_texels, 3 * (int(table.first.x) + tile) + 2); }
 
 // A corner of a tile's outline, texels.
 vec2 tile_corner(int tile, uint corner) {

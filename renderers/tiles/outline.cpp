@@ -126,6 +126,17 @@ Polygon covered_points(const Tile& tile) {
   return points;
 }
 
+// The hull of what a tile covers, a little wider. The contour inside a cell is a hyperbola that may bulge past the
+// points sampled on it. Widening by a small square also gives area to a hull that is a point or a line.
+Polygon covering_hull(const Tile& tile) {
+  constexpr double kMargin = 0.08;
+  Polygon wide;
+  for (const glm::dvec2& p : convex_hull(covered_points(tile)))
+    for (const double dx : {-kMargin, kMargin})
+      for (const double dy : {-kMargin, kMargin}) wide.push_back(p + glm::dvec2(dx, dy));
+  return convex_hull(wide);
+}
+
 }  // namespace
 
 double polygon_area(const std::vector<glm::dvec2>& p) {
@@ -141,16 +152,8 @@ std::vector<glm::vec2> rectangle_strip(const glm::vec2& low, const glm::vec2& hi
 std::vector<glm::vec2> tile_outline(const Tile& tile, int corners) {
   assert(corners >= 4);
   const auto count = static_cast<size_t>(corners);
-  Polygon hull = convex_hull(covered_points(tile));
+  const Polygon hull = covering_hull(tile);
   if (hull.empty()) return std::vector<glm::vec2>(count, glm::vec2(tile.rect.x, tile.rect.y));
-  // The contour inside a cell is a hyperbola that may bulge past the points sampled on it. Widening by a small square
-  // also gives area to a hull that is a point or a line.
-  constexpr double kMargin = 0.08;
-  Polygon wide;
-  for (const glm::dvec2& p : hull)
-    for (const double dx : {-kMargin, kMargin})
-      for (const double dy : {-kMargin, kMargin}) wide.push_back(p + glm::dvec2(dx, dy));
-  hull = convex_hull(wide);
   const Box box{glm::dvec2(tile.rect.x - 1, tile.rect.y - 1),
                 glm::dvec2(tile.rect.x + tile.rect.width + 1, tile.rect.y + tile.rect.height + 1)};
   Polygon best = bounded(hull, count >= 8 ? 8 : 4, box);
@@ -180,6 +183,56 @@ std::vector<glm::vec2> tile_outline(const Tile& tile, int corners) {
   std::vector<glm::vec2> strip;
   for (int i = 0; i < corners; ++i) strip.emplace_back(corner(first, std::min(i, n - 1)));
   return strip;
+}
+
+std::vector<glm::vec2> tile_triangle(const Tile& tile) {
+  const Polygon hull = covering_hull(tile);
+  if (hull.empty()) return std::vector<glm::vec2>(3, glm::vec2(tile.rect.x, tile.rect.y));
+  // Lines that the hull lies left of and touches: along its edges, and in evenly spread directions, without which no
+  // three might close around a rectangle.
+  struct Line {
+    double angle;  // of its direction
+    glm::dvec2 at, along;
+  };
+  std::vector<Line> lines;
+  const auto touching = [&](const glm::dvec2& along) {
+    const glm::dvec2 at = *std::min_element(hull.begin(), hull.end(), [&](const glm::dvec2& a, const glm::dvec2& b) {
+      return cross(along, a) < cross(along, b);
+    });
+    lines.push_back({std::atan2(along.y, along.x), at, along});
+  };
+  for (size_t i = 0; i < hull.size(); ++i) touching(glm::normalize(hull[(i + 1) % hull.size()] - hull[i]));
+  constexpr int kSpread = 12;
+  for (int i = 0; i < kSpread; ++i) {
+    const double angle = 2 * 3.14159265358979323846 * i / kSpread;
+    touching({std::cos(angle), std::sin(angle)});
+  }
+  std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.angle < b.angle; });
+
+  constexpr double kBlock = 4;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<glm::vec2> best;
+  const auto corner = [&](size_t i, size_t j) {
+    return meeting(lines[i].at, lines[i].at + lines[i].along, lines[j].at, lines[j].at + lines[j].along);
+  };
+  for (size_t i = 0; i < lines.size(); ++i)
+    for (size_t j = i + 1; j < lines.size(); ++j) {
+      const auto a = corner(i, j);
+      if (!a) continue;
+      for (size_t k = j + 1; k < lines.size(); ++k) {
+        const auto b = corner(j, k);
+        const auto c = corner(k, i);
+        if (!b || !c) continue;
+        const glm::dvec2 size = glm::max(*a, glm::max(*b, *c)) - glm::min(*a, glm::min(*b, *c));
+        // A convex figure touches (area + block * (width + height) + block^2) / block^2 cells of a grid on average.
+        const double cost = 0.5 * std::abs(cross(*b - *a, *c - *a)) + kBlock * (size.x + size.y);
+        if (cost >= least) continue;
+        least = cost;
+        best = {glm::vec2(*a), glm::vec2(*b), glm::vec2(*c)};
+      }
+    }
+  assert(best.size() == 3);
+  return best;
 }
 
 }  // namespace crowdbench::renderers

@@ -216,6 +216,7 @@ TEST(Tile, NothingCoveredGivesEmptyTiles) {
     EXPECT_EQ(t.rect.width, 0);
     EXPECT_TRUE(t.albedo.empty());
     for (const glm::vec2& p : tile_outline(t, 4)) EXPECT_EQ(p, glm::vec2(0, 0));
+    for (const glm::vec2& p : tile_triangle(t)) EXPECT_EQ(p, glm::vec2(0, 0));
   }
 }
 
@@ -262,6 +263,52 @@ TEST(Outline, NeverCutsACoveredPointAndStaysWithinTheGutters) {
       ++level;
     }
   }
+}
+
+// Cells of 4 x 4 texels that the triangles of a strip touch, a cell once for every triangle, on average over the
+// places where a grid of cells may lie.
+double blocks_touched(const std::vector<glm::vec2>& strip) {
+  double blocks = 0;
+  for (size_t i = 0; i + 2 < strip.size(); ++i) {
+    const glm::vec2 a = strip[i], b = strip[i + 1], c = strip[i + 2];
+    const glm::vec2 size = glm::max(a, glm::max(b, c)) - glm::min(a, glm::min(b, c));
+    blocks += strip_area({a, b, c}) / 16 + static_cast<double>(size.x + size.y) / 4 + 1;
+  }
+  return blocks;
+}
+
+TEST(Outline, ATriangleHoldsAllThatIsCoveredAndItsGutterIsEmpty) {
+  const TileRect board{-8, -20, 16, 40};
+  std::vector<Tile> tiles = figure_levels();
+  // A rectangle: no three of its own sides close around it.
+  tiles.push_back(build_tile_levels(board, draw_shape(board, [](double, double) { return true; }), 1)[0]);
+  for (size_t i = 0; i < tiles.size(); ++i) {
+    const Tile& tile = tiles[i];
+    const auto triangle = tile_triangle(tile);
+    ASSERT_EQ(triangle.size(), 3U);
+    constexpr int k = 5;
+    for (int y = (tile.rect.y - 1) * k; y < (tile.rect.y + tile.rect.height + 1) * k; ++y)
+      for (int x = (tile.rect.x - 1) * k; x < (tile.rect.x + tile.rect.width + 1) * k; ++x) {
+        const glm::dvec2 p{(x + 0.5) / k, (y + 0.5) / k};
+        if (filtered_alpha(tile, p.x, p.y) >= 0.5) {
+          ASSERT_TRUE(strip_holds(triangle, p)) << i << ": " << p.x << " " << p.y;
+        }
+      }
+    // What the rest of the triangle shows: samples clamped to the centres of the gutter's texels.
+    const double left = tile.rect.x - 0.5, right = tile.rect.x + tile.rect.width + 0.5;
+    const double below = tile.rect.y - 0.5, above = tile.rect.y + tile.rect.height + 0.5;
+    for (double y = below; y <= above; y += 0.25)
+      for (const double x : {left, right}) ASSERT_LT(filtered_alpha(tile, x, y), 0.5) << i << ": " << x << " " << y;
+    for (double x = left; x <= right; x += 0.25)
+      for (const double y : {below, above}) ASSERT_LT(filtered_alpha(tile, x, y), 0.5) << i << ": " << x << " " << y;
+  }
+}
+
+TEST(Outline, ATriangleTouchesFewerBlocksThanTwo) {
+  const std::vector<Tile> levels = figure_levels();
+  for (size_t level = 2; level < levels.size(); ++level)
+    EXPECT_LT(blocks_touched(tile_triangle(levels[level])), blocks_touched(tile_outline(levels[level], 4)))
+        << "level " << level;
 }
 
 TEST(Outline, EightCornersShadeLessThanTheRectangle) {
