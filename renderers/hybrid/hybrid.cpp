@@ -105,7 +105,8 @@ const RepresentationType hybrid_type = {
      {"ratio", "0..100", "0", "instead: below this many pixels a texel of the far one (needs one with texels)"},
      {"height", "0..16384", "0", "instead: below this many pixels of projected height"},
      {"nearest", "0..1000000", "0", "instead: all but this many agents nearest to the eye"},
-     {"hysteresis", "0..1", "0", "far beyond 1 + this times the switch distance, near again within its inverse"},
+     {"hysteresis", "0..1", "0",
+      "far beyond 1 + this times the switch distance, near again within its inverse; nearest: by comparison"},
      {"fade", "0..60", "0", "ticks over which both share an agent's pixels after a switch, by ordered dither"},
      {"match", "0..1", "0.1", "within this share of the switch distance near agents show the far one's stored frame"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
@@ -130,9 +131,6 @@ const RepresentationType hybrid_type = {
       policy.hysteresis = reader.number("hysteresis", 0, 1);
       policy.fade = static_cast<int>(reader.integer("fade", 0, 60));
       policy.match = reader.number("match", 0, 1);
-      if (policy.rule == Rule::nearest && policy.hysteresis > 0)
-        throw Error("representation 'hybrid'", "a number of nearest agents has no hysteresis",
-                    "switch by distance, ratio or height");
 
       Spec near = spec.parts[0];
       Spec far = spec.parts[1];

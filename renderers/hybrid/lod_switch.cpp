@@ -36,13 +36,19 @@ void LodSwitch::measure(const scene::Frame& frame, const AgentLists& agents) {
   beyond_.resize(agents.size());
   double nearest_limit = std::numeric_limits<double>::infinity();
   std::pair<float, uint32_t> last_near(std::numeric_limits<float>::infinity(), 0);
+  const auto by_hysteresis = static_cast<float>(1 + policy_.hysteresis);
+  const auto rank = [&](const scene::FrameAgent& a) {
+    const AgentState* last = last_state(a.id);
+    const float distance = glm::length(a.position);
+    return std::pair(last == nullptr ? distance
+                     : last->far     ? distance * by_hysteresis
+                                     : distance / by_hysteresis,
+                     a.id);
+  };
   if (policy_.rule == LodPolicy::Rule::nearest) {
     order_.clear();
     for (size_t c = 0; c < agents.size(); ++c)
-      for (const uint32_t i : agents[c]) {
-        const scene::FrameAgent& a = frame.agents[c][i];
-        order_.emplace_back(glm::length(a.position), a.id);
-      }
+      for (const uint32_t i : agents[c]) order_.push_back(rank(frame.agents[c][i]));
     const auto count = static_cast<size_t>(policy_.value);
     if (count == 0) {
       last_near = {-1.0F, 0};
@@ -64,13 +70,15 @@ void LodSwitch::measure(const scene::Frame& frame, const AgentLists& agents) {
     for (size_t n = 0; n < agents[c].size(); ++n) {
       const scene::FrameAgent& a = frame.agents[c][agents[c][n]];
       double distance = 0;
-      if (by_count || policy_.rule == LodPolicy::Rule::distance)
+      if (by_count)
+        distance = static_cast<double>(rank(a).first);
+      else if (policy_.rule == LodPolicy::Rule::distance)
         distance = static_cast<double>(glm::length(a.position));
       else  // a larger agent's texels and height are larger: it changes over farther away
         distance =
             static_cast<double>(glm::dot(a.position + glm::vec3(0.0F, middle * a.scale, 0.0F), forward) / a.scale);
       relative_[c][n] = limit > 0 ? distance / limit : std::numeric_limits<double>::infinity();
-      beyond_[c][n] = by_count ? std::pair(glm::length(a.position), a.id) > last_near : distance > limit;
+      beyond_[c][n] = by_count ? rank(a) > last_near : distance > limit;
     }
   }
 }
@@ -86,10 +94,15 @@ void LodSwitch::begin(const scene::Frame& frame) {
   tick_ = frame.tick;
 }
 
+const LodSwitch::AgentState* LodSwitch::last_state(uint32_t id) const {
+  if (before_stamp_ == 0 || id >= before_.size() || before_[id].stamp != before_stamp_) return nullptr;
+  return &before_[id];
+}
+
 const LodSplit& LodSwitch::split(const scene::Frame& frame, const AgentLists& agents) {
-  measure(frame, agents);
   const bool history = policy_.has_history();
   if (history) begin(frame);
+  measure(frame, agents);
   const auto clear = [&](AgentLists& lists) {
     lists.resize(agents.size());
     for (auto& list : lists) list.clear();
@@ -108,10 +121,10 @@ const LodSplit& LodSwitch::split(const scene::Frame& frame, const AgentLists& ag
       if (history) {
         const uint32_t id = frame.agents[c][i].id;
         if (id >= now_.size()) now_.resize(id + 1);
-        if (before_stamp_ != 0 && id < before_.size() && before_[id].stamp == before_stamp_) {
-          const AgentState& last = before_[id];
+        if (const AgentState* known = last_state(id)) {
+          const AgentState& last = *known;
           state.step = last.step;
-          if (policy_.hysteresis > 0)
+          if (policy_.hysteresis > 0 && policy_.rule != LodPolicy::Rule::nearest)
             state.far = last.far ? relative >= 1 / (1 + policy_.hysteresis) : relative > 1 + policy_.hysteresis;
           uint64_t step = 0;
           if (state.far == last.far)

@@ -19,7 +19,9 @@ struct LodPolicy {
   Rule rule = Rule::distance;
   double value = 20;
   // An agent turns far beyond (1 + hysteresis) times the switch distance, and near again within 1 / (1 + hysteresis) of
-  // it. Not with `nearest`.
+  // it. With `nearest` agents are compared as if those that are near stood (1 + hysteresis) times nearer and those that
+  // are far as many times farther: a far one takes the place of a near one when it is (1 + hysteresis)^2 times nearer,
+  // and exactly `value` agents are near at any time.
   double hysteresis = 0;
   // Ticks over which both representations share the agent's pixels: in the j-th the new one has j / (fade + 1) of them,
   // by ordered dither. 0: it changes from one tick to the next.
@@ -68,6 +70,8 @@ class LodSwitch {
   };
   void measure(const scene::Frame& frame, const AgentLists& agents);
   void begin(const scene::Frame& frame);
+  // Of the frame before; null when it had no such agent or is no predecessor of the frame at hand.
+  const AgentState* last_state(uint32_t id) const;
 
   LodPolicy policy_;
   std::vector<LodCharacter> characters_;

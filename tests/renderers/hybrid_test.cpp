@@ -109,6 +109,56 @@ TEST(LodSwitch, NothingFlapsInsideTheBand) {
   EXPECT_TRUE(step(lod, 4, 18.1).near);
 }
 
+// Agents at these distances, ids from 1 on; the ids of those that are near.
+std::vector<uint32_t> near_ids(LodSwitch& lod, uint64_t tick, const std::vector<double>& distances) {
+  scene::Frame frame = frame_of_one(5, 0.9, 640, 480, 90);
+  frame.tick = tick;
+  frame.agents[0].clear();
+  AgentLists all(1);
+  for (size_t i = 0; i < distances.size(); ++i) {
+    frame.agents[0].push_back(agent_at({0, 0, static_cast<float>(-distances[i])}));
+    frame.agents[0].back().id = static_cast<uint32_t>(i) + 1;
+    all[0].push_back(static_cast<uint32_t>(i));
+  }
+  std::vector<uint32_t> ids;
+  for (const uint32_t i : lod.split(frame, all).near[0]) ids.push_back(i + 1);
+  return ids;
+}
+
+TEST(LodSwitch, TheNearestDoNotFlapEither) {
+  using Ids = std::vector<uint32_t>;
+  const std::vector<LodCharacter> character = {{1.8, 0.015}};
+  for (const double hysteresis : {0.0, 0.1}) {
+    LodPolicy policy{LodPolicy::Rule::nearest, 2};
+    policy.hysteresis = hysteresis;
+    LodSwitch lod(policy, character);
+    Ids last = near_ids(lod, 0, {5, 10.2, 10, 40});
+    EXPECT_EQ(last, (Ids{1, 3})) << "the first frame follows the rule alone";
+    int changes = 0;
+    for (uint64_t tick = 1; tick <= 40; ++tick) {
+      const Ids now = near_ids(lod, tick, {5, tick % 2 == 0 ? 10.2 : 9.8, 10, 40});
+      EXPECT_EQ(now.size(), 2U) << "as many as asked for";
+      changes += now != last ? 1 : 0;
+      last = now;
+    }
+    EXPECT_EQ(changes, hysteresis > 0 ? 0 : 40);
+  }
+  // The band's ends: 1.1^2 = 1.21 times nearer.
+  LodPolicy policy{LodPolicy::Rule::nearest, 1};
+  policy.hysteresis = 0.1;
+  LodSwitch lod(policy, character);
+  EXPECT_EQ(near_ids(lod, 0, {10, 11}), Ids{1});
+  EXPECT_EQ(near_ids(lod, 1, {12.0, 10}), Ids{1});
+  EXPECT_EQ(near_ids(lod, 1, {12.0, 10}), Ids{1}) << "the same tick is the same moment";
+  EXPECT_EQ(near_ids(lod, 2, {12.2, 10}), Ids{2});
+  EXPECT_EQ(near_ids(lod, 3, {10, 12.0}), Ids{2});
+  EXPECT_EQ(near_ids(lod, 4, {10, 12.2}), Ids{1});
+  // Equal distances: whoever is near stays; without a state before it, the lower id.
+  EXPECT_EQ(near_ids(lod, 5, {20, 10}), Ids{2});
+  EXPECT_EQ(near_ids(lod, 6, {10, 10}), Ids{2});
+  EXPECT_EQ(near_ids(lod, 6 + LodSwitch::kMostTicks + 1, {10, 10}), Ids{1}) << "a jump begins anew";
+}
+
 TEST(LodSwitch, FadesTickByTickAndTurnsBackWhereItIs) {
   LodPolicy policy{LodPolicy::Rule::distance, 20};
   policy.fade = 3;
@@ -213,7 +263,6 @@ TEST_F(HybridGl, RefusesRulesThatCannotDecide) {
   EXPECT_THROW(make(cast, "hybrid(mesh,mesh,distance=5,height=30)"), Error);
   EXPECT_THROW(make(cast, "hybrid(mesh,mesh,height=0)"), Error);
   EXPECT_THROW(make(cast, "hybrid(mesh)"), Error);
-  EXPECT_THROW(make(cast, "hybrid(mesh,mesh,nearest=5,hysteresis=0.1)"), Error);
   EXPECT_THROW(make(cast, "hybrid(mesh,mesh,fade=61)"), Error);
 }
 
