@@ -195,6 +195,44 @@ std::vector<OptionDoc> option_docs(const RepresentationType& type) {
   return docs;
 }
 
+namespace {
+// Debug views that a type, or one of the parts, offers.
+void add_debug_views(const Spec& spec, std::vector<std::string>& views) {
+  for (const Spec& part : spec.parts) add_debug_views(part, views);
+  const OptionDoc* option = find_option(representation_type(spec.name), "debug");
+  if (!option) return;
+  for (size_t at = 0; at <= option->values.size();) {
+    const size_t end = std::min(option->values.find('|', at), option->values.size());
+    const std::string view = option->values.substr(at, end - at);
+    if (std::find(views.begin(), views.end(), view) == views.end()) views.push_back(view);
+    at = end + 1;
+  }
+}
+
+void set_where_known(Spec& spec, const std::string& view) {
+  for (Spec& part : spec.parts) set_where_known(part, view);
+  Spec alone = spec;
+  alone.parts.clear();
+  std::vector<std::string> views;
+  add_debug_views(alone, views);
+  if (std::find(views.begin(), views.end(), view) == views.end()) return;
+  std::erase_if(spec.options, [](const auto& option) { return option.first == "debug"; });
+  spec.options.emplace_back("debug", view);
+}
+}  // namespace
+
+void set_debug_view(Spec& spec, const std::string& view) {
+  std::vector<std::string> views;
+  add_debug_views(spec, views);
+  if (views.empty())
+    throw Error("--debug", fmt::format("'{}' has no debug views", spec.name),
+                "crowdbench info --representations names those of the others");
+  if (std::find(views.begin(), views.end(), view) == views.end())
+    throw Error("--debug", fmt::format("'{}' has no debug view '{}'", spec.name, printable(view)),
+                fmt::format("it has {}", fmt::join(views, ", ")));
+  set_where_known(spec, view);
+}
+
 AgentLists all_agents(const scene::Frame& frame) {
   AgentLists lists(frame.agents.size());
   for (size_t c = 0; c < lists.size(); ++c) {

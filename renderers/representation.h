@@ -47,6 +47,10 @@ struct RepresentationType;
 Spec parse_spec(const std::string& text, const std::vector<RepresentationType>& types);
 std::string canonical_text(const Spec& spec, const std::vector<RepresentationType>& types);
 
+// Sets the option `debug` of a representation (of both parts of a hybrid, where they know the view) to one of its debug
+// views, whatever was given. Throws Error naming the views that there are.
+void set_debug_view(Spec& spec, const std::string& view);
+
 // One option of a representation: what `info --representations` prints and parse_spec checks.
 struct OptionDoc {
   std::string key;
@@ -64,6 +68,12 @@ struct Footprint {
   uint64_t gpu_bytes() const { return texture_bytes + buffer_bytes; }
 };
 
+// One of the parts that a bake consists of, a joint's box for example.
+struct BakePart {
+  std::string name;
+  std::vector<std::pair<std::string, double>> facts;  // ("texels", 256), ...; the same ones for every part
+};
+
 struct BakeInfo {
   double seconds = 0;   // spent on baking or on reading the cache
   bool cached = false;  // came from the cache
@@ -71,6 +81,7 @@ struct BakeInfo {
       cache_key;  // SHA-256 over character, options, bake version, GL renderer and version; empty: nothing baked
   // What the bake holds, for people and JSON: ("views", 136), ("tiles", 1360), ("texel_mm", 14.5), ...
   std::vector<std::pair<std::string, double>> facts;
+  std::vector<BakePart> parts;  // of the only character; none where there are several
 };
 
 // agents[c]: indices into frame.agents[c], ascending.

@@ -150,6 +150,13 @@ int run_bake(const Options& options) {
     for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
     if (options.report)
       for (const auto& [name, value] : bake.facts) out[name] = number(value);
+    if (options.report && !bake.parts.empty()) {
+      out["parts"] = ordered_json::array();
+      for (const renderers::BakePart& part : bake.parts) {
+        out["parts"].push_back({{"name", part.name}});
+        for (const auto& [name, value] : part.facts) out["parts"].back()[name] = number(value);
+      }
+    }
     out["characters"] = ordered_json::array();
     for (size_t c = 0; c < cast.characters.size(); ++c)
       out["characters"].push_back({{"name", cast.characters[c]->name}, {"triangles", representation->triangles(c)}});
@@ -181,6 +188,12 @@ int run_bake(const Options& options) {
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
+  if (options.report)
+    for (const renderers::BakePart& part : bake.parts) {
+      fmt::print("  {:<28}", printable(part.name));
+      for (const auto& [name, value] : part.facts) fmt::print("  {} {:g}", name, value);
+      fmt::print("\n");
+    }
   for (const ViewAudit& audit : audits) print(audit);
   return 0;
 }
@@ -220,9 +233,10 @@ void add_bake(CLI::App& app, Run& run) {
   command->add_flag("--force", options->force, "bake anew although it is in the cache");
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
-  command->add_flag("--report", options->report,
-                    "JSON: what the representation says of its bake (nominal_bytes, boxes, ...) beside the sizes, not "
-                    "only under facts");
+  command->add_flag(
+      "--report", options->report,
+      "also the bake's parts (relief: each joint's texels a side and bytes); JSON: what the representation "
+      "says of its\nbake (nominal_bytes, boxes, ...) beside the sizes, not only under facts");
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &run] { run = [options] { return run_bake(*options); }; });
 }

@@ -27,6 +27,7 @@ using nlohmann::ordered_json;
 
 struct Options {
   std::vector<std::string> representations;
+  std::string debug;
   std::string character = "mannequin";
   std::string heights = "120";
   std::string azimuths = "0";
@@ -111,8 +112,11 @@ std::string cell(std::optional<double> value, int digits) {
 
 int run_quality(const Options& options) {
   QualitySetup setup;
-  for (const std::string& text : options.representations)
-    setup.representations.push_back(renderers::parse_spec(text).text());
+  for (const std::string& text : options.representations) {
+    renderers::Spec spec = renderers::parse_spec(text);
+    if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
+    setup.representations.push_back(spec.text());
+  }
   setup.character = std::make_shared<const scene::Character>(scene::open_character(options.character));
   const scene::Character& character = *setup.character;
   setup.rows = options.rows;
@@ -247,6 +251,9 @@ void add_quality(CLI::App& app, Run& run) {
   command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
   command->add_option("--time", options->times, "seconds on the file's own axis (the clip's start)");
   command->add_option("--maps", options->maps, "a folder for the pictures and their differences; made where missing");
+  command->add_option("--debug", options->debug,
+                      "a debug view of the representation instead of its picture, for --maps: relief has boxes, steps "
+                      "(taps a ray),\nhit-face and misses, polypostor wire, lines, parts and stretch");
   command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
       ->check(CLI::Range(16, 8192));
   command->add_flag("--flicker", options->flicker,

@@ -25,6 +25,7 @@ namespace {
 struct RenderOptions {
   SceneOptions scene;
   std::string representation;
+  std::string debug;
   std::vector<std::string> clips;
   uint64_t tick = 0;
   std::string out, mask, ids, depth;
@@ -63,7 +64,8 @@ int render_crowd(const RenderOptions& options) {
   if (!options.representation.empty()) chosen.scenario.representation = options.representation;
   if (!options.clips.empty())
     for (scene::CharacterEntry& entry : chosen.scenario.characters) entry.clips = options.clips;
-  const renderers::Spec spec = renderers::parse_spec(chosen.scenario.representation);
+  renderers::Spec spec = renderers::parse_spec(chosen.scenario.representation);
+  if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
   const auto context = open_context(options.scene.device);
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
@@ -162,7 +164,8 @@ int render_single(const RenderOptions& options) {
   frame.agents.push_back({agent});
 
   const std::string spec_text = options.representation.empty() ? "mesh" : options.representation;
-  const renderers::Spec spec = renderers::parse_spec(spec_text);
+  renderers::Spec spec = renderers::parse_spec(spec_text);
+  if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   const auto context = open_context(options.scene.device);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
   renderers::Renderer renderer(*context, cast);
@@ -188,12 +191,17 @@ void add_render(CLI::App& app, Run& run) {
       "  crowdbench render --agents 100 --tick 30 --out crowd.png --ids ids.exr --depth depth.exr\n"
       "  crowdbench render --agents 1000 --occupancy 0.15 --out crowd.png    camera and crowd solved for 15 %\n"
       "  crowdbench render street.toml --representation flat --out flat.png\n"
+      "  crowdbench render --agents 60 --occupancy 0.2 --representation relief --debug steps --out steps.png\n"
       "  crowdbench render --single --character knight.glb --clip Walk --time 0.25 --height as_is \\\n"
       "      --eye 0,1,5 --target 0,1,0 --fov-y-deg 40 --size 512x512 --out x.png --mask m.png");
   auto options = std::make_shared<RenderOptions>();
   add_scene_options(*command, options->scene);
   command->add_option("--representation,-r", options->representation,
                       "how agents are drawn (crowdbench info --representations)");
+  command->add_option(
+      "--debug", options->debug,
+      "a debug view of the representation instead of its picture: relief has boxes, steps (taps a ray), "
+      "hit-face\nand misses, polypostor wire, lines, parts and stretch");
   command->add_option("--clip", options->clips, "clip in use, by name or index; repeatable (--single: one, or none)");
   command->add_option("--tick", options->tick, "which tick of the scenario (30 a second by default)");
   command->add_option("--out", options->out, "colour, PNG");

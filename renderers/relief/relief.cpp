@@ -37,6 +37,7 @@ constexpr std::array<double, 4> kTierPixels{100, 50, 25, 12.5};
 struct Options {
   ReliefBakeOptions bake;
   std::string capture;
+  std::string resolution;
   int depth_bits = 16;
   int search = RELIEF_SEARCH_ADAPTIVE;
   int linear_steps = 256;
@@ -95,11 +96,50 @@ CapturePose parse_capture(const std::string& text, const scene::Character& chara
   return pose;
 }
 
+// "none" or "Head@256+3@32": texels a side by joint, each named or counted from 0.
+std::vector<int> parse_resolution(const std::string& text, const scene::Character& character) {
+  if (text == "none") return {};
+  const std::vector<scene::Joint>& joints = character.skeleton.joints;
+  std::vector<int> texels(joints.size(), 0);
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find('+', at), text.size());
+    const std::string item = text.substr(at, end - at);
+    at = end + 1;
+    const size_t sign = item.rfind('@');
+    const std::string name = item.substr(0, sign);
+    int size = 0;
+    if (sign != std::string::npos) {
+      const char* last = item.data() + item.size();
+      const auto [stop, fault] = std::from_chars(item.data() + sign + 1, last, size);
+      if (fault != std::errc() || stop != last) size = 0;
+    }
+    if (size < 16 || size > 256 || !std::has_single_bit(static_cast<unsigned>(size)))
+      throw Error("relief: resolution", fmt::format("\"{}\" is not JOINT@TEXELS", printable(item)),
+                  "write 16, 32, 64, 128 or 256 texels, as in Head@256+LeftHand@32");
+    size_t joint = 0;
+    while (joint < joints.size() && joints[joint].name != name) ++joint;
+    if (joint == joints.size()) {
+      const auto [stop, fault] = std::from_chars(name.data(), name.data() + name.size(), joint);
+      if (fault != std::errc() || stop != name.data() + name.size() || joint >= joints.size()) {
+        std::vector<std::string> names;
+        for (const scene::Joint& j : joints) names.push_back(j.name);
+        const std::string near = nearest_name(name, names);
+        throw Error("relief: resolution", fmt::format("{} has no joint \"{}\"", character.name, printable(name)),
+                    near.empty() ? fmt::format("name one, or count from 0 to {}", joints.size() - 1)
+                                 : fmt::format("did you mean \"{}\"?", printable(near)));
+      }
+    }
+    texels[joint] = size;
+  }
+  return texels;
+}
+
 std::string cache_key(const scene::Character& character, const scene::PoseBank& bank, const Options& options) {
   Sha256 hash;
   hash.text("relief").value(kBakeVersion).text(character.content_hash).text(options.capture);
   hash.value(options.bake.map_size).value(options.bake.rule).value(options.bake.threshold).value(options.bake.by_area);
   hash.value(options.merge).value(options.budget).value(options.search == RELIEF_SEARCH_CONE);
+  hash.text(options.resolution);
   // Which poses were measured.
   if (options.capture == "best" || options.merge > 0)
     for (const scene::Mat3x4& m : bank.matrices()) hash.bytes(&m, sizeof m);
@@ -207,13 +247,17 @@ uint64_t atlas_bytes(const ReliefModel& model, const Options& options) {
          static_cast<uint64_t>(plan.width / 2) * static_cast<uint64_t>(plan.height / 2) * 2;
 }
 
-// Models of fewer boxes for smaller pictures. `what`: how the nearest tier was baked.
+// Models of fewer boxes for smaller pictures. `nearest`: how the nearest tier was baked.
 void add_tiers(const scene::Character& character, const scene::PoseBank& bank, const Options& options,
-               ReliefBakeOptions what, Bake& bake) {
+               const ReliefBakeOptions& nearest, Bake& bake) {
+  ReliefBakeOptions what = nearest;
   JointMerger merger(character, bank, what.capture);
   for (size_t tier = 0; tier < kTierPixels.size(); ++tier) {
     what.carriers = merger.merged(options.merge * character.placement.height / kTierPixels[tier]);
-    what.map_size = std::max(32, options.bake.map_size >> (tier + 1));
+    what.map_size = std::max(32, nearest.map_size >> (tier + 1));
+    for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint)
+      what.texels_of_joint[joint] =
+          nearest.texels_of_joint[joint] > 0 ? std::max(16, nearest.texels_of_joint[joint] >> (tier + 1)) : 0;
     ReliefModel model = bake_relief(character, what);
     if (model.boxes.size() < bake.models.back().boxes.size()) {
       bake.tier_pixels.push_back(kTierPixels[tier]);
@@ -230,16 +274,19 @@ Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, c
   else
     bake.capture.pose = parse_capture(options.capture, character);
   what.capture = bake.capture.pose;
+  what.texels_of_joint = parse_resolution(options.resolution, character);
   bake.models.push_back(bake_relief(character, what));
   // Under a budget the texels grow until the maps fit.
   while (options.budget > 0 && atlas_bytes(bake.models[0], options) > options.budget) {
-    if (what.by_area) {
+    if (what.by_area && what.texels_of_joint.empty()) {
       double texel = 0;
       for (const ReliefBox& box : bake.models[0].boxes)
         texel = std::max(texel, std::max({box.size.x, box.size.y, box.size.z}) / box.texels);
       what.texel = std::max(what.texel, texel) * 1.25;
     } else {
       what.map_size /= 2;
+      for (int& texels : what.texels_of_joint)
+        if (texels > 0) texels = std::max(16, texels / 2);
     }
     if (what.map_size < 16 || what.texel > 1e3)
       throw Error("relief: budget", fmt::format("{} does not fit in {} bytes", character.name, options.budget),
@@ -266,6 +313,7 @@ struct Tier {
   gl::Texture normal;
   gl::Texture bounds;
   gl::Texture cones;  // with search=cone
+  uint64_t texels() const { return static_cast<uint64_t>(depth.width()) * static_cast<uint64_t>(depth.height()); }
   uint64_t texture_bytes() const {
     return depth.bytes() + colour.bytes() + normal.bytes() + bounds.bytes() + cones.bytes();
   }
@@ -280,7 +328,9 @@ struct Tier {
 struct Baked {
   std::vector<Tier> tiers;
   std::vector<double> pixels;  // of tiers 1, ...
-  double height = 0;           // metres at scale 1
+  std::vector<BakePart> parts;
+  uint64_t full_texels = 0;  // of the nearest tier's depth picture, those of level 0
+  double height = 0;         // metres at scale 1
   std::string key;
   bool cached = false;
   uint64_t disk_bytes = 0;
@@ -363,6 +413,19 @@ class Relief final : public Representation {
     info.cache_key = baked_.size() == 1 ? baked_[0].key : keys.hex();
     info.facts = {{"nominal_bytes", static_cast<double>(nominal)}, {"actual_bytes", static_cast<double>(actual)}};
     if (baked_.size() == 1) {
+      info.parts = baked_[0].parts;
+      const Tier& nearest = baked_[0].tiers[0];
+      const auto bytes = [](uint64_t n) { return static_cast<double>(n); };
+      const uint64_t full = nearest.texture_bytes();
+      // Of the nearest tier by kind, the kinds adding up with merged_bytes; levels and ids across the kinds.
+      info.facts.emplace_back("depth_bytes", bytes(nearest.depth.bytes()));
+      info.facts.emplace_back("colour_bytes", bytes(nearest.colour.bytes()));
+      info.facts.emplace_back("normal_bytes", bytes(nearest.normal.bytes()));
+      info.facts.emplace_back("bounds_bytes", bytes(nearest.bounds.bytes()));
+      info.facts.emplace_back("cone_bytes", bytes(nearest.cones.bytes()));
+      info.facts.emplace_back("merged_bytes", bytes(actual - full));
+      info.facts.emplace_back("id_bytes", bytes((nearest.colour.bytes() + nearest.normal.bytes()) / 4));
+      info.facts.emplace_back("level_bytes", bytes(full - full * baked_[0].full_texels / nearest.texels()));
       info.facts.emplace_back("texel_mm", 1000 * baked_[0].texel);
       info.facts.emplace_back("capture_clip", baked_[0].capture.pose.clip);
       info.facts.emplace_back("capture_phase", baked_[0].capture.pose.phase);
@@ -383,10 +446,12 @@ class Relief final : public Representation {
  private:
   void add(const scene::Character& character, const scene::PoseBank& bank, const MakeContext& make, uint64_t& left) {
     const auto n = static_cast<uint64_t>(options_.bake.map_size);
-    Options options = options_;
-    if (options.budget == 0) {
-      const uint64_t bytes =
-          character.skeleton.joints.size() * (3 * depth_texel_bytes(options_) + 6 * 8) * n * n * 3 / 2;
+    const std::vector<int> given = parse_resolution(options_.resolution, character);
+    if (options_.budget == 0) {
+      uint64_t texels = character.skeleton.joints.size() * n * n;
+      for (const int side : given)
+        if (side > 0) texels += static_cast<uint64_t>(side * side) - n * n;
+      const uint64_t bytes = texels * (3 * depth_texel_bytes(options_) + 6 * 8) * 3 / 2;
       if (bytes > left)
         throw Error(
             "relief",
@@ -416,11 +481,31 @@ class Relief final : public Representation {
     baked.pixels = bake->tier_pixels;
     for (const ReliefBox& box : bake->models[0].boxes)
       baked.texel = std::max(baked.texel, std::max({box.size.x, box.size.y, box.size.z}) / box.texels);
+    baked.full_texels = 3 * bake->models[0].texels();
+    baked.parts = parts_of(character, bake->models[0]);
     for (size_t i = 0; i < bake->models.size(); ++i) {
       baked.tiers.push_back(upload(character, *bake, i));
       const Tier& tier = baked.tiers.back();
       left -= std::min(left, tier.texture_bytes());
     }
+  }
+
+  // Every joint; those without triangles have no box.
+  std::vector<BakePart> parts_of(const scene::Character& character, const ReliefModel& model) const {
+    std::vector<BakePart> parts;
+    for (const scene::Joint& joint : character.skeleton.joints)
+      parts.push_back({joint.name, {{"texels", 0}, {"triangles", 0}, {"longest_m", 0}, {"bytes", 0}}});
+    for (size_t i = 0; i < model.boxes.size(); ++i) {
+      const ReliefBox& box = model.boxes[i];
+      auto& facts = parts[static_cast<size_t>(box.joint)].facts;
+      facts[0].second = box.texels;
+      facts[1].second = model.triangles_of_box[i];
+      facts[2].second = std::max({box.size.x, box.size.y, box.size.z});
+      // Its place in the pictures, levels and all: 3 n x 1.5 n of the depth picture.
+      const uint64_t bytes = ReliefModel::box_texels(box) * 9 / 4 * (2 * (depth_texel_bytes(options_) + 16) + 1);
+      facts[3].second = static_cast<double>(bytes);
+    }
+    return parts;
   }
 
   Tier upload(const scene::Character& character, const Bake& bake, size_t index) {
@@ -594,6 +679,7 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   }
   options.capture = read.text("capture");
   options.bake.by_area = read.choice("size", {"uniform", "by_area"}) == 1;
+  options.resolution = read.text("resolution");
   options.budget = static_cast<uint64_t>(read.number("budget", 0, 65536) * (1 << 20));
   options.depth_bits = read.choice("depth", {"8", "16"}) == 0 ? 8 : 16;
   options.search = static_cast<int>(read.choice("search", {"adaptive", "linear", "cone"}));
@@ -616,6 +702,8 @@ const RepresentationType relief_type{
       "which triangles a joint captures; threshold: a weight above W, summed over the three corners"},
      {"capture", "best|bind|CLIP[@PHASE]", "best", "pose in which the mesh is captured; best: least silhouette error"},
      {"size", "uniform|by_area", "uniform", "by_area: boxes smaller than the largest get maps of fewer texels"},
+     {"resolution", "none|JOINT@TEXELS[+...]", "none",
+      "texels a side of single joints, by name or number, whatever map and size say: Head@256+LeftHand@32"},
      {"budget", "0..65536", "0", "MiB of maps at full detail, met by coarser texels; 0: none"},
      {"depth", "8|16", "16", "bits of a stored depth"},
      {"search", "adaptive|linear|cone", "adaptive",

@@ -430,9 +430,14 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
 }  // namespace
 
 ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& options) {
+  const Carriers carriers = options.carriers.empty() ? own_carriers(character) : options.carriers;
   const std::vector<std::vector<uint32_t>> triangles_of =
-      assign_triangles(character, options.rule, options.threshold,
-                       options.carriers.empty() ? own_carriers(character) : options.carriers);
+      assign_triangles(character, options.rule, options.threshold, carriers);
+  std::vector<int> given(carriers.size(), 0);  // of each carrier
+  for (size_t joint = 0; joint < options.texels_of_joint.size(); ++joint) {
+    int& most = given[static_cast<size_t>(carriers[joint])];
+    most = std::max(most, options.texels_of_joint[joint]);
+  }
   const std::vector<glm::dmat4> palette = capture_palette(character, options.capture);
   const std::vector<glm::dvec3> positions = scene::skin_positions(character.mesh, palette);
   const std::vector<glm::dvec3> normals = scene::skin_normals(character.mesh, palette);
@@ -454,7 +459,7 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
       continue;
     ReliefBox box;
     box.joint = static_cast<int>(joint);
-    box.texels = options.map_size;
+    box.texels = given[joint] > 0 ? given[joint] : options.map_size;
     model.boxes.push_back(box);
     model.triangles_of_box.push_back(static_cast<int>(triangles_of[joint].size()));
     bounds.push_back(bounds_of(source, triangles_of[joint], positions, palette[joint], box.joint));
@@ -468,7 +473,7 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   size_t texels = 0;
   for (size_t i = 0; i < model.boxes.size(); ++i) {
     ReliefBox& box = model.boxes[i];
-    if (options.by_area)
+    if (options.by_area && given[static_cast<size_t>(box.joint)] == 0)
       while (box.texels > 16 && bounds[i].longest <= texel * 0.5 * box.texels) box.texels /= 2;
     box.first = texels;
     texels += ReliefModel::box_texels(box);

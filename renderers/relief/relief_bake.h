@@ -14,7 +14,10 @@
 namespace crowdbench::renderers {
 
 struct ReliefBakeOptions {
-  int map_size = 128;  // texels a side of each face, 16..256; the most of any box
+  int map_size = 128;  // texels a side of each face, 16..256
+  // By joint, overriding map_size and by_area: 16, 32, ... 256; 0 or none: not given. Of joints that share a box the
+  // largest counts.
+  std::vector<int> texels_of_joint;
   TriangleRule rule = TriangleRule::threshold;
   double threshold = 1.2;
   CapturePose capture;

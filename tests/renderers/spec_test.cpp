@@ -141,5 +141,30 @@ TEST(Spec, EveryTypeDocumentsItself) {
   }
 }
 
+TEST(Spec, DebugViewsAreAnOptionOfTheRepresentation) {
+  const auto with = [](const std::string& text, const std::string& view) {
+    Spec spec = parse_spec(text);
+    set_debug_view(spec, view);
+    return spec.text();
+  };
+  EXPECT_EQ(with("relief", "steps"), "relief:debug=steps");
+  EXPECT_EQ(with("relief:debug=boxes,map=64", "hit-face"), "relief:map=64,debug=hit-face");
+  EXPECT_EQ(with("relief:debug=boxes", "none"), "relief");
+  EXPECT_EQ(with("polypostor", "wire"), "polypostor:debug=wire");
+  EXPECT_EQ(with("hybrid(mesh,relief)", "misses"), "hybrid(mesh,(relief:debug=misses))");
+  EXPECT_EQ(with("hybrid(relief,polypostor)", "lines"), "hybrid(relief,(polypostor:debug=lines))");
+  const auto said = [&](const std::string& text, const std::string& view) -> std::string {
+    try {
+      with(text, view);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "nothing";
+  };
+  EXPECT_NE(said("relief", "wire").find("boxes, steps, hit-face, misses"), std::string::npos);
+  EXPECT_NE(said("polypostor", "steps").find("wire, lines, parts, stretch"), std::string::npos);
+  EXPECT_NE(said("mesh", "steps").find("'mesh' has no debug views"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace crowdbench::renderers
