@@ -172,7 +172,10 @@ struct DrawOptions {
 class FlatRepresentation : public Representation {
  public:
   FlatRepresentation(const MakeContext& make, FlatBakeOptions options, const DrawOptions& draw)
-      : context_(make.context), draw_(draw), grid_(options.grid) {
+      : context_(make.context),
+        draw_(draw),
+        grid_(options.grid),
+        nominal_(nominal_frame(options.grid, options.texels)) {
     const auto start = std::chrono::steady_clock::now();
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
     if (options.compressed && !context_.has_extension(kS3tc)) {
@@ -316,6 +319,9 @@ class FlatRepresentation : public Representation {
       info.facts.emplace_back("view_error_deg_mean", errors.mean * 180 / std::numbers::pi);
       info.facts.emplace_back("view_error_deg_max", errors.largest * 180 / std::numbers::pi);
     }
+    info.facts.emplace_back("nominal_page", nominal_.side);
+    info.facts.emplace_back("nominal_frame_bytes", static_cast<double>(nominal_.bytes));
+    info.facts.emplace_back("nominal_frame_compressed_bytes", static_cast<double>(nominal_.compressed_bytes));
     if (whole_tiles_ > 0) {
       info.facts.emplace_back("whole_tiles", static_cast<double>(whole_tiles_));
       info.facts.emplace_back("whole_bytes", static_cast<double>(whole_bytes_));
@@ -403,6 +409,7 @@ class FlatRepresentation : public Representation {
   gl::Context& context_;
   DrawOptions draw_;
   ViewGrid grid_;
+  NominalFrame nominal_;
   double seconds_ = 0;
   uint64_t whole_bytes_ = 0, whole_tiles_ = 0;  // of the bakes of which only the required part was made
   std::vector<CharacterTiles> characters_;

@@ -5,6 +5,8 @@
 // silhouette's area at every level; outlines are convex polygons instead of rectangles.
 #include "renderers/flat/flat_bake.h"
 
+#include <epoxy/gl.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -14,6 +16,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake_cache.h"
+#include "renderers/gl/objects.h"
 #include "renderers/tiles/block_compression.h"
 #include "renderers/tiles/outline.h"
 #include "renderers/tiles/packing.h"
@@ -363,6 +366,18 @@ FlatForecast forecast_flat(const scene::Character& character, const std::shared_
     out.pose_step_largest = std::max(out.pose_step_largest, step);
     out.pose_step_mean += step / static_cast<double>(plan.steps.size());
   }
+  return out;
+}
+
+NominalFrame nominal_frame(const ViewGrid& grid, int texels) {
+  int views = 0;
+  for (int v = 0; v < grid.size(); ++v) views += grid.reachable(v) ? 1 : 0;
+  NominalFrame out;
+  const auto holds = [&](int side) { return (side / texels) * (side / texels) >= views; };
+  for (out.side = 1; !holds(out.side);) out.side *= 2;
+  out.bytes = gl::texture_bytes(GL_RGBA8, out.side, out.side) + gl::texture_bytes(GL_RGB8, out.side, out.side);
+  out.compressed_bytes = gl::texture_bytes(GL_COMPRESSED_RGBA_S3TC_DXT5_EXT, out.side, out.side) +
+                         gl::texture_bytes(GL_COMPRESSED_RGB_S3TC_DXT1_EXT, out.side, out.side);
   return out;
 }
 

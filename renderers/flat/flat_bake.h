@@ -104,6 +104,15 @@ struct FlatForecast {
 FlatForecast forecast_flat(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                            const FlatBakeOptions& options);
 
+// One frame as Tecchia, Loscos and Chrysanthou 2002 count theirs: every view a square of `texels`, row by row on the
+// smallest square page whose side is a power of two; an RGBA and an RGB map, and the same as blocks of 4:1 and 6:1.
+struct NominalFrame {
+  int side = 0;  // texels
+  uint64_t bytes = 0;
+  uint64_t compressed_bytes = 0;
+};
+NominalFrame nominal_frame(const ViewGrid& grid, int texels);
+
 // FlatBakeOptions::needed for sightings: `visit` shows them one after the other. blend: the views of ViewGrid::blend
 // instead of the nearest. What lies within rounding of another view or frame counts for both.
 std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,

@@ -27,5 +27,25 @@ TEST(BakeReportGl, NominalBytesOfTheSource) {
   EXPECT_EQ(out.at("facts").at("nominal_bytes"), out.at("nominal_bytes"));
 }
 
+// One frame of 136 views on 1024 x 1024 texels: 7 MiB as RGBA and RGB, 1.5 MiB as blocks.
+TEST(BakeReportGl, AFrameOfViewsAsTheSourceCountsIt) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const json out = report("flat:texels=85,frames=1 --character mannequin:triangles=500");
+  ASSERT_TRUE(out.is_object());
+  EXPECT_EQ(out.at("views"), 136);
+  EXPECT_EQ(out.at("nominal_page"), 1024);
+  EXPECT_EQ(out.at("nominal_frame_bytes").dump(), "7340032") << "a whole number";
+  EXPECT_EQ(out.at("nominal_frame_compressed_bytes").dump(), "1572864");
+  // Squares, trimmed tiles and blocks, each of what the driver holds.
+  const auto bytes = [](const std::string& how) {
+    return report("flat:texels=85,frames=1" + how + " --character mannequin:triangles=500")
+        .at("texture_bytes")
+        .get<uint64_t>();
+  };
+  const uint64_t trimmed = out.at("texture_bytes").get<uint64_t>();
+  EXPECT_GT(bytes(",quad=square"), 2 * trimmed);
+  EXPECT_LT(bytes(",compress=bc"), trimmed / 2);
+}
+
 }  // namespace
 }  // namespace crowdbench::bench

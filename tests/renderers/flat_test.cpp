@@ -150,11 +150,23 @@ TEST(FlatBake, BytesSurviveARoundTripAndDamageDoesNot) {
 }
 
 TEST(FlatBake, AccountingAgreesWithTheSource) {
-  // One frame of 136 views in 1024 x 1024 RGBA plus 1024 x 1024 RGB is 7 MiB; our second map has a fourth channel.
+  // 136 views of 85 texels, twelve a row, in 1024 x 1024 RGBA plus 1024 x 1024 RGB are 7 MiB; as blocks 1.5 MiB.
+  ViewGrid grid;
+  grid.azimuths = 17;
+  grid.elevations = 8;
+  const NominalFrame frame = nominal_frame(grid, 85);
+  EXPECT_EQ(frame.side, 1024);
+  EXPECT_EQ(frame.bytes, uint64_t{7} << 20);
+  EXPECT_EQ(frame.compressed_bytes, uint64_t{3} << 19);
+  EXPECT_EQ(nominal_frame(grid, 86).side, 2048) << "eleven a row are 121";
+  grid.azimuths = 12;
+  grid.elevations = 12;
+  EXPECT_EQ(nominal_frame(grid, 85).side, 1024) << "144 views fill it";
+  // Our own page of that size holds the same maps, the RGB one with a fourth channel.
   FlatLevel page;
   page.albedo.resize(1024 * 1024 * 4);
   page.surface.resize(1024 * 1024 * 4);
-  EXPECT_EQ(page.texture_bytes() - uint64_t{1024} * 1024, uint64_t{7} << 20);
+  EXPECT_EQ(page.texture_bytes() - uint64_t{1024} * 1024, frame.bytes);
 }
 
 class FlatGl : public GlTest {};
@@ -911,6 +923,15 @@ uint64_t texture_bytes_of_driver() {
     sum += level(GL_TEXTURE_WIDTH) * level(GL_TEXTURE_HEIGHT) * level(GL_TEXTURE_DEPTH) * bits / 8;
   }
   return sum;
+}
+
+// What the accounting takes the blocks of the source's page to be is what the driver allocates for them.
+TEST_F(FlatGl, TheSourcesPageHasTheBytesOfTheDriver) {
+  const uint64_t before = texture_bytes_of_driver();
+  const auto rgba = gl::Texture::make_2d(context(), GL_COMPRESSED_RGBA_S3TC_DXT5_EXT, 1024, 1024);
+  const auto rgb = gl::Texture::make_2d(context(), GL_COMPRESSED_RGB_S3TC_DXT1_EXT, 1024, 1024);
+  EXPECT_EQ(texture_bytes_of_driver() - before, uint64_t{3} << 19);
+  EXPECT_EQ(rgba.bytes() + rgb.bytes(), uint64_t{3} << 19);
 }
 
 TEST_F(FlatGl, BytesAreCountedExactly) {
