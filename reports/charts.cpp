@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "reports/pop_page.h"
+
 namespace crowdbench::reports {
 namespace {
 
@@ -21,7 +23,8 @@ Json frame(int height) {
           {"height", height},
           {"autosize", {{"type", "fit-x"}, {"contains", "padding"}}},
           {"config",
-           {{"font", "inherit"},
+           {{"background", "transparent"},
+            {"font", "inherit"},
             {"view", {{"stroke", nullptr}}},
             {"axis",
              {{"labelFontSize", 12},
@@ -33,7 +36,13 @@ Json frame(int height) {
               {"gridColor", kGrid},
               {"domainColor", "#9aa5b1"},
               {"tickColor", "#9aa5b1"}}},
-            {"legend", {{"labelFontSize", 12}, {"titleFontSize", 12}, {"orient", "top"}, {"title", nullptr}}}}}};
+            {"legend",
+             {{"labelFontSize", 12},
+              {"titleFontSize", 12},
+              {"labelColor", kInk},
+              {"titleColor", kInk},
+              {"orient", "top"},
+              {"title", nullptr}}}}}};
 }
 
 Json colour_of(const Scene& scene, bool legend) {
@@ -342,6 +351,70 @@ std::string score_chart(const Scene& scene, const std::string& score, const std:
                                {"value", "mean over the views"},
                                {"range", "least to greatest"},
                                {"views", "views"}})}}}}});
+  return spec.dump();
+}
+
+std::string pop_chart(const PopSize& size, double high) {
+  Json values = Json::array();
+  for (size_t w = 0; w < kPopWays; ++w)
+    for (const PopPoint& point : size.points) {
+      if (!point.mae[w]) continue;
+      values.push_back({{"way", kPopWayTitles[w]},
+                        {"phase", fmt::format("phase {:g}", point.phase)},
+                        {"azimuth", point.azimuth_deg},
+                        {"elevation", point.elevation_deg},
+                        {"mae", *point.mae[w]},
+                        {"value", fmt::format("{:.2f}", *point.mae[w])},
+                        {"ssim", point.ssim_union[w] ? fmt::format("{:.3f}", *point.ssim_union[w]) : "too small"}});
+    }
+  if (values.empty()) return {};
+  Json spec = frame(0);
+  for (const char* key : {"width", "height", "autosize"}) spec.erase(key);
+  const auto tip = [](const char* field, const char* title) {
+    return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
+  };
+  spec["config"]["header"] = {{"labelFontSize", 12}, {"labelColor", kInk}, {"labelPadding", 4}};
+  spec["config"]["title"] = {{"anchor", "start"}, {"fontSize", 12}, {"fontWeight", 600}, {"color", kInk}};
+  spec["data"] = {{"values", values}};
+  spec["spacing"] = 12;
+  spec["vconcat"] = Json::array();
+  for (size_t w = 0; w < kPopWays; ++w) {
+    const bool first = w == 0;
+    const bool last = w + 1 == kPopWays;
+    Json legend = nullptr;
+    if (first) legend = {{"title", "MAE over the figure, code values"}, {"gradientLength", 240}};
+    Json encoding;
+    encoding["x"] = {{"field", "azimuth"},
+                     {"type", "ordinal"},
+                     {"axis",
+                      {{"title", last ? Json("azimuth, degrees") : Json(nullptr)},
+                       {"labels", last},
+                       {"ticks", last},
+                       {"labelOverlap", "greedy"},
+                       {"labelSeparation", 8},
+                       {"labelAngle", 0},
+                       {"format", "~r"}}}};
+    encoding["y"] = {{"field", "elevation"},
+                     {"type", "ordinal"},
+                     {"sort", "descending"},
+                     {"axis", {{"title", "elevation"}, {"labelOverlap", "greedy"}}}};
+    encoding["color"] = {{"field", "mae"},
+                         {"type", "quantitative"},
+                         {"scale", {{"scheme", "viridis"}, {"domain", {0, high}}}},
+                         {"legend", legend}};
+    encoding["tooltip"] =
+        Json::array({tip("way", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"), tip("elevation", "elevation"),
+                     tip("value", "MAE"), tip("ssim", "SSIM in the figure")});
+    Json column = {{"field", "phase"}, {"type", "nominal"}, {"sort", nullptr}};
+    column["header"] = {{"title", nullptr}, {"labels", first}};
+    Json row;
+    row["title"] = kPopWayTitles[w];
+    row["transform"] = Json::array({Json{{"filter", {{"field", "way"}, {"equal", kPopWayTitles[w]}}}}});
+    row["spacing"] = 10;
+    row["facet"]["column"] = column;
+    row["spec"] = {{"width", 236}, {"height", 76}, {"mark", "rect"}, {"encoding", encoding}};
+    spec["vconcat"].push_back(row);
+  }
   return spec.dump();
 }
 

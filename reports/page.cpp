@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "reports/charts.h"
-#include "reports/libraries.h"
+#include "reports/page_frame.h"
 #include "reports/summary.h"
 
 namespace crowdbench::reports {
@@ -43,7 +43,7 @@ class Page {
     }
     method();
     provenance();
-    foot();
+    html_ += page_foot(options_.source);
     return std::move(html_);
   }
 
@@ -66,13 +66,7 @@ class Page {
     const std::string title =
         against.empty() ? "What a crowd costs to draw as " + first.reference
                         : fmt::format("A crowd drawn as {} and as {}: cost and difference", first.reference, against);
-    add("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data: blob:; style-src "
-        "'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>\n",
-        html_escape(title));
-    html_ += page_style();
-    add("</style>\n</head>\n<body>\n<h1>{}</h1>\n", html_escape(title));
+    html_ += page_head(title);
     const RunRow& run = *first.run;
     add("<p class=\"under\">Characters: {}. Measured {} on {}, {}, by crowdbench {} ({}).</p>\n", names,
         html_escape(run.started), html_escape(run.cpu_model), html_escape(run.gl_renderer), html_escape(run.version),
@@ -118,10 +112,7 @@ class Page {
 
   void chart(const std::string& spec, const std::string& title) {
     if (spec.empty()) return;
-    const std::string id = fmt::format("chart-{}", ++charts_);
-    add("<div class=\"chart\"><h3>{}</h3><div class=\"plot\" id=\"{}\"></div>\n<script type=\"application/json\" "
-        "data-plot=\"{}\">{}</script></div>\n",
-        html_escape(title), id, id, script_json(spec));
+    html_ += chart_block(spec, title, ++charts_);
   }
 
   static std::string occupancy_title(double occupancy) {
@@ -519,22 +510,6 @@ class Page {
       line("scenario", fmt::format("{}, SHA-256 {}", run.scenario_name, run.scenario_hash));
       add("</dl>\n<details><summary>Scenario text</summary><pre>{}</pre></details>\n", html_escape(run.scenario));
     }
-  }
-
-  void foot() {
-    add("<footer>Made by crowdbench{}. Charts by Vega, Vega-Lite and Vega-Embed (BSD-3-Clause).</footer>\n",
-        options_.source.empty() ? "" : " from " + html_escape(options_.source));
-    for (const Library& library : chart_libraries()) {
-      std::string licence(library.licence);
-      for (size_t at = licence.find("--"); at != std::string::npos; at = licence.find("--"))
-        licence.replace(at, 2, "- -");
-      add("<!-- {}\n{} -->\n<script>", library.name, licence);
-      html_ += inline_script(library.script);
-      html_ += "</script>\n";
-    }
-    html_ += "<script>";
-    html_ += inline_script(page_script());
-    html_ += "</script>\n</body>\n</html>\n";
   }
 
   const StoreContents& contents_;

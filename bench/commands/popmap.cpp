@@ -14,9 +14,11 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "core/progress.h"
+#include "core/version.h"
 #include "metrics/heat_map.h"
 #include "metrics/pseudocolour.h"
 #include "renderers/gl/context.h"
+#include "reports/pop_page.h"
 #include "scene/gltf.h"
 
 namespace crowdbench::bench {
@@ -182,6 +184,56 @@ Image8 draw_worst(const PopPictures& pictures) {
   return metrics::with_colour_bar(out, "mesh, impostor, absolute difference (code values)");
 }
 
+// Pictures of a cell, cut to the figures.
+struct Worst {
+  double mae = -1;
+  PopPictures pictures;
+};
+
+reports::PopPicture picture_of(const Image8& image, const metrics::Box& box, const std::string& caption) {
+  const Image8 cut = metrics::crop(image, box);
+  // Small figures are shown enlarged, by whole multiples so that their pixels stay what they are.
+  const int zoom = std::max(1, 240 / std::max(box.height, 1));
+  Image8 rgb(cut.width, cut.height, 3);
+  for (int y = 0; y < cut.height; ++y)
+    for (int x = 0; x < cut.width; ++x) std::copy_n(cut.at(x, y), 3, rgb.at(x, y));
+  return {caption, rgb.width * zoom, rgb.height * zoom, encode_png(rgb)};
+}
+
+reports::PopPoint point_of(const PopCell& cell) {
+  reports::PopPoint point{cell.ratio, cell.height_px, cell.azimuth_deg, cell.elevation_deg, cell.phase, {}, {}};
+  for (size_t w = 0; w < std::size(kWays); ++w) {
+    const PopScores& scores = kWays[w].matched ? cell.matched : cell.own;
+    const PopScore& score = kWays[w].fade ? scores.fade_step : scores.cut;
+    point.mae[w] = score.mae;
+    point.ssim_union[w] = score.ssim_union;
+  }
+  return point;
+}
+
+reports::PopSize page_size(const std::vector<PopCell>& cells, const PopPictures* pictures, int fade) {
+  static_assert(std::size(kWays) == reports::kPopWays);
+  reports::PopSize size;
+  for (const PopCell& cell : cells) size.points.push_back(point_of(cell));
+  for (size_t w = 0; w < std::size(kWays); ++w)
+    for (const auto& [measure, to] :
+         {std::pair(PopMeasure::mae, &size.mae), std::pair(PopMeasure::ssim_union, &size.ssim_union)})
+      if (const auto s = summarise_pops(cells, measure, kWays[w].matched, kWays[w].fade))
+        (*to)[w] = reports::PopSummary{s->mean, s->tail, s->worst, size.points[s->worst_cell]};
+  if (pictures == nullptr) return size;
+  const auto box = metrics::crop_box(metrics::mask_of(pictures->mesh.ids), metrics::mask_of(pictures->impostor.ids));
+  if (!box) return size;
+  size.worst = {
+      picture_of(pictures->mesh.colour, *box, "mesh, own pose"),
+      picture_of(pictures->matched.colour, *box, "mesh in the stored frame's pose"),
+      picture_of(pictures->impostor.colour, *box, "impostor"),
+      picture_of(metrics::pseudocolour(metrics::error_levels(pictures->mesh.colour, pictures->impostor.colour)), *box,
+                 "own pose against impostor: dark blue equal, red the largest possible error")};
+  const std::vector<Image8> steps = fade_pictures(pictures->mesh.colour, pictures->impostor.colour, fade);
+  for (size_t i = 0; i < steps.size(); ++i) size.fade.push_back(picture_of(steps[i], *box, fmt::format("tick {}", i)));
+  return size;
+}
+
 int run_popmap(const Options& options) {
   PopRequest request;
   request.representation = renderers::parse_spec(options.representation);
@@ -206,17 +258,15 @@ int run_popmap(const Options& options) {
     throw Error("popmap", fmt::format("{} cells are more than {}", total, kMost), "ask for fewer views");
 
   const auto context = open_context(options.device);
-  std::optional<PopPictures> worst;
-  double worst_mae = -1;
+  std::vector<Worst> worst(sizes);  // by size
   std::vector<PopCell> cells;
   {
     Progress progress("pop map", total);
+    size_t done = 0;
     cells = compute_pop_map(*context, request, [&](const PopCell& cell, const PopPictures& pictures) {
+      Worst& here = worst[done++ / (total / sizes)];
       progress.advance(1);
-      if (cell.own.cut.mae && *cell.own.cut.mae > worst_mae) {
-        worst_mae = *cell.own.cut.mae;
-        worst = pictures;
-      }
+      if (cell.own.cut.mae && *cell.own.cut.mae > here.mae) here = {*cell.own.cut.mae, pictures};
     });
   }
   Json report = {{"character", request.character->name},
@@ -238,7 +288,21 @@ int run_popmap(const Options& options) {
     write_file(folder / "popmap.json", whole.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
     write_file(folder / "popmap.csv", csv(cells));
     write_png(folder / "heat_map.png", draw_heat_map(cells, request));
-    if (worst) write_png(folder / "worst.png", draw_worst(*worst));
+    const auto worst_of_all =
+        std::max_element(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) { return a.mae < b.mae; });
+    if (worst_of_all->mae >= 0) write_png(folder / "worst.png", draw_worst(worst_of_all->pictures));
+    reports::PopPage page{request.representation.text(),
+                          request.character->name,
+                          request.clip < 0 ? "none" : request.character->clips[static_cast<size_t>(request.clip)].name,
+                          context->renderer(),
+                          fmt::format("crowdbench {} ({})", version(), git_revision()),
+                          context->is_software(),
+                          request.fade,
+                          {}};
+    const auto groups = by_size(cells);
+    for (size_t i = 0; i < groups.size(); ++i)
+      page.sizes.push_back(page_size(groups[i], worst[i].mae >= 0 ? &worst[i].pictures : nullptr, request.fade));
+    write_file(folder / "popmap.html", std::string_view(reports::pop_page(page)));
   }
   if (options.json) {
     fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -265,7 +329,7 @@ int run_popmap(const Options& options) {
     }
   }
   if (!options.out.empty())
-    fmt::print("popmap.json, popmap.csv, heat_map.png, worst.png in {}\n", printable(options.out));
+    fmt::print("popmap.html, popmap.json, popmap.csv, heat_map.png, worst.png in {}\n", printable(options.out));
   return 0;
 }
 
@@ -291,7 +355,7 @@ void add_popmap(CLI::App& app, Run& run) {
   command->add_option("--ratio", options->ratios, "pixels that a texel spans (0.5,1,2)");
   command->add_option("--height-px", options->heights, "instead of --ratio: the character's height in pixels");
   command->add_option("--fade", options->fade, "ticks of the cross-fade (4)")->check(CLI::Range(1, 60));
-  command->add_option("--out", options->out, "a folder for the table, the heat map and the worst case");
+  command->add_option("--out", options->out, "a folder for the page, the table, the heat map and the worst case");
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
       ->check(CLI::Range(1.0, 1e6));
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");

@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "core/error.h"
 #include "metrics/heat_map.h"
 #include "metrics/pseudocolour.h"
 #include "renderers/gl/context.h"
 #include "scene/mannequin.h"
+#include "tests/support/driver.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -140,6 +142,32 @@ TEST_F(PopMapGl, MatchingTakesThePoseErrorAndFadingTheStep) {
   EXPECT_EQ(between.ratio, 1);
   EXPECT_GT(between.height_px, 40);
   EXPECT_LT(between.height_px, 64);
+}
+
+// What a user opens: the page stands beside the tables, with a chart and the pictures of the worst cell for each size.
+TEST(PopMapCommandGl, WritesThePage) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "crowdbench_popmap_page";
+  const support::Outcome out = support::run_driver(
+      "",
+      "popmap --representation flat:views=sphere-4x1,frames=2,texels=32 --character mannequin:triangles=500 "
+      "--azimuth-deg 0,20 --elevation-deg 0 --phase 0.1 --ratio 1,2 --fade 2 --no-cache --out '" +
+          folder.string() + "'");
+  ASSERT_EQ(out.status, 0) << out.text;
+  for (const char* file : {"popmap.json", "popmap.csv", "heat_map.png", "worst.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
+  const std::vector<uint8_t> bytes = read_file(folder / "popmap.html");
+  std::string page(bytes.begin(), bytes.end());
+  page.resize(page.find("<footer"));
+  const auto count = [&](const std::string& text) {
+    size_t n = 0;
+    for (size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("<h2>"), 2U);
+  EXPECT_EQ(count("data-plot="), 2U);
+  EXPECT_EQ(count("<img "), 2U * (4 + 4)) << "four of the worst cell, four ticks of the fade";
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace
