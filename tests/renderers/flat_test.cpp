@@ -687,14 +687,13 @@ TEST_F(FlatGl, CompressionKeepsEveryMapWithinItsTolerance) {
     size_t tested_ids = 0;
     for (size_t t = 0; t < a.tiles.size(); ++t) {
       if (a.tiles[t].covered == 0) continue;
-      const float x0 = a.tiles[t].low_x - 1, x1 = a.tiles[t].high_x + 1;
-      const float y0 = a.tiles[t].low_y - 1, y1 = a.tiles[t].high_y + 1;
       const auto alpha_plain = [&](int x, int y) { return double{1.0} * a.albedo[4 * texel(a, a.tiles[t], x, y) + 3]; };
       const auto alpha_blocks = [&](int x, int y) { return double{1.0} * albedo[4 * texel(b, b.tiles[t], x, y) + 3]; };
       double here_plain = 0;
       double here_blocks = 0;
-      for (int y = static_cast<int>(std::floor(y0)); y < static_cast<int>(std::ceil(y1)) - 1; ++y)
-        for (int x = static_cast<int>(std::floor(x0)); x < static_cast<int>(std::ceil(x1)) - 1; ++x) {
+      const FlatTile& tile = a.tiles[t];
+      for (int y = static_cast<int>(tile.low_y) - 1; y < static_cast<int>(tile.high_y); ++y)
+        for (int x = static_cast<int>(tile.low_x) - 1; x < static_cast<int>(tile.high_x); ++x) {
           const size_t i = texel(a, a.tiles[t], x, y);
           const size_t j = texel(b, b.tiles[t], x, y);
           const uint8_t packed = b.parts[j / 2];
