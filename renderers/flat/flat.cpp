@@ -167,6 +167,7 @@ struct DrawOptions {
   bool nailboard = false;
   bool blend = false;  // of three views
   bool floor = false;
+  bool list = false;  // one fetch a fragment, not lit
 };
 
 class FlatRepresentation : public Representation {
@@ -395,6 +396,7 @@ class FlatRepresentation : public Representation {
       if (v.texels) defines.emplace_back("CB_TEXELS", "");
       if (v.dithered) defines.emplace_back("CB_DITHER", "");
       if (draw_.floor) defines.emplace_back("CB_FLOOR", "");
+      if (draw_.list && !v.texels) defines.emplace_back("CB_LIST", "");
       found =
           programs_
               .emplace(v,
@@ -451,15 +453,20 @@ const RepresentationType flat_type = {
      {"corners", "4..8", "8", "of the outlines of large tiles; small ones are triangles"},
      {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
      {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
-     {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"}},
+     {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"},
+     {"shade", "lit|list", "lit",
+      "lit as the mesh is, or a bare list of polygons: one fetch, the stored colour as it is"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const FlatBakeOptions options = flat_bake_options(spec);
       const OptionReader reader(flat_type, spec);
-      return std::make_unique<FlatRepresentation>(
-          context, options,
-          DrawOptions{.nailboard = reader.choice("depth", {"flat", "nailboard"}) == 1,
-                      .blend = reader.choice("blend", {"1", "3"}) == 1,
-                      .floor = reader.flag("floor")});
+      const DrawOptions draw{.nailboard = reader.choice("depth", {"flat", "nailboard"}) == 1,
+                             .blend = reader.choice("blend", {"1", "3"}) == 1,
+                             .floor = reader.flag("floor"),
+                             .list = reader.choice("shade", {"lit", "list"}) == 1};
+      if (draw.list && (draw.nailboard || draw.blend || draw.floor))
+        throw Error("representation 'flat'", "shade=list has one fetch: no stored depth, one view, no floor of its own",
+                    "leave out depth, blend and floor, or shade=list");
+      return std::make_unique<FlatRepresentation>(context, options, draw);
     }};
 
 }  // namespace crowdbench::renderers

@@ -29,6 +29,9 @@ void main() {
   vec3 texel = vec3(at, float(v_agent.w & ((1u << CB_FLAT_LAYER_BITS) - 1u)));
   vec4 albedo = texture(albedo_map, texel);
   if (albedo.a < 0.5) discard;
+#ifdef CB_LIST
+  write_output(albedo.rgb * albedo.rgb, v_id);
+#else
   vec4 surface = surface_at(texel);
   vec2 n = surface.rg * (255.0 / 127.0) - 128.0 / 127.0;
   float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
@@ -50,5 +53,6 @@ void main() {
   float lambert = max(0.0, dot(vec3(n, n_z), uintBitsToFloat(v_agent.xyz)));
   uint outfit = v_agent.w >> CB_FLAT_LAYER_BITS;
   write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, outfit, part > 0x7fu, vec3(0.0)), v_id);
+#endif
 #endif
 }

@@ -580,6 +580,29 @@ TEST_F(FlatGl, CoverageOfACrowdIsKeptWhenAgentsAreSpecks) {
 }
 
 // Figures that overlap: shapes must be kept too, since blobs of the same area would cover more of the picture.
+TEST_F(FlatGl, AHundredThousandAgentsCoverWhatTheirMeshesCover) {
+  const auto mesh = make(walker(), "mesh");
+  const auto flat = make(walker(), "flat:views=sphere-8x2,frames=4,texels=64");
+  Renderer renderer(context(), walker());
+  scene::Frame frame = frame_of_one(10, 1, 640, 480, 30);
+  constexpr int kAgents = 100000;
+  constexpr double kTall = 1.5;  // pixels
+  const double distance = 1.75 * 480 / (kTall * 2 * std::tan(15 * kDegrees));
+  frame.camera.eye = {0, 1, distance};
+  frame.origin = frame.camera.eye;
+  const double metre = kTall / 1.75;  // pixels
+  for (int i = 0; i < kAgents; ++i) {
+    const double x = 600 / metre * (random_unit(7, static_cast<uint64_t>(i), 1) - 0.5);
+    const double y = 440 / metre * (random_unit(7, static_cast<uint64_t>(i), 2) - 0.5);
+    add_agent(frame, walker(), {x, y, 0.05 * (i % 50)}, static_cast<uint32_t>(i + 1), (i % 4) * 0.25,
+              static_cast<float>(i % 8) / 8);
+  }
+  const auto expected = static_cast<double>(covered(renderer.capture(frame, *mesh)));
+  const auto got = static_cast<double>(covered(renderer.capture(frame, *flat)));
+  ASSERT_GT(expected, 0.1 * 640 * 480);
+  EXPECT_NEAR(got / expected, 1, 0.02) << got << " of " << expected;
+}
+
 TEST_F(FlatGl, CoverageOfADenseCrowdIsKept) {
   const auto mesh = make(walker(), "mesh");
   const auto flat = make(walker(), "flat:views=sphere-8x2,frames=4,texels=128");
@@ -611,6 +634,27 @@ TEST_F(FlatGl, TheFloorCoversTheSamePixels) {
   EXPECT_EQ(a.ids, b.ids);
   EXPECT_EQ(a.depth, b.depth);
   EXPECT_NE(a.colour, b.colour);
+}
+
+TEST_F(FlatGl, AListShowsTheStoredColours) {
+  const std::string bake = "flat:views=sphere-4x1,frames=2,texels=64";
+  const auto flat = make(walker(), bake);
+  const auto list = make(walker(), bake + ",shade=list");
+  Renderer renderer(context(), walker());
+  scene::Frame frame = frame_from(0, 0, 0, middle_of(walker()));
+  const Capture lit = renderer.capture(frame, *flat);
+  EXPECT_NE(renderer.capture(frame, *list).colour, lit.colour);
+  // White clothes in light from everywhere: what is lit is the stored colour too.
+  frame.light.ambient = 1;
+  frame.light.diffuse = 0;
+  for (scene::Outfit& outfit : frame.outfits) outfit.colours.fill(glm::vec4(1.0F));
+  const Capture a = renderer.capture(frame, *flat);
+  const Capture b = renderer.capture(frame, *list);
+  EXPECT_EQ(a.colour, b.colour);
+  EXPECT_EQ(a.ids, b.ids);
+  EXPECT_EQ(a.depth, b.depth);
+  for (const char* option : {",depth=nailboard", ",blend=3", ",floor=1"})
+    EXPECT_THROW(make(walker(), bake + ",shade=list" + option), Error) << option;
 }
 
 TEST_F(FlatGl, ASquareQuadShowsTheSamePicture) {
