@@ -35,6 +35,7 @@ struct LevelTable {
   glm::vec4 span;
   glm::vec4 scale;
   glm::uvec4 first;
+  glm::uvec4 layers;
   glm::uvec4 clips[CB_FLAT_CLIPS];
 };
 
@@ -45,12 +46,16 @@ constexpr const char* kS3tc = "GL_EXT_texture_compression_s3tc";
 constexpr uint32_t kBatch = 8192;
 
 struct CharacterTiles {
-  struct Level {
+  // Some layers of a level: as many as an array texture may have.
+  struct Part {
     gl::Buffer table;
     gl::Texture albedo, surface;
     gl::Texture parts, depth;  // of compressed tiles; depth where it was baked
-    int corners = 4;
     uint64_t texture_bytes() const { return albedo.bytes() + surface.bytes() + parts.bytes() + depth.bytes(); }
+  };
+  struct Level {
+    std::vector<Part> arrays;
+    int corners = 4;
   };
   std::vector<Level> levels;
   gl::Buffer tiles, outlines, axes;
@@ -97,7 +102,17 @@ LevelTable make_table(const FlatBake& bake, const ViewGrid& grid, size_t l) {
   return table;
 }
 
-CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid& grid) {
+// Layers of one array texture of a level's largest map: the driver's limit (or a lower one), and less than 2 GiB.
+int layers_at_once(const gl::Context& context, const FlatLevel& level, int most_layers) {
+  constexpr uint64_t kMostBytes = (uint64_t{1} << 31) - 1;
+  const uint64_t layer_bytes =
+      std::max<uint64_t>(level.albedo.size() / static_cast<uint64_t>(std::max(level.layers, 1)), 1);
+  const int limit = std::min(context.limits().array_layers, 1 << CB_FLAT_LAYER_BITS);
+  return static_cast<int>(
+      std::min<uint64_t>(most_layers > 0 ? std::min(limit, most_layers) : limit, kMostBytes / layer_bytes));
+}
+
+CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid& grid, int most_layers) {
   CharacterTiles out;
   out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
   out.texel = bake.texel;
@@ -118,25 +133,31 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
     outlines.insert(outlines.end(), level.outlines.begin(), level.outlines.end());
     CharacterTiles::Level& l = out.levels.emplace_back();
     l.corners = level.corners;
-    if (level.layers == 0) continue;
-    const LevelTable table = make_table(bake, grid, i);
-    l.table = gl::Buffer(context, sizeof table, &table);
-    const auto make = [&](unsigned internal, unsigned format, int width, const std::vector<uint8_t>& texels) {
-      gl::Texture texture = gl::Texture::make_array(context, internal, width, level.height, level.layers, 1);
-      const size_t layer_bytes = texels.size() / static_cast<size_t>(level.layers);
-      for (int layer = 0; layer < level.layers; ++layer)
-        texture.write(0, layer, format, GL_UNSIGNED_BYTE, texels.data() + static_cast<size_t>(layer) * layer_bytes);
-      return texture;
-    };
-    if (bake.part_bits == 0) {
-      l.albedo = make(GL_RGBA8, GL_RGBA, level.width, level.albedo);
-      l.surface = make(GL_RGBA8, GL_RGBA, level.width, level.surface);
-      continue;
+    const int step = layers_at_once(context, level, most_layers);
+    LevelTable table = make_table(bake, grid, i);
+    for (int first = 0; first < level.layers; first += step) {
+      const int count = std::min(step, level.layers - first);
+      table.layers = {first, count, 0, 0};
+      const auto make = [&](unsigned internal, unsigned format, int width, const std::vector<uint8_t>& texels) {
+        gl::Texture texture = gl::Texture::make_array(context, internal, width, level.height, count, 1);
+        const size_t layer_bytes = texels.size() / static_cast<size_t>(level.layers);
+        for (int layer = 0; layer < count; ++layer)
+          texture.write(0, layer, format, GL_UNSIGNED_BYTE,
+                        texels.data() + static_cast<size_t>(first + layer) * layer_bytes);
+        return texture;
+      };
+      CharacterTiles::Part& part = l.arrays.emplace_back();
+      part.table = gl::Buffer(context, sizeof table, &table);
+      if (bake.part_bits == 0) {
+        part.albedo = make(GL_RGBA8, GL_RGBA, level.width, level.albedo);
+        part.surface = make(GL_RGBA8, GL_RGBA, level.width, level.surface);
+        continue;
+      }
+      part.albedo = make(GL_COMPRESSED_RGBA_S3TC_DXT5_EXT, 0, level.width, level.albedo);
+      part.surface = make(GL_COMPRESSED_RG_RGTC2, 0, level.width, level.normal);
+      part.parts = make(GL_R8UI, GL_RED_INTEGER, level.width * bake.part_bits / 8, level.parts);
+      if (!level.depth.empty()) part.depth = make(GL_COMPRESSED_RED_RGTC1, 0, level.width, level.depth);
     }
-    l.albedo = make(GL_COMPRESSED_RGBA_S3TC_DXT5_EXT, 0, level.width, level.albedo);
-    l.surface = make(GL_COMPRESSED_RG_RGTC2, 0, level.width, level.normal);
-    l.parts = make(GL_R8UI, GL_RED_INTEGER, level.width * bake.part_bits / 8, level.parts);
-    if (!level.depth.empty()) l.depth = make(GL_COMPRESSED_RED_RGTC1, 0, level.width, level.depth);
   }
   out.tiles = gl::Buffer(context, tiles);
   out.tile_texels = gl::Texture::make_buffer(context, GL_RGBA32F, out.tiles);
@@ -145,7 +166,17 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   return out;
 }
 
-void check_limits(const gl::Context& context, const FlatBake& bake, const std::string& character) {
+// How the tiles are drawn; the bake does not depend on it.
+struct DrawOptions {
+  bool nailboard = false;
+  bool blend = false;  // of three views
+  bool floor = false;
+  bool list = false;  // one fetch a fragment, not lit
+  int layers = 0;     // of one array texture, at most; 0: the driver's limit
+};
+
+void check_limits(const gl::Context& context, const FlatBake& bake, const std::string& character,
+                  const DrawOptions& draw) {
   const gl::Limits& limits = context.limits();
   const auto refuse = [&](const std::string& what) {
     throw Error(fmt::format("flat bake of {}", character), what, "lower texels, frames or views, or use fewer clips");
@@ -153,22 +184,17 @@ void check_limits(const gl::Context& context, const FlatBake& bake, const std::s
   uint64_t corners = 0;
   for (const FlatLevel& level : bake.levels) {
     corners += level.outlines.size();
-    if (level.layers > limits.array_layers)
-      refuse(fmt::format("{} layers are more than this driver's {}", level.layers, limits.array_layers));
-    if (level.albedo.size() >= (uint64_t{1} << 31))
-      refuse(fmt::format("a texture of {} bytes is too large", level.albedo.size()));
+    if (std::max(level.width, level.height) > limits.texture_size)
+      refuse(fmt::format("a page of {} x {} texels is larger than this driver's {} a side", level.width, level.height,
+                         limits.texture_size));
+    // A fragment of the blend reads three tiles of any layers.
+    if (const int most = layers_at_once(context, level, draw.layers); draw.blend && level.layers > most)
+      refuse(fmt::format("{} layers are more than the {} of one array texture, which blend=3 needs them in",
+                         level.layers, most));
   }
   if (corners > static_cast<uint64_t>(limits.texel_buffer))
     refuse(fmt::format("{} tiles need too large a table", uint64_t{bake.frames} * bake.views));
 }
-
-// How the tiles are drawn; the bake does not depend on it.
-struct DrawOptions {
-  bool nailboard = false;
-  bool blend = false;  // of three views
-  bool floor = false;
-  bool list = false;  // one fetch a fragment, not lit
-};
 
 class FlatRepresentation : public Representation {
  public:
@@ -225,8 +251,8 @@ class FlatRepresentation : public Representation {
                         static_cast<double>(bake->texture_bytes()) / (1 << 20), static_cast<double>(left) / (1 << 20)),
             "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
       left -= bake->texture_bytes();
-      check_limits(context_, *bake, character->name);
-      characters_.push_back(upload(context_, *bake, options.grid));
+      check_limits(context_, *bake, character->name, draw_);
+      characters_.push_back(upload(context_, *bake, options.grid, draw_.layers));
       characters_.back().cache_key = key;
       for (const FlatTile& t : bake->levels[0].tiles) {
         characters_.back().tiles_baked += t.covered > 0 ? 1 : 0;
@@ -260,15 +286,18 @@ class FlatRepresentation : public Representation {
       tiles.view_texels.bind(CB_TEXTURE_VIEWS);
       for (size_t l = 0; l < tiles.levels.size(); ++l) {
         const CharacterTiles::Level& level = tiles.levels[l];
-        if (!level.albedo) continue;
+        if (level.arrays.empty()) continue;
         resources.draw_listed(c, order_.at_level(static_cast<int>(l)), [&](uint32_t n) {
-          level.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
-          level.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
-          level.surface.bind(CB_FLAT_TEXTURE_SURFACE);
-          if (level.parts) level.parts.bind(CB_FLAT_TEXTURE_PARTS);
-          if (level.depth) level.depth.bind(CB_FLAT_TEXTURE_DEPTH);
           program(pass, level.corners, tiles.part_bits).use();
-          draw_polygons(draw_.blend ? 4 : level.corners, n);
+          // Every array is offered all agents and shows those whose tile it holds; nearly all bakes have one.
+          for (const CharacterTiles::Part& part : level.arrays) {
+            part.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
+            part.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
+            part.surface.bind(CB_FLAT_TEXTURE_SURFACE);
+            if (part.parts) part.parts.bind(CB_FLAT_TEXTURE_PARTS);
+            if (part.depth) part.depth.bind(CB_FLAT_TEXTURE_DEPTH);
+            draw_polygons(draw_.blend ? 4 : level.corners, n);
+          }
         });
       }
     }
@@ -279,10 +308,11 @@ class FlatRepresentation : public Representation {
   Footprint footprint() const override {
     Footprint out;
     for (const CharacterTiles& c : characters_) {
-      for (const CharacterTiles::Level& l : c.levels) {
-        out.texture_bytes += l.texture_bytes();
-        out.buffer_bytes += l.table.size();
-      }
+      for (const CharacterTiles::Level& l : c.levels)
+        for (const CharacterTiles::Part& part : l.arrays) {
+          out.texture_bytes += part.texture_bytes();
+          out.buffer_bytes += part.table.size();
+        }
       out.buffer_bytes += c.tiles.size() + c.outlines.size() + c.axes.size();
       out.disk_bytes += c.disk_bytes;
     }
@@ -454,6 +484,7 @@ const RepresentationType flat_type = {
      {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
      {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
      {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"},
+     {"layers", "0..4096", "0", "of one array texture, at most; 0: the driver's limit. More are split over several"},
      {"shade", "lit|list", "lit",
       "lit as the mesh is, or a bare list of polygons: one fetch, the stored colour as it is"}},
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
@@ -462,7 +493,8 @@ const RepresentationType flat_type = {
       const DrawOptions draw{.nailboard = reader.choice("depth", {"flat", "nailboard"}) == 1,
                              .blend = reader.choice("blend", {"1", "3"}) == 1,
                              .floor = reader.flag("floor"),
-                             .list = reader.choice("shade", {"lit", "list"}) == 1};
+                             .list = reader.choice("shade", {"lit", "list"}) == 1,
+                             .layers = static_cast<int>(reader.integer("layers", 0, 4096))};
       if (draw.list && (draw.nailboard || draw.blend || draw.floor))
         throw Error("representation 'flat'", "shade=list has one fetch: no stored depth, one view, no floor of its own",
                     "leave out depth, blend and floor, or shade=list");

@@ -47,7 +47,9 @@ void main() {
 #endif
   vec3 light = turn(frame.light_direction.xyz, back);
   v_agent.xyz = floatBitsToUint(vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye)));
-  v_agent.w = agent.outfit << CB_FLAT_LAYER_BITS | uint(place.z);
+  uint layer = uint(place.z) - table.layers.x;
+  if (layer >= table.layers.y) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // in another texture: beyond the near plane
+  v_agent.w = agent.outfit << CB_FLAT_LAYER_BITS | layer;
 #ifdef CB_IDS
   v_id = agent.id;
 #endif

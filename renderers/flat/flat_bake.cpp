@@ -194,10 +194,12 @@ Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) 
   const int column = (broadest + kColumn - 1) / kColumn * kColumn;
   Packing best;
   std::pair<bool, uint64_t> least{true, std::numeric_limits<uint64_t>::max()};
-  constexpr int kMostLayers = 1536;  // every driver's limit is 2048 at least
+  constexpr int kMostLayers = 1536;  // every driver's limit is 2048 at least; more are split over several arrays
   constexpr int kWidest = 1024;
   const bool small = level >= kFineLevels;
-  for (int width = small ? column : 64; width <= (small ? column : kWidest); width += 64)
+  const int narrowest = small ? column : 64;
+  for (int width = narrowest; width <= std::max(kWidest, narrowest); width += narrowest) {
+    if (small && !least.first) break;
     for (int shelves = 1; shelves == 1 || shelves * tallest <= kWidest; ++shelves) {
       Packing tried = pack_in_order(sizes, groups, width, shelves * tallest);
       const uint64_t area = static_cast<uint64_t>(tried.width) * static_cast<uint64_t>(tried.height) *
@@ -207,6 +209,7 @@ Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) 
       least = found;
       best = std::move(tried);
     }
+  }
   Layout layout;
   layout.packing = best;
   layout.texel_bits = texel_bits(options, plan.part_bits);

@@ -657,6 +657,35 @@ TEST_F(FlatGl, AListShowsTheStoredColours) {
     EXPECT_THROW(make(walker(), bake + ",shade=list" + option), Error) << option;
 }
 
+TEST_F(FlatGl, ManyLayersAreSplitOverSeveralArrays) {
+  for (const std::string options : {"", ",depth=nailboard", ",compress=bc"}) {
+    const std::string spec = "flat:views=sphere-8x4,frames=2,texels=64" + options;
+    const auto whole = make(walker(), spec);
+    const auto split = make(walker(), spec + ",layers=1");
+    EXPECT_EQ(split->footprint().texture_bytes, whole->footprint().texture_bytes);
+    EXPECT_GT(split->footprint().buffer_bytes, whole->footprint().buffer_bytes) << "there is something to split";
+    Renderer renderer(context(), walker());
+    // Both kinds of outlines, all elevations: agents around the eye, from 2 m under it to 14.
+    scene::Frame frame = frame_of_one(10, 1, 320, 240, 60);
+    frame.camera.eye = {0, 4, 0};
+    frame.camera.target = {0, 0, -8};
+    frame.origin = frame.camera.eye;
+    for (int i = 0; i < 60; ++i) {
+      const double away = 2 + 0.4 * i;
+      add_agent(frame, walker(), {away * 0.5 * std::sin(2.4 * i), -0.1 * (i % 5), -away}, static_cast<uint32_t>(i + 1),
+                (i % 4) * 0.25, static_cast<float>(i % 8) / 8);
+    }
+    const Capture a = renderer.capture(frame, *whole);
+    const Capture b = renderer.capture(frame, *split);
+    ASSERT_GT(covered(a), 2000U);
+    EXPECT_EQ(a.ids, b.ids) << spec;
+    EXPECT_EQ(a.colour, b.colour) << spec;
+    EXPECT_EQ(a.depth, b.depth) << spec;
+  }
+  EXPECT_THROW(make(walker(), "flat:views=sphere-8x4,frames=2,texels=64,blend=3,layers=1"), Error)
+      << "a fragment reads three tiles of any layers";
+}
+
 TEST_F(FlatGl, ASquareQuadShowsTheSamePicture) {
   const auto trimmed = make(walker(), "flat:views=sphere-4x2,frames=1,texels=64");
   const auto square = make(walker(), "flat:views=sphere-4x2,frames=1,texels=64,quad=square");
