@@ -210,7 +210,7 @@ class PolypostorRepresentation : public Representation {
       resources.draw_listed(c, order_.all(), [&](uint32_t count) {
         place_figures(polygons, count);
         filtered_.bind(CB_POLYPOSTOR_TEXTURE_ALBEDO);
-        nearest_.bind(CB_POLYPOSTOR_TEXTURE_NORMALS);
+        filtered_.bind(CB_POLYPOSTOR_TEXTURE_NORMALS);
         nearest_.bind(CB_POLYPOSTOR_TEXTURE_MATERIALS);
         polygons.albedo.bind(CB_POLYPOSTOR_TEXTURE_ALBEDO);
         polygons.normals.bind(CB_POLYPOSTOR_TEXTURE_NORMALS);

@@ -26,7 +26,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 14;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 15;  // raised whenever the same inputs give other bytes
 constexpr uint32_t kFineLevels = 2;    // the levels drawn with all parts; coarser ones have fewer, of four corners
 constexpr uint64_t kTexelBytes = 7;
 constexpr int kCoarseCorners = 4;
@@ -43,8 +43,12 @@ int level_count(int texels) {
 
 // The parts that a range of levels draws.
 struct Tier {
-  PartMap parts;
-  std::vector<std::vector<uint32_t>> corners;  // by part: the triangles' vertices
+  CutCharacter cut;
+  std::vector<std::vector<uint32_t>> corners;     // by part: the triangles' vertices
+  std::vector<std::vector<glm::vec3>> positions;  // by frame
+  std::vector<std::vector<glm::vec3>> normals;    // by frame, of any length
+  std::vector<glm::vec3> tones;
+  std::vector<std::vector<SurfaceMoments>> moments;  // part, frame
   uint32_t first_level = 0, levels = 0;
   FitOptions fit;
 };
@@ -69,11 +73,7 @@ struct Plan {
   std::vector<const scene::PoseBank*> bank_of;       // by frame
   std::vector<scene::PoseSample> samples;            // by frame
   std::vector<std::vector<scene::Mat3x4>> palettes;  // by frame
-  std::vector<std::vector<glm::vec3>> positions;     // by frame
-  std::vector<std::vector<glm::vec3>> normals;       // by frame, of any length
-  std::vector<glm::vec3> tones;
   std::vector<Tier> tiers;
-  std::vector<std::vector<std::vector<SurfaceMoments>>> moments;  // tier, part, frame
 };
 
 // Rotated as the positions are: joints scale little.
@@ -96,13 +96,13 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
                const PolypostorBakeOptions& options) {
   Plan plan;
   plan.still = bank;
-  plan.tones = vertex_tones(character);
   std::vector<int> moving_clips;
   for (const scene::BankClip& c : bank->clips())
     if (c.samples > 1) moving_clips.push_back(c.clip);
   if (!moving_clips.empty())
     plan.moving =
         std::make_shared<const scene::PoseBank>(scene::PoseBank::frames(character, moving_clips, options.frames));
+  std::vector<std::vector<glm::vec3>> positions;  // by frame
   int next_moving = 0;
   for (size_t c = 0; c < bank->clips().size(); ++c) {
     const bool moves = bank->clips()[c].samples > 1;
@@ -114,13 +114,12 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
       plan.samples.push_back(moves ? from.sample(next_moving, static_cast<double>(f) / options.frames)
                                    : from.sample(static_cast<int>(c), 0));
       plan.palettes.push_back(from.palette(plan.samples.back()));
-      plan.positions.push_back(posed_positions(character.mesh, plan.palettes.back()));
-      plan.normals.push_back(posed_normals(character.mesh, plan.palettes.back()));
+      positions.push_back(posed_positions(character.mesh, plan.palettes.back()));
     }
     if (moves) ++next_moving;
     plan.clips.push_back(clip);
   }
-  plan.sphere = enclosing_sphere(plan.positions);
+  plan.sphere = enclosing_sphere(positions);
   if (!(plan.sphere.radius > 0)) throw Error(character.name, "has no extent to take pictures of", "check the file");
   plan.texel = 2 * plan.sphere.radius / options.texels;
   plan.quantum = kReach * options.texels / 4094.0;
@@ -130,39 +129,52 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
                               : cut_parts(character, options.cuts, "representation 'polypostor', option 'parts'");
   const auto levels = static_cast<uint32_t>(level_count(options.texels));
   const uint32_t fine = std::min(levels, kFineLevels);
-  plan.tiers.push_back({parts.fine, {}, 0, fine, {options.corners, kRoom, kRoom, plan.quantum}});
-  const double coarse_texel = std::exp2(fine);
-  if (levels > fine)
-    plan.tiers.push_back({parts.coarse,
-                          {},
-                          fine,
-                          levels - fine,
-                          {kCoarseCorners, kRoom * coarse_texel, kRoom * coarse_texel, plan.quantum}});
-  for (Tier& tier : plan.tiers) {
-    if (tier.parts.count > kPolypostorParts)
+  const auto add_tier = [&](const PartMap& map, uint32_t first_level, uint32_t count, int corners) {
+    if (map.count > kPolypostorParts)
       throw Error(fmt::format("polypostor bake of {}", character.name),
-                  fmt::format("{} parts; {} is the most", tier.parts.count, kPolypostorParts), "name fewer joints");
-    auto& moments = plan.moments.emplace_back();
-    for (const auto& triangles : part_triangles(character, tier.parts)) {
-      auto& corners = tier.corners.emplace_back();
-      for (const uint32_t t : triangles)
-        for (uint32_t k = 0; k < 3; ++k) corners.push_back(character.mesh.indices[3 * t + k]);
-      auto& by_frame = moments.emplace_back();
-      for (const auto& positions : plan.positions) by_frame.push_back(surface_moments(positions, corners));
+                  fmt::format("{} parts; {} is the most", map.count, kPolypostorParts), "name fewer joints");
+    Tier tier;
+    tier.cut = cut_at_parts(character, map);
+    tier.first_level = first_level;
+    tier.levels = count;
+    const double room = kRoom * std::exp2(first_level);
+    tier.fit = {corners, room, room, plan.quantum};
+    const scene::Mesh& mesh = tier.cut.character->mesh;
+    tier.tones = vertex_tones(*tier.cut.character);
+    for (const auto& palette : plan.palettes) {
+      tier.positions.push_back(posed_positions(mesh, palette));
+      tier.normals.push_back(posed_normals(mesh, palette));
     }
-  }
+    for (const auto& triangles : tier.cut.triangles) {
+      auto& of_part = tier.corners.emplace_back();
+      for (const uint32_t t : triangles)
+        for (uint32_t k = 0; k < 3; ++k) of_part.push_back(mesh.indices[3 * t + k]);
+      auto& by_frame = tier.moments.emplace_back();
+      for (const auto& posed : tier.positions) by_frame.push_back(surface_moments(posed, of_part));
+    }
+    plan.tiers.push_back(std::move(tier));
+  };
+  add_tier(parts.fine, 0, fine, options.corners);
+  if (levels > fine) add_tier(parts.coarse, fine, levels - fine, kCoarseCorners);
   return plan;
 }
 
 // Where skinning takes points of a view's plane, by the nearest edge of the part's mesh at the key.
 class Carrier {
  public:
-  Carrier(const scene::Mesh& mesh, const Plan& plan, const ViewBasis& basis, std::span<const uint32_t> corners,
+  Carrier(const Plan& plan, const Tier& tier, const ViewBasis& basis, std::span<const uint32_t> corners,
           size_t first_frame, size_t frames, size_t key)
-      : mesh_(mesh), plan_(plan), basis_(basis), corners_(corners), first_(first_frame), frames_(frames), key_(key) {}
+      : mesh_(tier.cut.character->mesh),
+        plan_(plan),
+        tier_(tier),
+        basis_(basis),
+        corners_(corners),
+        first_(first_frame),
+        frames_(frames),
+        key_(key) {}
 
   Polyline operator()(const glm::dvec2& p) const {
-    const auto& positions = plan_.positions[key_];
+    const auto& positions = tier_.positions[key_];
     double least = INFINITY;
     std::array<uint32_t, 2> edge{};
     double along = 0;
@@ -220,6 +232,7 @@ class Carrier {
 
   const scene::Mesh& mesh_;
   const Plan& plan_;
+  const Tier& tier_;
   const ViewBasis& basis_;
   std::span<const uint32_t> corners_;
   size_t first_, frames_, key_;
@@ -252,12 +265,12 @@ std::vector<SeenPart> see_parts(const Plan& plan, const Tier& tier, const Polypo
   const glm::mat3 to_view = glm::transpose(glm::mat3(basis.right, basis.up, basis.to_eye));
   for (uint32_t f = 0; f < clip.frames; ++f) {
     auto& points = positions.emplace_back();
-    for (const glm::vec3& p : plan.positions[clip.first_frame + f]) {
+    for (const glm::vec3& p : tier.positions[clip.first_frame + f]) {
       const glm::dvec3 d = (glm::dvec3(p) - plan.sphere.centre) / plan.texel;
       points.emplace_back(glm::dot(d, basis.right), glm::dot(d, basis.up), glm::dot(d, basis.to_eye));
     }
     auto& turned = normals.emplace_back();
-    for (const glm::vec3& n : plan.normals[clip.first_frame + f]) turned.push_back(to_view * n);
+    for (const glm::vec3& n : tier.normals[clip.first_frame + f]) turned.push_back(to_view * n);
   }
   std::vector<SeenPart> out;
   for (const auto& corners : tier.corners) {
@@ -270,7 +283,7 @@ std::vector<SeenPart> see_parts(const Plan& plan, const Tier& tier, const Polypo
       const PartMask mask = rasterise(flat);
       part.areas.push_back(facing_area(mask));
       part.contours.push_back(part.areas.back() > 0 ? trace_contour(mask) : Polyline{});
-      if (looks) images.push_back(look_at_part(corners, positions[f], normals[f], plan.tones));
+      if (looks) images.push_back(look_at_part(corners, positions[f], normals[f], tier.tones));
     }
     part.errors.resize(clip.frames);
     if (!looks) continue;
@@ -343,9 +356,8 @@ std::vector<Fit> fit_keys(const SeenPart& part, KeyChoice choice, const std::fun
   return out;
 }
 
-ViewParts fit_view(const scene::Mesh& mesh, const Plan& plan, size_t tier_index, const PolypostorClip& clip,
-                   const ViewBasis& basis, KeyChoice choice) {
-  const Tier& tier = plan.tiers[tier_index];
+ViewParts fit_view(const Plan& plan, const Tier& tier, const PolypostorClip& clip, const ViewBasis& basis,
+                   KeyChoice choice) {
   const std::vector<SeenPart> seen = see_parts(plan, tier, clip, basis, choice != KeyChoice::first);
   ViewParts out;
   out.sheets.resize(seen.size());
@@ -353,7 +365,7 @@ ViewParts fit_view(const scene::Mesh& mesh, const Plan& plan, size_t tier_index,
     const auto fit = [&](size_t key) {
       return fit_part(
           seen[part].contours, key,
-          Carrier(mesh, plan, basis, tier.corners[part], clip.first_frame, clip.frames, clip.first_frame + key),
+          Carrier(plan, tier, basis, tier.corners[part], clip.first_frame, clip.frames, clip.first_frame + key),
           tier.fit);
     };
     for (Fit& one : fit_keys(seen[part], choice, fit)) {
@@ -362,8 +374,7 @@ ViewParts fit_view(const scene::Mesh& mesh, const Plan& plan, size_t tier_index,
       if (choice == KeyChoice::two_keys) sheet.costs = fit_costs(seen[part], one);
       sheet.fit = std::move(one);
       for (uint32_t f = 0; f < clip.frames; ++f)
-        sheet.planes.push_back(
-            fit_plane(plan.moments[tier_index][part][clip.first_frame + f], plan.sphere.centre, basis));
+        sheet.planes.push_back(fit_plane(tier.moments[part][clip.first_frame + f], plan.sphere.centre, basis));
       out.sheets[part].push_back(std::move(sheet));
     }
   }
@@ -528,7 +539,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
       [&](size_t i) {
         const size_t view = i % views;
         if (!options.grid.reachable(static_cast<int>(view))) return;
-        fitted[i] = fit_view(character->mesh, plan, i / (clips * views), plan.clips[i / views % clips],
+        fitted[i] = fit_view(plan, plan.tiers[i / (clips * views)], plan.clips[i / views % clips],
                              options.grid.basis(static_cast<int>(view)), options.key);
       },
       [&](size_t done) {
@@ -568,7 +579,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
 
   for (size_t t = 0; t < tiers; ++t) {
     const Tier& tier = plan.tiers[t];
-    const auto triangles = part_triangles(*character, tier.parts);
+    const auto& triangles = tier.cut.triangles;
     for (size_t part = 0; part < triangles.size(); ++part) {
       for (const bool moving : {true, false}) {
         std::vector<CaptureTile> wanted;
@@ -587,7 +598,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
           }
         }
         if (wanted.empty()) continue;
-        TileCapture capture(context, only_part(*character, triangles[part]), moving ? plan.moving : plan.still,
+        TileCapture capture(context, only_part(*tier.cut.character, triangles[part]), moving ? plan.moving : plan.still,
                             plan.sphere.centre, plan.texel, plan.sphere.radius);
         capture.capture(wanted, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> images) {
           parallel(page.size(), threads,
@@ -706,7 +717,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
       bake.sets[((tier.first_level + l) * clips + i / views % clips) * views + i % views] = set;
     }
     if (i < clips * views) {
-      bake.parts = tier.parts.count;
+      bake.parts = static_cast<double>(tier.corners.size());
       for (const auto& sheets : parts.sheets)
         for (const Sheet& sheet : sheets) {
           ++seen;

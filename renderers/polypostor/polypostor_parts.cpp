@@ -3,8 +3,10 @@
 #include "renderers/polypostor/polypostor_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <map>
+#include <tuple>
 
 #include "core/error.h"
 #include "scene/pose.h"
@@ -224,6 +226,123 @@ PartMap number(const scene::Character& character, const std::vector<int>& part_o
   return map;
 }
 
+// Cuts a mesh primitive by primitive: what belongs to a primitive stays together.
+class Cutter {
+ public:
+  Cutter(const scene::Mesh& from, scene::Mesh& to, const PartMap& parts) : from_(from), to_(to), parts_(parts) {}
+
+  void run(std::vector<std::vector<uint32_t>>& triangles) {
+    scene::Mesh empty;
+    empty.primitives = from_.primitives;
+    to_ = std::move(empty);
+    for (scene::Primitive& primitive : to_.primitives) {
+      const scene::Primitive source = primitive;
+      primitive.first_vertex = static_cast<uint32_t>(to_.positions.size());
+      primitive.first_index = static_cast<uint32_t>(to_.indices.size());
+      moved_ = primitive.first_vertex - source.first_vertex;
+      edges_.clear();
+      for (uint32_t v = source.first_vertex; v < source.first_vertex + source.vertex_count; ++v) copy(v);
+      for (uint32_t i = source.first_index; i < source.first_index + source.index_count; i += 3) {
+        const std::array<uint32_t, 3> triangle = {from_.indices[i] + moved_, from_.indices[i + 1] + moved_,
+                                                  from_.indices[i + 2] + moved_};
+        int most = 0;
+        float largest = 0;  // share of the triangle's middle
+        for (int part = 0; part < parts_.count; ++part) {
+          const float middle = (share(triangle[0], part) + share(triangle[1], part) + share(triangle[2], part)) / 3;
+          if (middle <= largest) continue;
+          largest = middle;
+          most = part;
+        }
+        if (largest < kBorderWeight)
+          add(triangle, triangles[static_cast<size_t>(most)]);
+        else
+          for (int part = 0; part < parts_.count; ++part) cut(part, triangle, triangles[static_cast<size_t>(part)]);
+      }
+      primitive.vertex_count = static_cast<uint32_t>(to_.positions.size()) - primitive.first_vertex;
+      primitive.index_count = static_cast<uint32_t>(to_.indices.size()) - primitive.first_index;
+    }
+  }
+
+ private:
+  void copy(uint32_t v) {
+    to_.positions.push_back(from_.positions[v]);
+    to_.normals.push_back(from_.normals[v]);
+    to_.uvs.push_back(from_.uvs[v]);
+    if (!from_.emissive_uvs.empty()) to_.emissive_uvs.push_back(from_.emissive_uvs[v]);
+    if (!from_.colours.empty()) to_.colours.push_back(from_.colours[v]);
+    to_.joints.push_back(from_.joints[v]);
+    to_.weights.push_back(from_.weights[v]);
+  }
+
+  float share(uint32_t v, int part) const {
+    float sum = 0;
+    for (int k = 0; k < scene::kInfluences; ++k)
+      if (parts_.part_of[to_.joints[v][k]] == part) sum += to_.weights[v][k];
+    return sum;
+  }
+
+  // The corner on the edge from a to b where the part's weight is the border's.
+  uint32_t corner_between(int part, uint32_t a, uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto [found, fresh] = edges_.try_emplace({part, a, b}, static_cast<uint32_t>(to_.positions.size()));
+    if (!fresh) return found->second;
+    const float at_a = share(a, part);
+    const float t = std::clamp((kBorderWeight - at_a) / (share(b, part) - at_a), 0.0F, 1.0F);
+    const auto between = [&](auto& values) { values.push_back(values[a] + t * (values[b] - values[a])); };
+    between(to_.positions);
+    const glm::vec3 normal = glm::mix(to_.normals[a], to_.normals[b], t);
+    const float length = glm::length(normal);
+    to_.normals.push_back(length > 1e-6F ? normal / length : to_.normals[a]);
+    between(to_.uvs);
+    if (!to_.emissive_uvs.empty()) between(to_.emissive_uvs);
+    if (!to_.colours.empty()) between(to_.colours);
+    std::map<uint16_t, float> weights;
+    for (int k = 0; k < scene::kInfluences; ++k) {
+      weights[to_.joints[a][k]] += (1 - t) * to_.weights[a][k];
+      weights[to_.joints[b][k]] += t * to_.weights[b][k];
+    }
+    std::vector<std::pair<float, uint16_t>> order;
+    for (const auto& [joint, weight] : weights) order.emplace_back(-weight, joint);
+    std::sort(order.begin(), order.end());
+    order.resize(scene::kInfluences, {0.0F, uint16_t{0}});
+    glm::u16vec4 joints(0);
+    glm::vec4 kept(0.0F);
+    for (int k = 0; k < scene::kInfluences; ++k) {
+      kept[k] = -order[static_cast<size_t>(k)].first;
+      if (kept[k] > 0) joints[k] = order[static_cast<size_t>(k)].second;
+    }
+    to_.joints.push_back(joints);
+    to_.weights.push_back(kept / (kept.x + kept.y + kept.z + kept.w));
+    return found->second;
+  }
+
+  // Adds what a triangle has of the part: nothing, itself, or a triangle or two.
+  void cut(int part, const std::array<uint32_t, 3>& triangle, std::vector<uint32_t>& triangles) {
+    std::array<uint32_t, 4> polygon{};
+    size_t corners = 0;
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = triangle[k];
+      const uint32_t b = triangle[(k + 1) % 3];
+      const bool in_a = share(a, part) >= kBorderWeight;
+      const bool in_b = share(b, part) >= kBorderWeight;
+      if (in_a) polygon[corners++] = a;
+      if (in_a != in_b) polygon[corners++] = corner_between(part, a, b);
+    }
+    for (size_t k = 2; k < corners; ++k) add({polygon[0], polygon[k - 1], polygon[k]}, triangles);
+  }
+
+  void add(const std::array<uint32_t, 3>& triangle, std::vector<uint32_t>& triangles) {
+    triangles.push_back(static_cast<uint32_t>(to_.indices.size() / 3));
+    to_.indices.insert(to_.indices.end(), triangle.begin(), triangle.end());
+  }
+
+  const scene::Mesh& from_;
+  scene::Mesh& to_;
+  const PartMap& parts_;
+  uint32_t moved_ = 0;  // from a vertex of `from` to the same one of `to`
+  std::map<std::tuple<int, uint32_t, uint32_t>, uint32_t> edges_;
+};
+
 }  // namespace
 
 BodyParts find_parts(const scene::Character& character) {
@@ -271,21 +390,13 @@ BodyParts cut_parts(const scene::Character& character, const std::string& cuts, 
   return {map, map};
 }
 
-std::vector<std::vector<uint32_t>> part_triangles(const scene::Character& character, const PartMap& parts) {
-  const scene::Mesh& mesh = character.mesh;
-  std::vector<std::vector<uint32_t>> out(static_cast<size_t>(parts.count));
-  std::vector<double> sums(out.size());
-  for (uint32_t t = 0; t < mesh.indices.size() / 3; ++t) {
-    std::fill(sums.begin(), sums.end(), 0.0);
-    for (uint32_t corner = 0; corner < 3; ++corner) {
-      const uint32_t v = mesh.indices[3 * t + corner];
-      for (int k = 0; k < scene::kInfluences; ++k)
-        sums[static_cast<size_t>(parts.part_of[mesh.joints[v][k]])] += static_cast<double>(mesh.weights[v][k]);
-    }
-    const double most = *std::max_element(sums.begin(), sums.end());
-    for (size_t p = 0; p < sums.size(); ++p)
-      if (sums[p] > 0 && (sums[p] == most || sums[p] >= 3 * kBorderWeight)) out[p].push_back(t);
-  }
+CutCharacter cut_at_parts(const scene::Character& character, const PartMap& parts) {
+  auto cut = std::make_shared<scene::Character>(character);
+  CutCharacter out;
+  out.triangles.resize(static_cast<size_t>(parts.count));
+  Cutter cutter(character.mesh, cut->mesh, parts);
+  cutter.run(out.triangles);
+  out.character = std::move(cut);
   return out;
 }
 

@@ -1,6 +1,7 @@
 // Which joints make a body part: what a polypostor cuts a character into.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,9 +31,16 @@ BodyParts find_parts(const scene::Character& character);
 // above all of them is a part too. Both maps are that one. Throws Error naming `where`: an unknown joint.
 BodyParts cut_parts(const scene::Character& character, const std::string& cuts, const std::string& where);
 
-// triangles[part]: indices of the triangles of each part. A triangle belongs to every part that has at least
-// kBorderWeight of the weights of its three corners, so that no gap opens where two parts meet.
-inline constexpr double kBorderWeight = 0.3;
-std::vector<std::vector<uint32_t>> part_triangles(const scene::Character& character, const PartMap& parts);
+// The character with its triangles cut where parts end. A point of the surface, whose weights are interpolated between
+// the corners of its triangle, belongs to every part that has at least kBorderWeight of them: to two around a joint, so
+// that no gap opens there. Cuts follow the lines of that weight across triangles. (A triangle whose middle so many
+// parts share that none has as much is the one's that has most.) Corners made on edges carry what lies between the
+// ends: everything is interpolated, and of the joints the four of most weight are kept.
+struct CutCharacter {
+  std::shared_ptr<const scene::Character> character;
+  std::vector<std::vector<uint32_t>> triangles;  // by part: indices of triangles, ascending
+};
+inline constexpr float kBorderWeight = 0.3F;
+CutCharacter cut_at_parts(const scene::Character& character, const PartMap& parts);
 
 }  // namespace crowdbench::renderers
