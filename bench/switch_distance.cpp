@@ -31,14 +31,14 @@ class Probe {
     centre_ = 0.5 * request.scale * (glm::dvec3(bank.bounds_min()) + glm::dvec3(bank.bounds_max()));
     extent_ = request.scale * (glm::dvec3(bank.bounds_max()) - glm::dvec3(bank.bounds_min()));
     pose_ = bank.sample(0, 0.0);
-    const double texel = representation_->texel_metres(0);
-    if (!representation_->shows_texels() || !(texel > 0))
-      throw Error(fmt::format("representation '{}'", request.representation.text()), "it has no texels to measure",
-                  "use flat");
+    if (!(texel() > 0))
+      throw Error(fmt::format("representation '{}'", request.representation.text()), "it has no texels", "use flat");
   }
 
   double texel() const { return representation_->texel_metres(0); }
   const glm::dvec3& extent() const { return extent_; }
+
+  bool measures() const { return representation_->shows_texels(); }
 
   // Pixels a texel at the agent's middle, which lies at that eye-space depth.
   std::optional<TexelFootprint> footprint(double depth) {
@@ -163,6 +163,7 @@ SwitchReport measure_switch_distance(gl::Context& context, const SwitchRequest& 
 
   SwitchReport report;
   report.texel = probe.texel();
+  report.measured = probe.measures();
   report.height =
       request.character->placement.height > 0 ? request.character->placement.height : probe.extent().y / request.scale;
   for (const double ratio : request.ratios) {
@@ -177,7 +178,7 @@ SwitchReport measure_switch_distance(gl::Context& context, const SwitchRequest& 
     double depth = 8 * glm::length(probe.extent());
     constexpr int kMostPictures = 12;
     constexpr double kClose = 1e-4;
-    for (int i = 0; i < kMostPictures; ++i) {
+    for (int i = 0; i < kMostPictures && probe.measures(); ++i) {
       const std::optional<TexelFootprint> found = probe.footprint(depth);
       if (!found) break;
       const double step = found->across_y / ratio;

@@ -60,6 +60,9 @@ struct SwitchRow {
 };
 
 struct SwitchReport {
+  // Whether pictures were measured: not of a representation that does not draw Pass::texels, whose texel is then taken
+  // at its word.
+  bool measured = true;
   double texel = 0;   // metres, at scale 1
   double height = 0;  // the character's, metres, at scale 1
   std::vector<SwitchRow> rows;

@@ -80,6 +80,7 @@ int run_switch_distance(const Options& options) {
                 {"elevation_deg", request.elevation_deg},
                 {"off_axis_deg", request.off_axis_deg},
                 {"renderer", context->renderer()},
+                {"measured", report.measured},
                 {"rows", Json::array()}};
     for (const SwitchRow& row : report.rows) out["rows"].push_back(to_json(row));
     fmt::print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -100,6 +101,10 @@ int run_switch_distance(const Options& options) {
                row.depth, text(row.measured_depth, "{:.3f}"), text(error_percent(row), "{:+.2f}"), row.stretch,
                text(row.measured_stretch, "{:.4f}"), row.height_px, row.engines.unity_height, row.engines.unreal_size,
                row.engines.godot_metres);
+  if (!report.measured)
+    fmt::print(
+        "not measured: {} does not draw the places of its texels; derived from the texel that it was captured with\n",
+        request.representation.name);
   fmt::print(
       "depth: along the view axis, derived and as measured from pictures of the impostor. Nearer than that draw the "
       "mesh.\n"

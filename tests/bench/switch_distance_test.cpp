@@ -121,6 +121,20 @@ TEST_F(SwitchDistanceGl, ThePrintedEquationsDoNot) {
   EXPECT_NEAR(off.rows[0].distance / *off.rows[0].measured_depth, std::sqrt(2.0), kBound * std::sqrt(2.0));
 }
 
+TEST_F(SwitchDistanceGl, WhatShowsNoTexelsIsDerivedAndNotMeasured) {
+  SwitchRequest r = request();
+  r.representation = renderers::parse_spec("polypostor:views=sphere-4x1,frames=2,texels=32");
+  r.ratios = {2};
+  const SwitchReport report = measure_switch_distance(context_, r);
+  EXPECT_FALSE(report.measured);
+  ASSERT_EQ(report.rows.size(), 1U);
+  EXPECT_FALSE(report.rows[0].measured_depth);
+  EXPECT_FALSE(report.rows[0].measured_stretch);
+  EXPECT_GT(report.texel, 0);
+  EXPECT_DOUBLE_EQ(report.rows[0].depth,
+                   derive_switch_depth(2, report.texel * r.scale, r.height, r.fov_y_deg * std::numbers::pi / 180));
+}
+
 TEST_F(SwitchDistanceGl, RefusesWhatItCannotMeasure) {
   SwitchRequest r = request();
   r.off_axis_deg = 60;
