@@ -48,6 +48,12 @@ const std::vector<Golden>& goldens() {
       {"hybrid", "hybrid(mesh,polypostor:views=sphere-4x1,frames=2,texels=64,distance=4,fade=4)", 5.5},
       {"polypostor", "polypostor:views=sphere-6x2,frames=4", 5.5},
       {"polypostor_far", "polypostor:views=sphere-6x2,frames=4", 15},
+      {"flat", "flat:views=sphere-6x2,frames=4", 5.5},
+      {"flat_nailboard", "flat:views=sphere-6x2,frames=4,depth=nailboard", 5.5},
+      {"flat_blend", "flat:views=sphere-6x2,frames=4,blend=3", 5.5},
+      {"flat_far", "flat:views=sphere-6x2,frames=4", 15},
+      {"relief", "relief:map=64", 5.5},
+      {"relief_far", "relief:map=64", 15},
   };
   return all;
 }
