@@ -39,7 +39,8 @@ constexpr double kBias = 0.5;    // codes
 struct Golden {
   const char* name;
   const char* spec;
-  double distance;  // metres: 5.5 gives figures of about 130 pixels, 15 of about 45
+  double distance;    // metres: 5.5 gives figures of about 130 pixels, 15 of about 45
+  bool meet = false;  // whether the figures pass through each other
 };
 const std::vector<Golden>& goldens() {
   static const std::vector<Golden> all = {
@@ -49,7 +50,7 @@ const std::vector<Golden>& goldens() {
       {"polypostor", "polypostor:views=sphere-6x2,frames=4", 5.5},
       {"polypostor_far", "polypostor:views=sphere-6x2,frames=4", 15},
       {"flat", "flat:views=sphere-6x2,frames=4", 5.5},
-      {"flat_nailboard", "flat:views=sphere-6x2,frames=4,depth=nailboard", 5.5},
+      {"flat_nailboard", "flat:views=sphere-6x2,frames=4,depth=nailboard", 5.5, true},
       {"flat_blend", "flat:views=sphere-6x2,frames=4,blend=3", 5.5},
       {"flat_far", "flat:views=sphere-6x2,frames=4", 15},
       {"relief", "relief:map=64", 5.5},
@@ -70,7 +71,7 @@ struct Nudge {
 };
 
 // One figure before another, turned, in clothes of several colours. Between stored views, and between stored frames.
-scene::Frame frame_of(double distance, const Nudge& nudge = {}) {
+scene::Frame frame_of(double distance, bool meet, const Nudge& nudge) {
   scene::Frame frame = frame_of_one(distance, 1.6, kSide, kSide, 24.0);
   const double pixel = 2 * distance * std::tan(frame.camera.fov_y / 2) / kSide;  // metres, where the first one stands
   frame.camera.eye.x -= nudge.right * pixel;
@@ -89,15 +90,15 @@ scene::Frame frame_of(double distance, const Nudge& nudge = {}) {
   frame.light.diffuse *= static_cast<float>(nudge.strength);
   add_agent(frame, cast(), {-0.25, 0, 0}, 1, 0.17, 0.06F);
   frame.agents[0].back().outfit = 1;
-  add_agent(frame, cast(), {0.4, 0, -0.9}, 2, 0.6, 0.7F);
+  add_agent(frame, cast(), meet ? glm::dvec3(-0.1, 0, -0.05) : glm::dvec3(0.4, 0, -0.9), 2, 0.6, 0.7F);
   return frame;
 }
 
 Image8 picture_of(const Golden& golden, Renderer& renderer, Representation& representation, const Nudge& nudge = {}) {
-  scene::Frame frame = frame_of(golden.distance, nudge);
+  scene::Frame frame = frame_of(golden.distance, golden.meet, nudge);
   if (representation.has_history()) {
     // Both figures were near two ticks ago: the picture shows them in the middle of a fade.
-    (void)renderer.capture(frame_of(golden.distance / 3, nudge), representation);
+    (void)renderer.capture(frame_of(golden.distance / 3, golden.meet, nudge), representation);
     frame.tick = 1;
     (void)renderer.capture(frame, representation);
     frame.tick = 2;
