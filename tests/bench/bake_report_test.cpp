@@ -1,6 +1,8 @@
 // `bake --report`: the source's published sizes, from the command that claims to reproduce them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/driver.h"
@@ -45,6 +47,40 @@ TEST(BakeReportGl, AFrameOfViewsAsTheSourceCountsIt) {
   const uint64_t trimmed = out.at("texture_bytes").get<uint64_t>();
   EXPECT_GT(bytes(",quad=square"), 2 * trimmed);
   EXPECT_LT(bytes(",compress=bc"), trimmed / 2);
+}
+
+// A full disk, as a limit on the size of files: the bake goes on uncached, with one warning, and leaves nothing behind.
+TEST(BakeReportGl, AFullDiskIsReportedAndTheRunGoesOn) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "crowdbench_full_disk_test";
+  std::filesystem::remove_all(folder);
+  const std::string bake = "bake relief:map=32,capture=bind,merge=0 --character mannequin:triangles=500 --json";
+  const std::string cache = "CROWDBENCH_CACHE_DIR='" + folder.string() + "'";
+  // 16 blocks of 512 bytes; the bake is larger. The signal that comes with the limit is ignored, so that writing fails.
+  const std::string full = "trap '' XFSZ; ulimit -f 16; MESA_SHADER_CACHE_DISABLE=1 " + cache;
+  const support::Outcome out = support::run_driver(full, bake, false);
+  ASSERT_EQ(out.status, 0) << out.text;
+  const json facts = json::parse(out.text, nullptr, false);
+  ASSERT_TRUE(facts.is_object());
+  EXPECT_EQ(facts.at("disk_bytes"), 0);
+  EXPECT_EQ(facts.at("cached"), false);
+  EXPECT_GT(facts.at("texture_bytes").get<int64_t>(), 100'000);
+  size_t left = 0;
+  std::error_code absent;
+  for (const auto& file : std::filesystem::recursive_directory_iterator(folder, absent)) left += file.is_regular_file();
+  EXPECT_EQ(left, 0U) << "pieces of files";
+  // Standard error alone: one line.
+  const support::Outcome said = support::run_driver(full, bake + " 2>&1 >/dev/null | cat");
+  EXPECT_NE(said.text.find("warning: bakes are not kept"), std::string::npos) << said.text;
+  EXPECT_EQ(std::count(said.text.begin(), said.text.end(), '\n'), 1) << said.text;
+  // With room it is stored, and read.
+  EXPECT_EQ(json::parse(support::run_driver(cache, bake, false).text).at("cached"), false);
+  EXPECT_EQ(json::parse(support::run_driver(cache, bake, false).text).at("cached"), true);
+  // A folder that nobody may write to, not even root.
+  const support::Outcome locked = support::run_driver("CROWDBENCH_CACHE_DIR=/proc/crowdbench", bake, false);
+  ASSERT_EQ(locked.status, 0);
+  EXPECT_EQ(json::parse(locked.text).at("disk_bytes"), 0);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -2,10 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "core/error.h"
+#include "core/image_io.h"
 #include "gl_test_support.h"
+#include "renderers/relief/relief_pieces.h"
+#include "scene/gltf.h"
 #include "solids.h"
 
 namespace crowdbench::renderers {
@@ -104,6 +111,201 @@ TEST_F(ReliefOptionsGl, NominalBytesOfFortyJoints) {
   EXPECT_EQ(number(relief->bake_info().facts, "boxes"), 1) << "joints without triangles have none";
   EXPECT_EQ(relief->bake_info().parts.size(), 40U);
   EXPECT_EQ(number(relief->bake_info().parts[39].facts, "bytes"), 0);
+}
+
+// ---- triangle rules
+
+// A square column, 0.3 m thick, on two joints: rings at 0.2 and 0.8 m belong to the lower one, at 1.2 and 1.8 m to the
+// upper one, which turns about 1 m. The eight triangles in the middle have two corners of one and one of the other.
+scene::Character bending_column() {
+  scene::Character c = testing::two_bones();
+  scene::Mesh& mesh = c.mesh;
+  mesh = scene::Mesh{};
+  for (int ring = 0; ring < 4; ++ring) {
+    const float y = std::array{0.2F, 0.8F, 1.2F, 1.8F}[static_cast<size_t>(ring)];
+    for (const glm::vec2& at : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(1, 1), glm::vec2(-1, 1)}) {
+      mesh.positions.emplace_back(0.15F * at.x, y, 0.15F * at.y);
+      mesh.normals.push_back(glm::normalize(glm::vec3(at.x, 0, at.y)));
+    }
+  }
+  for (uint32_t ring = 0; ring < 3; ++ring)
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t a = 4 * ring + k;
+      const uint32_t b = 4 * ring + (k + 1) % 4;
+      for (const uint32_t v : {a, a + 4, b, b, a + 4, b + 4}) mesh.indices.push_back(v);
+    }
+  testing::finish(c);
+  for (size_t v = 8; v < 16; ++v) mesh.joints[v] = glm::u16vec4(1, 0, 0, 0);
+  for (scene::Material& m : c.materials) m.double_sided = true;
+  c.content_hash = "bending_column";
+  return c;
+}
+
+struct Against {
+  int missing = 0;  // pixels two and more inside the mesh's silhouette that the relief does not cover
+  int extra = 0;    // pixels of the relief two and more outside it
+};
+Against against_mesh(const scene::Cast& cast, const scene::Frame& frame, const std::string& spec) {
+  Renderer renderer(context(), cast);
+  const Capture mesh = renderer.capture(frame, *make(cast, "mesh"));
+  const Capture relief = renderer.capture(frame, *make(cast, spec));
+  if (const char* folder = std::getenv("CROWDBENCH_TEST_OUT")) {
+    write_png(std::string(folder) + "/rule_mesh.png", mesh.colour);
+    write_png(std::string(folder) + "/rule_" + spec.substr(spec.find("rule=") + 5) + ".png", relief.colour);
+  }
+  Against out;
+  for (int y = 2; y + 2 < mesh.ids.height; ++y)
+    for (int x = 2; x + 2 < mesh.ids.width; ++x) {
+      int covered = 0;
+      for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i) covered += *mesh.ids.at(x + i, y + j) != 0 ? 1 : 0;
+      const bool shown = *relief.ids.at(x, y) != 0;
+      out.missing += covered == 25 && !shown ? 1 : 0;
+      out.extra += covered == 0 && shown ? 1 : 0;
+    }
+  if (std::getenv("CROWDBENCH_TEST_OUT")) std::printf("%s missing %d extra %d\n", spec.c_str(), out.missing, out.extra);
+  return out;
+}
+
+TEST_F(ReliefOptionsGl, TriangleRulesOpenAndCloseTheJoint) {
+  const scene::Character column = bending_column();
+  const Carriers own = own_carriers(column);
+  const auto counts = [&](TriangleRule rule, double threshold) {
+    const auto of = assign_triangles(column, rule, threshold, own);
+    return std::pair(of[0].size(), of[1].size());
+  };
+  // 8 triangles each, and of the 8 in the middle 4 with most weight on either.
+  EXPECT_EQ(counts(TriangleRule::dominant, 0), std::pair(size_t{12}, size_t{12}));
+  EXPECT_EQ(counts(TriangleRule::any, 0), std::pair(size_t{16}, size_t{16}));
+  EXPECT_EQ(counts(TriangleRule::threshold, 0.9), std::pair(size_t{16}, size_t{16})) << "one corner is 1";
+  EXPECT_EQ(counts(TriangleRule::threshold, 1.1), std::pair(size_t{12}, size_t{12}));
+  EXPECT_EQ(counts(TriangleRule::threshold, 2.5), std::pair(size_t{12}, size_t{12})) << "the dominant one always";
+
+  // Bent by a quarter turn about X, seen from the side (+X).
+  const scene::Cast cast = cast_of(bending_column());
+  scene::Frame frame = testing::frame_of_one(4, 1, 384, 384, 25);
+  frame.camera.eye = {4, 1, 0.3};
+  frame.camera.target = {0, 1, 0.3};
+  frame.origin = frame.camera.eye;
+  testing::add_agent(frame, cast, {0, 0, 0}, 1, 0.5);
+  // Half a texel is 4 mm, less than a pixel (4.6 mm).
+  const std::string common = "relief:map=128,merge=0,capture=bind,rule=";
+  const Against dominant = against_mesh(cast, frame, common + "dominant");
+  const Against any = against_mesh(cast, frame, common + "any");
+  const Against low = against_mesh(cast, frame, common + "threshold0.9");
+  const Against high = against_mesh(cast, frame, common + "threshold1.1");
+  // The straight prolongations of both pieces cover the bent skin between them but for a fillet on the inner side,
+  // whose legs are 0.2 m - 0.15 m: 12.5 square centimetres, at 4.6 mm a pixel (8 m tan(12.5 degrees) / 384) 59 pixels.
+  EXPECT_LT(any.missing, 59);
+  EXPECT_GT(dominant.missing, any.missing) << "half of the triangles between the joints are missing on either";
+  EXPECT_GT(any.extra, dominant.extra) << "what closes the gap sticks out";
+  EXPECT_EQ(low.missing, any.missing);
+  EXPECT_EQ(low.extra, any.extra);
+  EXPECT_EQ(high.missing, dominant.missing);
+  EXPECT_EQ(high.extra, dominant.extra);
+}
+
+// ---- mirrored joints
+
+// A joint that mirrors shows what the mirrored mesh shows, light and all. (The mesh renderer's own normals turn inward
+// there, so the mesh is mirrored by hand and drawn unposed.)
+TEST_F(ReliefOptionsGl, MirroredJointsAreLitLikeTheMirroredMesh) {
+  const auto ell = [] {
+    scene::Character c = testing::sphere(0.3, 32);
+    testing::append(c, testing::sphere(0.15, 16), {0.4F, 0.1F, 0.2F});
+    return c;
+  };
+  scene::Character posed = ell();
+  scene::Clip clip;
+  clip.name = "mirror";
+  clip.end = 1;
+  scene::Channel channel;
+  channel.target = scene::Target::scale;
+  channel.times = {0, 1};
+  channel.values = {-1, 1, 1, -1, 1, 1};
+  clip.channels.push_back(channel);
+  posed.clips.push_back(clip);
+  posed.motion.resize(1);
+  scene::Character mirrored = ell();
+  for (glm::vec3& p : mirrored.mesh.positions) p.x = -p.x;
+  for (glm::vec3& n : mirrored.mesh.normals) n.x = -n.x;
+  for (size_t i = 0; i + 2 < mirrored.mesh.indices.size(); i += 3)
+    std::swap(mirrored.mesh.indices[i + 1], mirrored.mesh.indices[i + 2]);
+  const scene::Cast posed_cast = cast_of(std::move(posed));
+  const scene::Cast mirrored_cast = cast_of(std::move(mirrored));
+  for (const char* proxy : {"hull", "box"}) {
+    const auto picture = [&](const scene::Cast& cast, const std::string& spec) {
+      scene::Frame frame = testing::frame_of_one(3, 0, 192, 192);
+      testing::add_agent(frame, cast, {0, 0, 0}, 1, 0.5, 0.1F);
+      Renderer renderer(context(), cast);
+      return renderer.capture(frame, *make(cast, spec));
+    };
+    const Capture mesh = picture(mirrored_cast, "mesh");
+    const Capture relief = picture(posed_cast, std::string("relief:map=64,capture=bind,proxy=") + proxy);
+    double sum = 0;
+    int both = 0;
+    int either = 0;
+    for (int y = 0; y < mesh.ids.height; ++y)
+      for (int x = 0; x < mesh.ids.width; ++x) {
+        const bool a = *mesh.ids.at(x, y) != 0;
+        const bool b = *relief.ids.at(x, y) != 0;
+        either += a || b ? 1 : 0;
+        if (!a || !b) continue;
+        ++both;
+        for (int c = 0; c < 3; ++c) sum += std::abs(mesh.colour.at(x, y)[c] - relief.colour.at(x, y)[c]) / 3.0;
+      }
+    EXPECT_GT(both, 1000);
+    EXPECT_GT(static_cast<double>(both) / either, 0.94) << proxy;
+    // The bound of the unmirrored figure: a texel's normal is up to 1/63 / 0.15 = 6 degrees off.
+    EXPECT_LT(sum / both, 8.0) << proxy;
+  }
+}
+
+// ---- near and far
+
+// The mannequin's face from 0.3 m, and the whole figure from 2 km through a lens that shows it as large as from 3 m.
+TEST_F(ReliefOptionsGl, AgentsAtThirtyCentimetresAndTwoKilometres) {
+  scene::Cast cast = cast_of(scene::open_character("mannequin"));
+  Renderer renderer(context(), cast);
+  const auto mesh = make(cast, "mesh");
+  const auto relief = make(cast, "relief:capture=bind");
+  const double texel = relief->texel_metres(0);
+  for (const bool near : {true, false}) {
+    scene::Frame frame = testing::frame_of_one(near ? 0.4 : 2000, near ? 1.62 : 0.9, 192, 192, near ? 50 : 0.06);
+    frame.camera.near = near ? 0.02 : 0.1;
+    testing::add_agent(frame, cast, {0, 0, 0}, 1, 0.0, 0.0F);
+    const Capture a = renderer.capture(frame, *mesh);
+    const Capture b = renderer.capture(frame, *relief);
+    if (const char* folder = std::getenv("CROWDBENCH_TEST_OUT")) {
+      write_png(std::string(folder) + (near ? "/near_mesh.png" : "/far_mesh.png"), a.colour);
+      write_png(std::string(folder) + (near ? "/near_relief.png" : "/far_relief.png"), b.colour);
+    }
+    std::vector<double> gaps;
+    int covered = 0;
+    int outline = 0;
+    int differ = 0;
+    for (int y = 1; y + 1 < a.ids.height; ++y)
+      for (int x = 1; x + 1 < a.ids.width; ++x) {
+        const bool in = *a.ids.at(x, y) != 0;
+        covered += in ? 1 : 0;
+        outline += in != (*a.ids.at(x + 1, y) != 0) || in != (*a.ids.at(x, y + 1) != 0) ? 1 : 0;
+        differ += in != (*b.ids.at(x, y) != 0) ? 1 : 0;
+        if (in && *b.ids.at(x, y) != 0)
+          gaps.push_back(std::abs(static_cast<double>(*a.depth.at(x, y)) - static_cast<double>(*b.depth.at(x, y))));
+      }
+    EXPECT_GT(covered, 1500) << near;
+    // Half a texel and half a pixel on either side of the outline; a pixel is 2 d tan(fov / 2) / 192 wide.
+    const double pixel =
+        near ? 2 * 0.4 * std::tan(25 * 3.14159265 / 180) / 192 : 2 * 2000 * std::tan(0.03 * 3.14159265 / 180) / 192;
+    EXPECT_LT(differ, outline * (0.5 * texel / pixel + 0.5) + 1) << near;
+    // Half of all pixels lie within a texel of the mesh, or within the depth's last bit at 2 km (24 bits: 0.12 mm).
+    ASSERT_FALSE(gaps.empty());
+    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+    EXPECT_LT(gaps[gaps.size() / 2], texel + 0.00012) << near;
+    if (std::getenv("CROWDBENCH_TEST_OUT"))
+      std::printf("near %d covered %d outline %d differ %d median gap %g texel %g pixel %g\n", near, covered, outline,
+                  differ, gaps[gaps.size() / 2], texel, pixel);
+  }
 }
 
 }  // namespace
