@@ -134,7 +134,13 @@ void main() {
   posed[item].light = vec4(frame.light_direction.xyz * turned * inversesqrt(max(stretch, 1e-30)),
                            (volume < 0.0 ? -2.0 : 0.0) + (angles_kept ? 0.0 : 1.0));
   vec3 view = transpose(mat3(frame.view_from_world)) * -centre * turned;
-  posed[item].view = vec4(view * inversesqrt(max(dot(view, view), 1e-30)), 0.0);
+  // Nearby, steps of a quarter of a pixel, between one and half a texel of level 0.
+#ifdef CARVE
+  float a_texel = clamp(4.0 * exp2(level - wanted), 1.0, level > 0.0 ? 1.0 : 2.0);
+#else
+  const float a_texel = 0.85;
+#endif
+  posed[item].view = vec4(view * inversesqrt(max(dot(view, view), 1e-30)), a_texel);
   posed[item].maps = uvec4(pack_maps(box.maps.x, box.maps.y, box.maps.z, uint(level)),
                            packUnorm4x8(vec4(edges / longest, 0.0)) | (angles_kept ? 0u : 1u << 24u) | colour_level << 25u,
                            box.place.x | pack_maps(0u, box.maps.y, box.maps.z, colour_level).x & 0xffff0000u);

@@ -27,7 +27,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 4;
+constexpr uint32_t kBakeVersion = 5;
 constexpr int kGroup = 64;  // local_size_x of relief.comp
 
 // Distances at which joints may share boxes: pixels of the character's height, from the nearest tier on. A tier is
@@ -254,10 +254,10 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   JointMerger merger(character, bank, what.capture);
   for (size_t tier = 0; tier < kTierPixels.size(); ++tier) {
     what.carriers = merger.merged(options.merge * character.placement.height / kTierPixels[tier]);
-    what.map_size = std::max(32, nearest.map_size >> (tier + 1));
+    const auto coarser = [&](int texels) { return std::min(texels, std::max(64, texels >> (tier + 1))); };
+    what.map_size = coarser(nearest.map_size);
     for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint)
-      what.texels_of_joint[joint] =
-          nearest.texels_of_joint[joint] > 0 ? std::max(16, nearest.texels_of_joint[joint] >> (tier + 1)) : 0;
+      what.texels_of_joint[joint] = coarser(nearest.texels_of_joint[joint]);
     ReliefModel model = bake_relief(character, what);
     if (model.boxes.size() < bake.models.back().boxes.size()) {
       bake.tier_pixels.push_back(kTierPixels[tier]);
@@ -510,7 +510,6 @@ class Relief final : public Representation {
 
   Tier upload(const scene::Character& character, const Bake& bake, size_t index) {
     const ReliefModel& model = bake.models[index];
-    const bool large = index == 0;
     const AtlasPlan plan = plan_atlas(model);
     if (2 * plan.width > context_.limits().texture_size || plan.height > context_.limits().texture_size)
       throw Error(
@@ -522,8 +521,8 @@ class Relief final : public Representation {
     Tier tier;
     tier.boxes = model.boxes.size();
     tier.joints = static_cast<int>(character.skeleton.joints.size());
-    tier.corners = large ? 8 : 4;
-    tier.carve = large;
+    tier.corners = index == 0 ? 8 : 4;
+    tier.carve = index == 0;
     tier.depth = gl::Texture::make_2d(context_, options_.depth_bits == 8 ? GL_RG8 : GL_RG16, plan.width, plan.height);
     tier.depth.write(0, 0, GL_RG, GL_UNSIGNED_SHORT, atlas.depth.data());
     if (!bake.cones.empty()) {
@@ -578,7 +577,7 @@ class Relief final : public Representation {
   gl::Defines defines(const Tier& tier) const {
     gl::Defines all{{"BOXES", std::to_string(tier.boxes)},
                     {"JOINTS", std::to_string(tier.joints)},
-                    {"LEVEL_BIAS", fmt::format("{:.4f}", options_.level_bias + (tier.carve ? 0.0 : 1.0))},
+                    {"LEVEL_BIAS", fmt::format("{:.4f}", options_.level_bias)},
                     {"SEARCH", std::to_string(options_.search)},
                     {"STEPS", std::to_string(options_.linear_steps)},
                     {"BINARY", std::to_string(options_.binary_steps)},
@@ -711,8 +710,7 @@ const RepresentationType relief_type{
       "cone maps show to be air"},
      {"steps", "LINEAR+BINARY", "256+7",
       "most adaptive steps, or the linear steps of search=linear; binary refinements of linear and cone"},
-     {"bias", "-4..4", "-3",
-      "mip levels added to one texel a pixel of a depth, for the silhouette; below 100 pixels of height one more"},
+     {"bias", "-4..4", "-3", "mip levels added to one texel a pixel of a depth, for the silhouette"},
      {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
      {"merge", "auto|0..16", "auto", "pixels that joints sharing a box may stray; auto: 0.25 with proxy=hull, else 0"},
      {"debug", "none|boxes|steps|hit-face|misses", "none", "shows how the picture comes about instead of the picture"}},

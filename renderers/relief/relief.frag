@@ -20,7 +20,7 @@
 
 layout(location = 0) in vec3 v_anchor;
 layout(location = 1) flat in vec4 v_eye_depth;
-layout(location = 2) flat in vec3 v_light;
+layout(location = 2) flat in vec4 v_light;  // w: steps to a texel
 layout(location = 3) flat in uvec4 v_maps;
 layout(location = 4) flat in uvec4 v_identity;
 #ifdef CARVE
@@ -107,9 +107,7 @@ void main() {
 #ifdef RELIEF_FLOOR
     int steps = 1;
 #else
-    // Two steps a texel: the interval of a longer one reaches into the neighbours and widens silhouettes. Of a halved map the
-    // texels are so small a part of a pixel that one does.
-    float a_texel = size < texels ? 1.0 : 2.0;
+    float a_texel = v_light.w;
     int steps = clamp(int(ceil(a_texel * max(abs(across.x), abs(across.y)))), 1, STEPS);
 #endif
     float inverse_steps = 1.0 / float(steps);
@@ -117,6 +115,15 @@ void main() {
     float rise = delta.z * inverse_steps;
     vec2 at = start + 0.5 * move;
     float c = from.z - SLACK;
+    float half_step = 0.5 * rise + SLACK;
+    vec2 mirror = down ? vec2(1.0, -0.5) : vec2(0.0, 0.5);
+    // A step's interval makes everything thicker by what the ray rises while it is in the next texel already. What is thicker
+    // than that is made as much thinner; what is not is one surface, which no step may miss. Nearby, steps are short.
+#ifdef CARVE
+    const float thinner = 0.0;
+#else
+    float thinner = rise * clamp(max(abs(move.x), abs(move.y)) - 0.5, 0.0, 0.5);
+#endif
 #if SEARCH == RELIEF_SEARCH_CONE
     float slope = max(abs(delta.x), abs(delta.y)) / max(delta.z, 1e-20);
     float a_step = 1.0 / max(rise, 1e-20);
@@ -159,9 +166,11 @@ void main() {
         texel = clamp(ivec2(at), low, high);
         vec2 bounds = texelFetch(depth_map, texel, 0).rg;
         COUNT_TAP;
-        if (down) bounds = 1.0 - bounds.yx;
-        float from_here = max(bounds.x, c);
-        if (from_here <= min(bounds.y, c + rise + 2.0 * SLACK)) enter = max(from_here, 0.0);
+        // Two intervals meet when their middles lie no farther apart than their halves' sum.
+        float half_solid = 0.5 * (bounds.y - bounds.x);
+        float middle = mirror.x + mirror.y * (bounds.x + bounds.y);
+        if (half_solid >= 0.0 && abs(middle - (c + half_step)) <= max(half_solid - thinner, 0.0) + half_step)
+          enter = max(max(middle - half_solid, c), 0.0);
         c += rise;
         at += move;
       }
@@ -270,6 +279,9 @@ void main() {
   ivec2 corner = ivec2(v_maps.x & 65535u, v_maps.x >> 16u) + ivec2(column, 0);
   ivec2 found = texel;
   int main_axis = axis;
+#ifdef CARVE
+  vec4 normal = vec4(0.5, 1.0, 0.5, 0.0);
+#endif
   for (int k = 0; k < 3; ++k) {
     vec3 p = k == 0 ? point.yzx : k == 1 ? point.zxy : point;
     ivec2 left = corner + ivec2(k * texels, 0);
@@ -282,32 +294,28 @@ void main() {
     float facing = reach[k] / reach[main_axis];
     vec2 miss = (abs(p.z - bounds) + (forward[k] ? vec2(0.02 * (1.0 - facing), 0.02 * (1.0 + facing))
                                                  : vec2(0.02 * (1.0 + facing), 0.02 * (1.0 - facing)))) * edges[k];
+    int nearer = miss.x <= miss.y ? 0 : 1;
+    float cost = min(miss.x, miss.y);
 #ifdef CARVE
+    vec4 seen = texelFetch(normal_map, there + ivec2(int(v_maps.x & 65535u) + (k + nearer) * texels, 0), 0);
     // What looks away from the eye is not what the ray met, if anything else will do.
-    for (int far = 0; far < 2; ++far) {
-      vec3 seen = texelFetch(normal_map, there + ivec2(int(v_maps.x & 65535u) + (k + far) * texels, 0), 0).xyz * 2.0 - 1.0;
-      float cost = miss[far] + (dot(seen, v_view) < 0.0 ? 0.1 : 0.0);
-      if (cost < nearest) {
-        nearest = cost;
-        axis = k;
-        side = far;
-        texel = there;
-      }
-    }
-#else
-    float least = min(miss.x, miss.y);
-    if (least < nearest) {
-      nearest = least;
-      axis = k;
-      side = miss.x <= miss.y ? 0 : 1;
-      texel = there;
-    }
+    cost += dot(seen.xyz * 2.0 - 1.0, v_view) < 0.0 ? 0.1 : 0.0;
 #endif
+    if (cost < nearest) {
+      nearest = cost;
+      axis = k;
+      side = nearer;
+      texel = there;
+#ifdef CARVE
+      normal = seen;
+#endif
+    }
   }
 #endif
+#if !defined(ATTRIBUTE) || !defined(CARVE)
   // The colour and normal atlases hold two maps where the depth atlas holds one.
-  texel.x += int(v_maps.x & 65535u) + (axis + side) * texels;
-  vec4 normal = texelFetch(normal_map, texel, 0);
+  vec4 normal = texelFetch(normal_map, texel + ivec2(int(v_maps.x & 65535u) + (axis + side) * texels, 0), 0);
+#endif
   // Colour from the level of about one texel a pixel, filtered: as the mesh's texture is.
   int colour_level = int(v_maps.z >> 25u);
   int colour_size = texels >> colour_level;
@@ -324,7 +332,7 @@ void main() {
   // round what faces away.
   float away = dot(n, v_view);
   if (away < 0.0) n -= 2.0 * away / dot(v_view, v_view) * v_view;
-  float lambert = dot(n, v_light) * inversesqrt(square);
+  float lambert = dot(n, v_light.xyz) * inversesqrt(square);
   if ((v_maps.z >> 24u & 1u) != 0u) {
     // A joint that shears or stretches turns normals as the mesh's shader does.
     vec3 world = vec3(dot(palette[v_maps.w].xyz, n), dot(palette[v_maps.w + 1u].xyz, n), dot(palette[v_maps.w + 2u].xyz, n));

@@ -12,7 +12,7 @@ layout(location = RELIEF_LOCATION_OFFSET) uniform uint offset;
 #endif
 layout(location = 0) out vec3 v_anchor;  // an outline has w = 1: linear on the screen (clipping spoils noperspective here)
 layout(location = 1) flat out vec4 v_eye_depth;
-layout(location = 2) flat out vec3 v_light;
+layout(location = 2) flat out vec4 v_light;
 layout(location = 3) flat out uvec4 v_maps;
 layout(location = 4) flat out uvec4 v_identity;  // outfit, id, box, top row of its colours
 #ifdef CARVE
@@ -48,7 +48,7 @@ void main() {
   // What draws nothing collapses to a point.
   if (eye_depth.w < 0.0) gl_Position = vec4(0.0, 0.0, 0.5, 1.0);
   v_eye_depth = eye_depth;
-  v_light = light.xyz;
+  v_light = vec4(light.xyz, posed[item].view.w);
 #ifdef CARVE
   vec3 back = v_eye_depth.xyz - v_anchor;
   v_view = vec3(dot(boxes[box].rows[0].xyz, back), dot(boxes[box].rows[1].xyz, back), dot(boxes[box].rows[2].xyz, back));

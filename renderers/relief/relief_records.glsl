@@ -13,7 +13,7 @@ struct PosedBox {
   vec4 eye_depth;  // the eye in unit coordinates; hull: depth of the plane of the outline. Below zero: draws nothing
   vec4 light;      // the light's direction in bind space; w: 1 where the joint does not keep angles, below 0: mirrored
   uvec4 maps;      // see pack_maps(); z: the edges, the longest 1; w: joint
-  vec4 view;       // direction from the box's middle to the eye in bind space, unit
+  vec4 view;       // direction from the box's middle to the eye in bind space, unit; steps of the search to a texel
   vec4 frame[3];   // box: rows of eye space from unit coordinates. hull: the outline's plane in unit coordinates
 #ifdef HULL
   vec4 corners[CORNERS / 2];  // of the outline on the plane at depth 1, relative to the box's middle
