@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <unordered_set>
 
 #include "core/error.h"
@@ -65,21 +66,23 @@ GltfDocument::GltfDocument(const GltfSource& source, const GltfLimits& limits) :
     throw Error(source_.where(), fmt::format("JSON has the member {} twice in one object",
                                              duplicates.name->empty() ? "\"\"" : printable(*duplicates.name, 60)));
   try {
-    root_ = json::parse(text.begin(), text.end());
+    root_ = std::make_unique<json>(json::parse(text.begin(), text.end()));
   } catch (const json::exception& e) {
     std::string reason = e.what();
     const size_t bracket = reason.find("] ");
     if (bracket != std::string::npos) reason.erase(0, bracket + 2);
     throw Error(source_.where(), "JSON does not parse: " + printable(reason, 160));
   }
-  if (!root_.is_object()) throw Error(source_.where(), "JSON is not an object");
+  if (!root_->is_object()) throw Error(source_.where(), "JSON is not an object");
   static constexpr std::array<const char*, 14> kArrays = {
       "accessors", "animations", "bufferViews", "buffers", "images",   "materials", "meshes",
       "nodes",     "samplers",   "scenes",      "skins",   "textures", "cameras",   "extensionsUsed"};
   for (const char* name : kArrays)
-    if (const json* array = member(root_, name); array && !array->is_array())
+    if (const json* array = member(*root_, name); array && !array->is_array())
       fail(std::string("/") + name, fmt::format("is {}, not an array", array->type_name()));
 }
+
+GltfDocument::~GltfDocument() = default;
 
 void GltfDocument::fail(const std::string& path, const std::string& wrong, const std::string& advice) const {
   source_.fail(path, wrong, advice);
@@ -121,7 +124,7 @@ uint64_t GltfDocument::required_integer(const json& object, const std::string& p
 }
 
 size_t GltfDocument::count_of(const char* array) const {
-  const json* value = member(root_, array);
+  const json* value = member(*root_, array);
   return value ? value->size() : 0;
 }
 
@@ -190,6 +193,16 @@ const json* GltfDocument::extension(const json& object, const std::string& path,
   const json* one = member(*all, name);
   if (one) require_object(*one, path + "/extensions/" + name);
   return one;
+}
+
+void GltfDocument::each(const char* array, const std::function<void(const json&, const std::string&)>& visit) const {
+  const json* all = member(*root_, array);
+  if (!all) return;
+  for (size_t i = 0; i < all->size(); ++i) {
+    const std::string path = fmt::format("/{}/{}", array, i);
+    require_object((*all)[i], path);
+    visit((*all)[i], path);
+  }
 }
 
 }  // namespace crowdbench::scene

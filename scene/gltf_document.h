@@ -2,12 +2,13 @@
 // that names the file, the JSON path and the fault. Internal to the loader.
 #pragma once
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/error.h"
 #include "scene/gltf_source.h"
 
 namespace crowdbench::scene {
@@ -19,8 +20,11 @@ class GltfDocument {
   // Parses. Both arguments must outlive the document. Throws Error on what is not one JSON object, on a member that an
   // object has twice and on a top-level list that is none.
   GltfDocument(const GltfSource& source, const GltfLimits& limits);
+  ~GltfDocument();
+  GltfDocument(const GltfDocument&) = delete;
+  GltfDocument& operator=(const GltfDocument&) = delete;
 
-  const json& root() const { return root_; }
+  const json& root() const { return *root_; }
   [[noreturn]] void fail(const std::string& path, const std::string& wrong, const std::string& advice = {}) const;
 
   // The path of an element: "/nodes" and 3 make "/nodes/3".
@@ -53,22 +57,13 @@ class GltfDocument {
   // Null when the object does not have the extension.
   const json* extension(const json& object, const std::string& path, const char* name) const;
 
-  // Calls f(object, path) for each object of a top-level array.
-  template <typename F>
-  void each(const char* array, F&& f) const {
-    const json* all = member(root_, array);
-    if (!all) return;
-    for (size_t i = 0; i < all->size(); ++i) {
-      const std::string path = fmt::format("/{}/{}", array, i);
-      require_object((*all)[i], path);
-      f((*all)[i], path);
-    }
-  }
+  // Calls visit(object, path) for each object of a top-level array.
+  void each(const char* array, const std::function<void(const json& object, const std::string& path)>& visit) const;
 
  private:
   const GltfSource& source_;
   const GltfLimits& limits_;
-  json root_;
+  std::unique_ptr<json> root_;
 };
 
 }  // namespace crowdbench::scene

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/driver.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -52,10 +53,9 @@ TEST(BakeReportGl, AFrameOfViewsAsTheSourceCountsIt) {
 // A full disk, as a limit on the size of files: the bake goes on uncached, with one warning, and leaves nothing behind.
 TEST(BakeReportGl, AFullDiskIsReportedAndTheRunGoesOn) {
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "crowdbench_full_disk_test";
-  std::filesystem::remove_all(folder);
+  const support::ScratchFolder folder;
   const std::string bake = "bake relief:map=32,capture=bind,merge=0 --character mannequin:triangles=500 --json";
-  const std::string cache = "CROWDBENCH_CACHE_DIR='" + folder.string() + "'";
+  const std::string cache = "CROWDBENCH_CACHE_DIR='" + folder.path().string() + "'";
   // 16 blocks of 512 bytes; the bake is larger. The signal that comes with the limit is ignored, so that writing fails.
   const std::string full = "trap '' XFSZ; ulimit -f 16; MESA_SHADER_CACHE_DISABLE=1 " + cache;
   const support::Outcome out = support::run_driver(full, bake, false);
@@ -67,7 +67,8 @@ TEST(BakeReportGl, AFullDiskIsReportedAndTheRunGoesOn) {
   EXPECT_GT(facts.at("texture_bytes").get<int64_t>(), 100'000);
   size_t left = 0;
   std::error_code absent;
-  for (const auto& file : std::filesystem::recursive_directory_iterator(folder, absent)) left += file.is_regular_file();
+  for (const auto& file : std::filesystem::recursive_directory_iterator(folder.path(), absent))
+    left += file.is_regular_file();
   EXPECT_EQ(left, 0U) << "pieces of files";
   // Standard error alone: one line.
   const support::Outcome said = support::run_driver(full, bake + " 2>&1 >/dev/null | cat");
@@ -80,7 +81,6 @@ TEST(BakeReportGl, AFullDiskIsReportedAndTheRunGoesOn) {
   const support::Outcome locked = support::run_driver("CROWDBENCH_CACHE_DIR=/proc/crowdbench", bake, false);
   ASSERT_EQ(locked.status, 0);
   EXPECT_EQ(json::parse(locked.text).at("disk_bytes"), 0);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

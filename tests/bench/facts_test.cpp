@@ -10,6 +10,7 @@
 #include "scene/gltf.h"
 #include "scene/pose.h"
 #include "tests/support/driver.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -21,10 +22,7 @@ class Facts : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
-    folder_ = std::filesystem::path(::testing::TempDir()) / ("crowdbench_facts_test_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   json facts(const std::string& arguments) const {
     const support::Outcome outcome =
@@ -40,7 +38,7 @@ class Facts : public ::testing::Test {
     EXPECT_NE(outcome.text.find(says), std::string::npos) << outcome.text;
     EXPECT_LE(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
   }
-  std::filesystem::path folder_;
+  support::ScratchFolder folder_;
 };
 using FactsGl = Facts;
 

@@ -11,6 +11,7 @@
 #include "renderers/gl/context.h"
 #include "scene/mannequin.h"
 #include "tests/support/driver.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -147,12 +148,12 @@ TEST_F(PopMapGl, MatchingTakesThePoseErrorAndFadingTheStep) {
 // What a user opens: the page stands beside the tables, with a chart and the pictures of the worst cell for each size.
 TEST(PopMapCommandGl, WritesThePage) {
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "crowdbench_popmap_page";
+  const support::ScratchFolder folder;
   const support::Outcome out = support::run_driver(
       "",
       "popmap --representation flat:views=sphere-4x1,frames=2,texels=32 --character mannequin:triangles=500 "
       "--azimuth-deg 0,20 --elevation-deg 0 --phase 0.1 --ratio 1,2 --fade 2 --no-cache --out '" +
-          folder.string() + "'");
+          folder.path().string() + "'");
   ASSERT_EQ(out.status, 0) << out.text;
   for (const char* file : {"popmap.json", "popmap.csv", "heat_map.png", "worst.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
@@ -167,7 +168,6 @@ TEST(PopMapCommandGl, WritesThePage) {
   EXPECT_EQ(count("<h2>"), 2U);
   EXPECT_EQ(count("data-plot="), 2U);
   EXPECT_EQ(count("<img "), 2U * (4 + 4)) << "four of the worst cell, four ticks of the fade";
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

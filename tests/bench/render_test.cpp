@@ -7,6 +7,7 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "tests/support/driver.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -20,12 +21,9 @@ class RenderGl : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
-    folder_ = std::filesystem::path(::testing::TempDir()) / "crowdbench_render_test";
-    std::filesystem::create_directories(folder_);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  std::filesystem::path folder_;
+  support::ScratchFolder folder_;
 };
 
 TEST_F(RenderGl, BytesDoNotDependOnThreadsPlatformOrRun) {
@@ -60,7 +58,7 @@ TEST_F(RenderGl, BytesDoNotDependOnThreadsPlatformOrRun) {
   const std::string text(first.begin(), first.end());
   for (const char* key : {"scenario", "seed", "backend", "version"})
     EXPECT_NE(text.find(std::string("tEXt") + key), std::string::npos) << key;
-  EXPECT_EQ(text.find(folder_.string()), std::string::npos) << "no path of this machine";
+  EXPECT_EQ(text.find(folder_.path().string()), std::string::npos) << "no path of this machine";
 }
 
 // A hybrid with a memory, at a tick in the middle of its cross-fades: the ticks before are played, whatever the
@@ -141,7 +139,7 @@ TEST_F(RenderGl, WhatAUserGetsWrongIsOneLineAndStatusTwo) {
   };
   for (const auto& w : wrong) {
     SCOPED_TRACE(w.arguments);
-    const Outcome outcome = run("cd '" + folder_.string() + "';", w.arguments);
+    const Outcome outcome = run("cd '" + folder_.path().string() + "';", w.arguments);
     EXPECT_EQ(outcome.status, 2) << outcome.text;
     EXPECT_NE(outcome.text.find(w.says), std::string::npos) << outcome.text;
     size_t lines = 0;

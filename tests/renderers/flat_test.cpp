@@ -20,6 +20,7 @@
 #include "renderers/tiles/block_compression.h"
 #include "scene/mannequin.h"
 #include "tests/renderers/gl_test_support.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -936,9 +937,8 @@ TEST_F(FlatGl, BakesDoNotDependOnTheNumberOfThreads) {
 TEST_F(FlatGl, AStaleEntryIsMadeAnewAndAFolderThatCannotBeWrittenStopsNothing) {
   const char* before = getenv("CROWDBENCH_CACHE_DIR");
   const std::string old = before ? before : "";
-  const fs::path folder = fs::path(::testing::TempDir()) / "crowdbench_flat_stale";
-  fs::remove_all(folder);
-  setenv("CROWDBENCH_CACHE_DIR", folder.c_str(), 1);
+  const support::ScratchFolder folder;
+  setenv("CROWDBENCH_CACHE_DIR", folder.path().c_str(), 1);
   const std::string spec = "flat:views=sphere-4x1,frames=1,texels=32";
   Renderer renderer(context(), walker());
   const auto frame = frame_from(0, 0, 0, middle_of(walker()));
@@ -952,7 +952,7 @@ TEST_F(FlatGl, AStaleEntryIsMadeAnewAndAFolderThatCannotBeWrittenStopsNothing) {
   EXPECT_EQ(renderer.capture(frame, *again).colour, picture);
   EXPECT_TRUE(make(walker(), spec, true)->bake_info().cached) << "it was replaced";
   // A file where the folder should be: nothing can be kept, by anybody.
-  const fs::path file = fs::path(::testing::TempDir()) / "crowdbench_flat_no_folder";
+  const fs::path file = folder / "no_folder";
   std::ofstream(file) << "not a folder";
   setenv("CROWDBENCH_CACHE_DIR", file.c_str(), 1);
   const auto unkept = make(walker(), spec, true);
@@ -960,8 +960,6 @@ TEST_F(FlatGl, AStaleEntryIsMadeAnewAndAFolderThatCannotBeWrittenStopsNothing) {
   EXPECT_EQ(unkept->footprint().disk_bytes, 0U);
   EXPECT_EQ(renderer.capture(frame, *unkept).colour, picture);
   before ? setenv("CROWDBENCH_CACHE_DIR", old.c_str(), 1) : unsetenv("CROWDBENCH_CACHE_DIR");
-  fs::remove_all(folder);
-  fs::remove(file);
 }
 
 // What any option of the bake changes must change its key, and what only the drawing depends on must not.
@@ -1045,9 +1043,8 @@ TEST_F(FlatGl, BytesAreCountedExactly) {
 TEST_F(FlatGl, TheCacheGivesTheSamePictureAndDamageIsRepaired) {
   const char* before = getenv("CROWDBENCH_CACHE_DIR");
   const std::string old = before ? before : "";
-  const fs::path folder = fs::path(::testing::TempDir()) / "crowdbench_flat_cache";
-  fs::remove_all(folder);
-  setenv("CROWDBENCH_CACHE_DIR", folder.c_str(), 1);
+  const support::ScratchFolder folder;
+  setenv("CROWDBENCH_CACHE_DIR", folder.path().c_str(), 1);
   const std::string spec = "flat:views=sphere-4x2,frames=2,texels=48";
   Renderer renderer(context(), walker());
   const auto frame = frame_from(90 * kDegrees, 0, 0, middle_of(walker()));
@@ -1068,7 +1065,6 @@ TEST_F(FlatGl, TheCacheGivesTheSamePictureAndDamageIsRepaired) {
   EXPECT_EQ(draw(false), first);
   EXPECT_EQ(draw(true), first);
   before ? setenv("CROWDBENCH_CACHE_DIR", old.c_str(), 1) : unsetenv("CROWDBENCH_CACHE_DIR");
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "scene/gltf.h"
 #include "scene/mannequin.h"
 #include "tests/renderers/gl_test_support.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -708,9 +709,8 @@ TEST_F(PolypostorGl, ACardThatTurnsIsItsOwnPicture) {
 }
 
 TEST_F(PolypostorGl, ADamagedCacheIsBakedAnew) {
-  const fs::path folder = fs::path(::testing::TempDir()) / "crowdbench_polypostor_cache";
-  fs::remove_all(folder);
-  setenv("CROWDBENCH_CACHE_DIR", folder.c_str(), 1);
+  const support::ScratchFolder folder;
+  setenv("CROWDBENCH_CACHE_DIR", folder.path().c_str(), 1);
   const std::string spec = "polypostor:views=sphere-4x1,frames=2,texels=32";
   const auto picture = [&](bool cached) {
     const auto one = make(walker(), spec, true);
@@ -721,7 +721,7 @@ TEST_F(PolypostorGl, ADamagedCacheIsBakedAnew) {
   const Capture fresh = picture(false);
   EXPECT_EQ(picture(true), fresh) << "what was stored draws the same";
   size_t entries = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
     if (entry.path().extension() != ".bake") continue;
     ++entries;
     std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
@@ -733,7 +733,6 @@ TEST_F(PolypostorGl, ADamagedCacheIsBakedAnew) {
   EXPECT_EQ(picture(false), fresh) << "damage is seen, and baked over";
   EXPECT_EQ(picture(true), fresh);
   unsetenv("CROWDBENCH_CACHE_DIR");
-  fs::remove_all(folder);
 }
 
 TEST_F(PolypostorGl, DebugPicturesDiffer) {

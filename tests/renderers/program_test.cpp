@@ -9,6 +9,7 @@
 #include "core/files.h"
 #include "gl_test_support.h"
 #include "renderers/gl/embedded.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::gl {
 namespace {
@@ -81,18 +82,12 @@ class ProgramGl : public renderers::testing::GlTest {};
 // Points $CROWDBENCH_SHADER_DIR at a folder of the test's own.
 class ShaderFolder {
  public:
-  ShaderFolder() : folder_(std::filesystem::path(::testing::TempDir()) / "crowdbench_shaders") {
-    std::filesystem::remove_all(folder_);
-    setenv("CROWDBENCH_SHADER_DIR", folder_.c_str(), 1);
-  }
-  ~ShaderFolder() {
-    unsetenv("CROWDBENCH_SHADER_DIR");
-    std::filesystem::remove_all(folder_);
-  }
+  ShaderFolder() { setenv("CROWDBENCH_SHADER_DIR", folder_.path().c_str(), 1); }
+  ~ShaderFolder() { unsetenv("CROWDBENCH_SHADER_DIR"); }
   void write(const std::string& path, std::string_view text) const { write_file(folder_ / path, text); }
 
  private:
-  std::filesystem::path folder_;
+  support::ScratchFolder folder_;
 };
 
 TEST_F(ProgramGl, TheFolderWinsAndACompileErrorNamesFileAndLine) {
