@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/files.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -15,21 +16,16 @@ namespace fs = std::filesystem;
 
 class BakeCacheTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "crowdbench-cache-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
   void TearDown() override {
     std::error_code ignored;
     fs::permissions(folder_, fs::perms::owner_all, ignored);
-    fs::remove_all(folder_, ignored);
   }
   void overwrite(const fs::path& file, const std::vector<uint8_t>& bytes) {
     std::ofstream(file, std::ios::binary | std::ios::trunc)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
-  fs::path folder_;
+  const support::ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
   std::vector<uint8_t> payload_ = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 250, 251, 252, 0, 0,  17,  33,  65, 9,
                                    9, 9, 9, 9, 9, 1, 2, 3, 4, 5,  6,   7,   8,   9, 10, 250, 251, 252};
 };

@@ -34,6 +34,16 @@ using testing::GlTest;
 
 constexpr double kDegrees = std::numbers::pi / 180;
 
+// Code values, over the pixels that both cover.
+int worst_colour_difference(const Capture& a, const Capture& b) {
+  int worst = 0;
+  for (size_t i = 0; i < a.ids.data.size(); ++i)
+    if (a.ids.data[i] != 0 && b.ids.data[i] != 0)
+      for (size_t k = 0; k < 3; ++k)
+        worst = std::max(worst, std::abs(int{a.colour.data[4 * i + k]} - int{b.colour.data[4 * i + k]}));
+  return worst;
+}
+
 std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, bool use_cache = false,
                                      uint64_t budget = uint64_t{512} << 20) {
   MakeContext make{.context = context(), .cast = cast};
@@ -564,12 +574,7 @@ TEST_F(FlatGl, ACardIsShadedAsTheMeshShadesIt) {
     const Capture a = renderer.capture(frame, *mesh);
     const Capture b = renderer.capture(frame, *flat);
     EXPECT_GT(iou(a, b), 0.95);
-    int worst = 0;
-    for (size_t i = 0; i < a.ids.data.size(); ++i)
-      if (a.ids.data[i] != 0 && b.ids.data[i] != 0)
-        for (size_t k = 0; k < 3; ++k)
-          worst = std::max(worst, std::abs(int{a.colour.data[4 * i + k]} - int{b.colour.data[4 * i + k]}));
-    EXPECT_LE(worst, 1) << "grey levels";
+    EXPECT_LE(worst_colour_difference(a, b), 1) << "grey levels";
   }
 }
 
@@ -895,12 +900,8 @@ TEST_F(FlatGl, CompressedIdsSelectTheOutfitAndTheLighting) {
       const Capture a = renderer.capture(frame, *mesh);
       const Capture b = renderer.capture(frame, *flat);
       EXPECT_GT(iou(a, b), 0.95);
-      int worst = 0;
-      for (size_t i = 0; i < a.ids.data.size(); ++i)
-        if (a.ids.data[i] != 0 && b.ids.data[i] != 0)
-          for (size_t k = 0; k < 3; ++k)
-            worst = std::max(worst, std::abs(int{a.colour.data[4 * i + k]} - int{b.colour.data[4 * i + k]}));
-      EXPECT_LE(worst, 1) << "part " << int{part} << ", unlit " << unlit << ": white survives compression";
+      EXPECT_LE(worst_colour_difference(a, b), 1)
+          << "part " << int{part} << ", unlit " << unlit << ": white survives compression";
     }
 }
 

@@ -19,6 +19,7 @@
 #include "renderers/relief/relief_pieces.h"
 #include "scene/mannequin.h"
 #include "solids.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -547,15 +548,10 @@ class ReliefCacheGl : public GlTest {
  protected:
   void SetUp() override {
     GlTest::SetUp();
-    std::string name = (std::filesystem::temp_directory_path() / "crowdbench-relief-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
     setenv("CROWDBENCH_CACHE_DIR", folder_.c_str(), 1);
   }
   void TearDown() override {
     unsetenv("CROWDBENCH_CACHE_DIR");
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
     GlTest::TearDown();
   }
   std::unique_ptr<Representation> cached() {
@@ -571,7 +567,8 @@ class ReliefCacheGl : public GlTest {
     return {};
   }
   scene::Cast cast_ = cast_of(testing::sphere(0.3, 24));
-  std::filesystem::path folder_;
+  const support::ScratchFolder scratch_;
+  const std::filesystem::path folder_ = scratch_.path();
 };
 
 TEST_F(ReliefCacheGl, ASecondRunReadsTheSameBytes) {
