@@ -31,13 +31,14 @@ void main() {
     weight *= albedo.a < 0.5 ? 0.0 : 1.0;
     total += weight;
 #ifdef CB_FLOOR
-    colour += weight * (albedo.rgb + surface.rgb);
+    colour += weight * (albedo.rgb + surface.rgb + emission_at(texel));
 #else
     uint part = uint(surface.b * 255.0 + 0.5);
     vec2 n = (surface.rg * 255.0 - 128.0) / 127.0;
     float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
     float lambert = max(0.0, dot(vec3(n, n_z), v_light[i].xyz));
-    colour += weight * shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit_id.x, part > 0x7fu, vec3(0.0));
+    vec3 lit = shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit_id.x, part > 0x7fu, vec3(0.0));
+    colour += weight * (lit + emission_at(texel) * uintBitsToFloat(table.layers.z));
 #endif
 #ifdef CB_NAILBOARD
     vec2 s = (surface.rg * 255.0 - 128.0) / 127.0;

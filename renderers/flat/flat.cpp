@@ -17,6 +17,7 @@
 #include "core/hash.h"
 #include "core/progress.h"
 #include "renderers/bake_cache.h"
+#include "renderers/emission.h"
 #include "renderers/flat/flat.shared.h"
 #include "renderers/flat/flat_bake.h"
 #include "renderers/frame_resources.h"
@@ -39,8 +40,9 @@ struct LevelTable {
   glm::uvec4 clips[CB_FLAT_CLIPS];
 };
 
-// BC3, which is no part of OpenGL.
+// BC3, which is no part of OpenGL, and BC1 as sRGB.
 constexpr const char* kS3tc = "GL_EXT_texture_compression_s3tc";
+constexpr const char* kSrgb = "GL_EXT_texture_sRGB";
 
 // Agents drawn by one call: bounds the index buffer.
 constexpr uint32_t kBatch = 8192;
@@ -51,7 +53,10 @@ struct CharacterTiles {
     gl::Buffer table;
     gl::Texture albedo, surface;
     gl::Texture parts, depth;  // of compressed tiles; depth where it was baked
-    uint64_t texture_bytes() const { return albedo.bytes() + surface.bytes() + parts.bytes() + depth.bytes(); }
+    gl::Texture emission;      // of a character that glows
+    uint64_t texture_bytes() const {
+      return albedo.bytes() + surface.bytes() + parts.bytes() + depth.bytes() + emission.bytes();
+    }
   };
   struct Level {
     std::vector<Part> arrays;
@@ -64,6 +69,7 @@ struct CharacterTiles {
   double texel = 0;
   uint64_t disk_bytes = 0;
   int part_bits = 0;
+  bool glows = false;
   std::string cache_key;
   bool cached = false;
   uint64_t tiles_baked = 0;
@@ -118,6 +124,7 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   out.texel = bake.texel;
   out.clips = bake.clips;
   out.part_bits = bake.part_bits;
+  out.glows = bake.emission_peak > 0;
   std::vector<std::array<glm::vec4, 2>> axes;
   for (uint32_t v = 0; v < bake.views; ++v) {
     const ViewBasis basis = grid.basis(static_cast<int>(v));
@@ -137,7 +144,7 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
     LevelTable table = make_table(bake, grid, i);
     for (int first = 0; first < level.layers; first += step) {
       const int count = std::min(step, level.layers - first);
-      table.layers = {first, count, 0, 0};
+      table.layers = {first, count, std::bit_cast<uint32_t>(bake.emission_peak), 0};
       const auto make = [&](unsigned internal, unsigned format, int width, const std::vector<uint8_t>& texels) {
         gl::Texture texture = gl::Texture::make_array(context, internal, width, level.height, count, 1);
         const size_t layer_bytes = texels.size() / static_cast<size_t>(level.layers);
@@ -148,6 +155,9 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
       };
       CharacterTiles::Part& part = l.arrays.emplace_back();
       part.table = gl::Buffer(context, sizeof table, &table);
+      if (out.glows)
+        part.emission = make(bake.part_bits == 0 ? GL_SRGB8_ALPHA8 : GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, GL_RGBA,
+                             level.width, level.emission);
       if (bake.part_bits == 0) {
         part.albedo = make(GL_RGBA8, GL_RGBA, level.width, level.albedo);
         part.surface = make(GL_RGBA8, GL_RGBA, level.width, level.surface);
@@ -205,11 +215,17 @@ class FlatRepresentation : public Representation {
         nominal_(nominal_frame(options.grid, options.texels)) {
     const auto start = std::chrono::steady_clock::now();
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
-    if (options.compressed && !context_.has_extension(kS3tc)) {
+    const bool any_glows =
+        std::ranges::any_of(make.cast.characters, [](const auto& character) { return emission_peak(*character) > 0; });
+    const char* lacking = !context_.has_extension(kS3tc)                ? kS3tc
+                          : any_glows && !context_.has_extension(kSrgb) ? kSrgb
+                                                                        : nullptr;
+    if (options.compressed && lacking != nullptr) {
       // One line a process, however many of these are made. RGTC is part of OpenGL 3.0.
       static std::atomic<bool> said = false;
       if (!said.exchange(true))
-        fmt::print(stderr, "crowdbench: warning: this driver lacks {}: flat impostors use RGBA8, not blocks\n", kS3tc);
+        fmt::print(stderr, "crowdbench: warning: this driver lacks {}: flat impostors use RGBA8, not blocks\n",
+                   lacking);
       options.compressed = false;
     }
     uint64_t left = make.bake_budget;
@@ -275,7 +291,7 @@ class FlatRepresentation : public Representation {
 
   void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
             const Pass& pass) override {
-    filtered_.bind(CB_FLAT_TEXTURE_ALBEDO);
+    for (const unsigned unit : kFiltered) filtered_.bind(unit);
     for (const unsigned unit : kNearest) nearest_.bind(unit);
     for (size_t c = 0; c < characters_.size(); ++c) {
       if (agents[c].empty()) continue;
@@ -288,7 +304,7 @@ class FlatRepresentation : public Representation {
         const CharacterTiles::Level& level = tiles.levels[l];
         if (level.arrays.empty()) continue;
         resources.draw_listed(c, order_.at_level(static_cast<int>(l)), [&](uint32_t n) {
-          program(pass, level.corners, tiles.part_bits).use();
+          program(pass, level.corners, tiles.part_bits, tiles.glows).use();
           // Every array is offered all agents and shows those whose tile it holds; nearly all bakes have one.
           for (const CharacterTiles::Part& part : level.arrays) {
             part.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
@@ -296,12 +312,13 @@ class FlatRepresentation : public Representation {
             part.surface.bind(CB_FLAT_TEXTURE_SURFACE);
             if (part.parts) part.parts.bind(CB_FLAT_TEXTURE_PARTS);
             if (part.depth) part.depth.bind(CB_FLAT_TEXTURE_DEPTH);
+            if (part.emission) part.emission.bind(CB_FLAT_TEXTURE_EMISSION);
             draw_polygons(draw_.blend ? 4 : level.corners, n);
           }
         });
       }
     }
-    glBindSampler(CB_FLAT_TEXTURE_ALBEDO, 0);
+    for (const unsigned unit : kFiltered) glBindSampler(unit, 0);
     for (const unsigned unit : kNearest) glBindSampler(unit, 0);
   }
 
@@ -328,6 +345,7 @@ class FlatRepresentation : public Representation {
     double tiles = 0;
     double covered = 0;
     double drawn = 0;
+    double emission = 0;
     double frames = 0;
     Sha256 keys;
     for (const CharacterTiles& c : characters_) {
@@ -337,6 +355,8 @@ class FlatRepresentation : public Representation {
       frames += c.frames;
       covered += c.covered;
       drawn += c.drawn;
+      for (const CharacterTiles::Level& l : c.levels)
+        for (const CharacterTiles::Part& part : l.arrays) emission += static_cast<double>(part.emission.bytes());
     }
     if (!characters_.empty()) {
       info.facts = {{"views", characters_[0].views},
@@ -345,6 +365,7 @@ class FlatRepresentation : public Representation {
                     {"levels", static_cast<double>(characters_[0].levels.size())},
                     {"texel_mm", characters_[0].texel * 1000},
                     {"compressed", characters_[0].part_bits > 0 ? 1.0 : 0.0},
+                    {"emission_bytes", emission},
                     {"drawn_over_covered", covered > 0 ? drawn / covered : 0.0}};
       const ViewErrors errors = compute_view_errors(grid_);
       info.facts.emplace_back("view_error_deg_mean", errors.mean * 180 / std::numbers::pi);
@@ -377,6 +398,7 @@ class FlatRepresentation : public Representation {
   }
 
  private:
+  static constexpr unsigned kFiltered[] = {CB_FLAT_TEXTURE_ALBEDO, CB_FLAT_TEXTURE_EMISSION};
   // Units that are read without filtering.
   static constexpr unsigned kNearest[] = {CB_FLAT_TEXTURE_SURFACE, CB_FLAT_TEXTURE_PARTS, CB_FLAT_TEXTURE_DEPTH};
 
@@ -384,6 +406,7 @@ class FlatRepresentation : public Representation {
     bool ids, touched, texels, dithered;
     int corners;
     int part_bits;
+    bool glows;
     auto operator<=>(const Variant&) const = default;
   };
   struct Polygons {
@@ -414,12 +437,13 @@ class FlatRepresentation : public Representation {
     }
   }
 
-  const gl::Program& program(const Pass& pass, int corners, int part_bits) {
-    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, part_bits};
+  const gl::Program& program(const Pass& pass, int corners, int part_bits, bool glows) {
+    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, part_bits, glows};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
       if (part_bits > 0) defines.emplace_back("CB_PART_BITS", std::to_string(part_bits));
+      if (glows) defines.emplace_back("CB_EMISSIVE", "");
       if (v.ids) defines.emplace_back("CB_IDS", "");
       if (v.touched) defines.emplace_back("CB_TOUCHED", "");
       if (draw_.nailboard) defines.emplace_back("CB_NAILBOARD", "");

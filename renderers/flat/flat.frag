@@ -47,12 +47,14 @@ void main() {
   vec2 place = v_texel * vec2(textureSize(albedo_map, 0).xy);
   write_output(vec3(place * exp2(table.scale.w), table.scale.w), v_id);
 #elif defined(CB_FLOOR)
-  write_output(albedo.rgb + surface.rgb, v_id);
+  write_output(albedo.rgb + surface.rgb + emission_at(texel), v_id);
 #else
   uint part = uint(surface.b * 255.0 + 0.5);
   float lambert = max(0.0, dot(vec3(n, n_z), uintBitsToFloat(v_agent.xyz)));
   uint outfit = v_agent.w >> CB_FLAT_LAYER_BITS;
-  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, outfit, part > 0x7fu, vec3(0.0)), v_id);
+  vec3 lit = shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, outfit, part > 0x7fu, vec3(0.0));
+  // Added here, since what an unlit texel holds is the part of it that glows.
+  write_output(lit + emission_at(texel) * uintBitsToFloat(table.layers.z), v_id);
 #endif
 #endif
 }

@@ -6,8 +6,9 @@
 #define CB_FLAT_LAYER_BITS 12  // of a level's textures, at most
 
 #define CB_FLAT_TEXTURE_ALBEDO 0
-#define CB_FLAT_TEXTURE_SURFACE 1  // of compressed tiles: the normals
-#define CB_FLAT_TEXTURE_PARTS 2    // of compressed tiles
-#define CB_FLAT_TEXTURE_DEPTH 3    // of compressed tiles drawn with depth=nailboard
+#define CB_FLAT_TEXTURE_SURFACE 1   // of compressed tiles: the normals
+#define CB_FLAT_TEXTURE_PARTS 2     // of compressed tiles
+#define CB_FLAT_TEXTURE_DEPTH 3     // of compressed tiles drawn with depth=nailboard
+#define CB_FLAT_TEXTURE_EMISSION 4  // of characters that glow
 
 #endif

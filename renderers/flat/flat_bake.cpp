@@ -16,6 +16,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake_cache.h"
+#include "renderers/emission.h"
 #include "renderers/gl/objects.h"
 #include "renderers/tiles/block_compression.h"
 #include "renderers/tiles/outline.h"
@@ -24,8 +25,8 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 9;  // raised whenever the same inputs give other bytes
-constexpr int kFineLevels = 2;        // levels whose outlines have `corners` corners; the others are triangles
+constexpr uint32_t kBakeVersion = 10;  // raised whenever the same inputs give other bytes
+constexpr int kFineLevels = 2;         // levels whose outlines have `corners` corners; the others are triangles
 
 // The coarsest level still has sixteen texels along the figure, and smaller pictures of it are point-sampled from
 // there: coarser ones are blobs that overlap less in a dense crowd than figures do (at four texels 5 % more of the
@@ -50,6 +51,7 @@ struct Plan {
   size_t frames = 0;
   size_t wanted = 0;  // of both kinds of tiles
   int part_bits = 0;  // FlatBake's
+  float emission_peak = 0;
 };
 
 std::vector<ViewBasis> view_bases(const ViewGrid& grid) {
@@ -62,6 +64,7 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
                const FlatBakeOptions& options) {
   Plan plan;
   plan.still = bank;
+  plan.emission_peak = emission_peak(character);
   if (options.compressed) {
     int largest = 0;
     for (const scene::Material& material : character.materials)
@@ -150,10 +153,12 @@ struct Layout {
 };
 
 // Bits that one texel takes in all maps of a bake.
-int texel_bits(const FlatBakeOptions& options, int part_bits) {
-  if (!options.compressed) return 64;
-  return (kColourBlockBytes + kNormalBlockBytes + (options.depth ? kDepthBlockBytes : 0)) * 8 / (kBlock * kBlock) +
-         part_bits;
+int texel_bits(const FlatBakeOptions& options, const Plan& plan) {
+  const bool glows = plan.emission_peak > 0;
+  if (!options.compressed) return glows ? 96 : 64;
+  const int block_bytes = kColourBlockBytes + kNormalBlockBytes + (options.depth ? kDepthBlockBytes : 0) +
+                          (glows ? kEmissionBlockBytes : 0);
+  return block_bytes * 8 / (kBlock * kBlock) + plan.part_bits;
 }
 
 // Elevations that are stored together: the rows of a sphere, bands of 15 degrees of the others.
@@ -212,7 +217,7 @@ Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) 
   }
   Layout layout;
   layout.packing = best;
-  layout.texel_bits = texel_bits(options, plan.part_bits);
+  layout.texel_bits = texel_bits(options, plan);
   layout.packing.places.assign(order.size(), {});
   std::vector<bool> kept(static_cast<size_t>(best.layers));
   for (size_t k = 0; k < order.size(); ++k) {
@@ -238,6 +243,9 @@ void copy_tile(const Tile& tile, const PackPlace& place, FlatLevel& level) {
                 level.albedo.begin() + static_cast<std::ptrdiff_t>(to));
     std::copy_n(tile.surface.begin() + static_cast<std::ptrdiff_t>(from), row_bytes,
                 level.surface.begin() + static_cast<std::ptrdiff_t>(to));
+    if (!tile.emission.empty())
+      std::copy_n(tile.emission.begin() + static_cast<std::ptrdiff_t>(from), row_bytes,
+                  level.emission.begin() + static_cast<std::ptrdiff_t>(to));
   }
 }
 
@@ -257,6 +265,7 @@ void copy_blocks(const CompressedTile& tile, const PackPlace& place, int part_bi
   copy(tile.albedo, kColourBlockBytes, level.albedo);
   copy(tile.normal, kNormalBlockBytes, level.normal);
   if (!level.depth.empty()) copy(tile.depth, kDepthBlockBytes, level.depth);
+  if (!tile.emission.empty()) copy(tile.emission, kEmissionBlockBytes, level.emission);
   const int texels = 8 / part_bits;  // a byte
   const int row_texels = tile.blocks_x * kBlock;
   for (int row = 0; row < tile.blocks_y * kBlock; ++row) {
@@ -296,13 +305,13 @@ Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, cons
   if (options.compressed)
     for (Tile& tile : built.levels) {
       built.compressed.push_back(compress(tile));
-      tile.albedo = tile.surface = {};
+      tile.albedo = tile.surface = tile.emission = {};
     }
   return built;
 }
 
 FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& planes, const Layout& layout,
-                     const FlatBakeOptions& options, int part_bits, size_t level) {
+                     const FlatBakeOptions& options, int part_bits, bool glows, size_t level) {
   FlatLevel out;
   out.width = layout.packing.width;
   out.height = layout.packing.height;
@@ -312,11 +321,13 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
   if (part_bits == 0) {
     out.albedo.assign(texels * 4, 0);
     out.surface.assign(texels * 4, 0);
+    if (glows) out.emission.assign(texels * 4, 0);
   } else {
     const size_t all_blocks = texels / (kBlock * kBlock);
     out.albedo.assign(all_blocks * kColourBlockBytes, 0);
     out.normal.assign(all_blocks * kNormalBlockBytes, 0);
     if (options.depth) out.depth.assign(all_blocks * kDepthBlockBytes, 0);
+    if (glows) out.emission.assign(all_blocks * kEmissionBlockBytes, 0);
     out.parts.assign(texels * static_cast<size_t>(part_bits) / 8, 0);
   }
   for (const Built& b : built)
@@ -467,6 +478,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   bake.views = static_cast<uint32_t>(options.grid.size());
   bake.clips = plan.clips;
   bake.part_bits = plan.part_bits;
+  bake.emission_peak = plan.emission_peak;
 
   const size_t total = plan.wanted;
   std::vector<Built> built(plan.frames * bake.views);
@@ -475,7 +487,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
                        const std::vector<size_t>& index) {
     if (tiles.empty()) return;
     TileCapture capture(context, character, poses, glm::dvec3(bake.centre[0], bake.centre[1], bake.centre[2]),
-                        bake.texel, bake.radius);
+                        bake.texel, bake.radius, bake.emission_peak);
     capture.capture(tiles, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels) {
       std::atomic<size_t> next = 0;
       const auto work = [&] {
@@ -497,7 +509,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   run(plan.still, plan.still_tiles, plan.still_index);
   for (int level = 0; level < levels; ++level)
     bake.levels.push_back(pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], options, plan.part_bits,
-                                     static_cast<size_t>(level)));
+                                     plan.emission_peak > 0, static_cast<size_t>(level)));
   return bake;
 }
 
@@ -510,6 +522,7 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
   out.value(bake.frames);
   out.value(bake.views);
   out.value(bake.part_bits);
+  out.value(bake.emission_peak);
   out.values(bake.clips);
   out.value(static_cast<uint32_t>(bake.levels.size()));
   for (const FlatLevel& l : bake.levels) {
@@ -524,6 +537,7 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
     out.values(l.normal);
     out.values(l.depth);
     out.values(l.parts);
+    if (bake.emission_peak > 0) out.values(l.emission);
   }
   return out.bytes();
 }
@@ -537,6 +551,7 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
   bake.frames = in.value<uint32_t>();
   bake.views = in.value<uint32_t>();
   bake.part_bits = in.value<int>();
+  bake.emission_peak = in.value<float>();
   if (bake.part_bits != 0 && bake.part_bits != 4 && bake.part_bits != 8) return std::nullopt;
   bake.clips = in.values<FlatClip>();
   const auto levels = in.value<uint32_t>();
@@ -554,6 +569,7 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
     l.normal = in.values<uint8_t>();
     l.depth = in.values<uint8_t>();
     l.parts = in.values<uint8_t>();
+    if (bake.emission_peak > 0) l.emission = in.values<uint8_t>();
     const auto texels =
         static_cast<uint64_t>(l.width) * static_cast<uint64_t>(l.height) * static_cast<uint64_t>(l.layers);
     if (l.width < 0 || l.height < 0 || l.layers < 0 || l.corners < 3 || l.corners > 16 || l.tiles.size() != tiles ||
@@ -566,7 +582,8 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
                                       l.surface.empty() && l.normal.size() == texels &&
                                       (l.depth.empty() || l.depth.size() == texels / 2) &&
                                       l.parts.size() == texels * bits / 8;
-    if (!fits) return std::nullopt;
+    const uint64_t emission_bytes = bake.emission_peak <= 0 ? 0 : bits == 0 ? texels * 4 : texels / 2;
+    if (!fits || l.emission.size() != emission_bytes) return std::nullopt;
     bake.levels.push_back(std::move(l));
   }
   for (const FlatClip& c : bake.clips)

@@ -1,5 +1,5 @@
 // The maps of the tiles (renderers/tiles/tile.h), as texels or, with CB_PART_BITS, as compressed blocks
-// (renderers/tiles/block_compression.h).
+// (renderers/tiles/block_compression.h). With CB_EMISSIVE there is light given off.
 #include "renderers/flat/flat.shared.h"
 
 layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered
@@ -11,6 +11,19 @@ layout(binding = CB_FLAT_TEXTURE_PARTS) uniform usampler2DArray part_map;
 layout(binding = CB_FLAT_TEXTURE_DEPTH) uniform sampler2DArray depth_map;
 #endif
 #endif
+
+#ifdef CB_EMISSIVE
+layout(binding = CB_FLAT_TEXTURE_EMISSION) uniform sampler2DArray emission_map;  // filtered
+#endif
+
+// As the map holds it: fractions of the peak, linear light.
+vec3 emission_at(vec3 texel) {
+#ifdef CB_EMISSIVE
+  return texture(emission_map, texel).rgb;
+#else
+  return vec3(0.0);
+#endif
+}
 
 // Normal x and y, material id and depth as Tile::surface codes them. texel: page coordinates in [0, 1], layer.
 vec4 surface_at(vec3 texel) {

@@ -8,6 +8,6 @@ layout(std140, binding = CB_UNIFORM_TABLE) uniform Table {
   vec4 span;
   vec4 scale;   // metres a texel, 1 / width, 1 / height of a page in texels; the level
   uvec4 first;  // of the level's tiles, of its outlines' corners; views
-  uvec4 layers;  // that the textures bound hold: the first, how many
+  uvec4 layers;  // that the textures bound hold: the first, how many; z: peak of the light given off, a float
   uvec4 clips[CB_FLAT_CLIPS];  // first frame, frames
 } table;

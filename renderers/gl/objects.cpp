@@ -91,6 +91,7 @@ TexelSize texel_size(unsigned format) {
     case GL_RGBA32F:
     case GL_RGBA32UI: return {16, 1};
     case GL_COMPRESSED_RGB_S3TC_DXT1_EXT:
+    case GL_COMPRESSED_SRGB_S3TC_DXT1_EXT:
     case GL_COMPRESSED_RED_RGTC1: return {8, 4};
     case GL_COMPRESSED_RGBA_S3TC_DXT5_EXT:
     case GL_COMPRESSED_RG_RGTC2:

@@ -8,13 +8,13 @@ namespace {
 
 class MeshRepresentation : public Representation {
  public:
-  MeshRepresentation(const MakeContext& make, MeshUse use)
+  MeshRepresentation(const MakeContext& make, MeshUse use, float peak = 0)
       : floor_(use == MeshUse::static_pose), draw_(make.context, use) {
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
       std::vector<std::vector<scene::Mat3x4>> poses;
       if (floor_) poses.push_back(bank.palette(bank.sample(0, 0.0)));
-      meshes_.push_back(upload_mesh(make.context, *make.cast.characters[c], bank.joints(), use, poses));
+      meshes_.push_back(upload_mesh(make.context, *make.cast.characters[c], bank.joints(), use, poses, peak));
     }
   }
 
@@ -52,8 +52,8 @@ class MeshRepresentation : public Representation {
 
 }  // namespace
 
-std::unique_ptr<Representation> make_mesh_capture(const MakeContext& make) {
-  return std::make_unique<MeshRepresentation>(make, MeshUse::capture);
+std::unique_ptr<Representation> make_mesh_capture(const MakeContext& make, float peak) {
+  return std::make_unique<MeshRepresentation>(make, MeshUse::capture, peak);
 }
 
 const RepresentationType mesh_type = {

@@ -66,7 +66,7 @@ void main() {
   if (!gl_FrontFacing) normal = -normal;
 #endif
 #ifdef CB_CAPTURE
-  write_capture(albedo, normal, part, (flags & CB_MATERIAL_UNLIT) != 0u);
+  write_capture(albedo, normal, part, (flags & CB_MATERIAL_UNLIT) != 0u, emissive);
 #else
 #ifdef CB_IDS
   uint id = v_id;

@@ -53,7 +53,7 @@ std::vector<PosedVertex> pose_vertices(const MeshData& data, const scene::Charac
 }  // namespace
 
 CharacterMesh upload_mesh(gl::Context& context, const scene::Character& character, int joints, MeshUse use,
-                          std::span<const std::vector<scene::Mat3x4>> poses) {
+                          std::span<const std::vector<scene::Mat3x4>> poses, float peak) {
   if (character.materials.size() > kMaxMaterials)
     throw Error(character.name, fmt::format("{} materials; {} is the most", character.materials.size(), kMaxMaterials),
                 "merge materials");
@@ -111,6 +111,7 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
   }
 
   std::vector<MaterialRecord> materials;
+  out.has_emissive = use == MeshUse::capture && peak > 0;
   for (size_t m = 0; m < character.materials.size(); ++m) {
     const scene::Material& material = character.materials[m];
     uint32_t flags = 0;
@@ -118,8 +119,11 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
     if (material.base_colour_image >= 0) flags |= CB_MATERIAL_TEXTURE;
     if (material.emissive_image >= 0) flags |= CB_MATERIAL_EMISSIVE_TEXTURE;
     const glm::vec4& base = material.base_colour;
-    const glm::vec3& glow = material.emissive;
-    out.has_emissive = out.has_emissive || glow != glm::vec3(0.0F);
+    glm::vec3 glow = material.emissive;
+    if (use == MeshUse::capture)
+      glow = peak > 0 && !material.unlit ? glow / peak : glm::vec3(0.0F);
+    else
+      out.has_emissive = out.has_emissive || glow != glm::vec3(0.0F);
     materials.push_back({{base.r, base.g, base.b},
                          material.part | flags << 8U | static_cast<uint32_t>(data.material_layer[m]) << 16U,
                          {glow.r, glow.g, glow.b},
@@ -192,9 +196,10 @@ void MeshDraw::draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffe
   mesh.vertex_array.bind();
   mesh.material_texels.bind(CB_TEXTURE_MATERIALS);
   for (const MeshGroup& group : mesh.groups) {
+    const int emissive_array = mesh.has_emissive ? group.emissive_array : -1;
     const gl::Program& p = program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
-                                    mesh.has_emissive_uvs && group.emissive_array >= 0, group.base_array >= 0,
-                                    group.emissive_array >= 0, group.double_sided});
+                                    mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0,
+                                    emissive_array >= 0, group.double_sided});
     p.use();
     if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
     const auto bind_array = [&](int array, unsigned unit) {
@@ -203,7 +208,7 @@ void MeshDraw::draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffe
       mesh.samplers[static_cast<size_t>(array)].bind(unit);
     };
     bind_array(group.base_array, CB_TEXTURE_BASE_COLOUR);
-    bind_array(group.emissive_array, CB_TEXTURE_EMISSIVE);
+    bind_array(emissive_array, CB_TEXTURE_EMISSIVE);
     if (group.double_sided)
       glDisable(GL_CULL_FACE);
     else

@@ -41,10 +41,10 @@ struct PosedVertex {
 };
 
 // poses: palettes of the character's bank: none for the skinned mesh and captures, one for the static pose; the
-// vertices of stored poses follow each other in the order given. Throws Error: more materials or images than can be
-// addressed.
+// vertices of stored poses follow each other in the order given. peak: captures hold emissive light as fractions of
+// this, and none where it is 0. Throws Error: more materials or images than can be addressed.
 CharacterMesh upload_mesh(gl::Context& context, const scene::Character& character, int joints, MeshUse use,
-                          std::span<const std::vector<scene::Mat3x4>> poses);
+                          std::span<const std::vector<scene::Mat3x4>> poses, float peak = 0);
 
 class MeshDraw {
  public:

@@ -599,7 +599,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
         }
         if (wanted.empty()) continue;
         TileCapture capture(context, only_part(*tier.cut.character, triangles[part]), moving ? plan.moving : plan.still,
-                            plan.sphere.centre, plan.texel, plan.sphere.radius);
+                            plan.sphere.centre, plan.texel, plan.sphere.radius, 0);
         capture.capture(wanted, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> images) {
           parallel(page.size(), threads,
                    [&](size_t k) {

@@ -48,6 +48,7 @@ CompressedTile compress(const Tile& tile) {
   out.normal.resize(count * kNormalBlockBytes);
   out.depth.resize(count * kDepthBlockBytes);
   out.parts.resize(count * kBlock * kBlock);
+  if (!tile.emission.empty()) out.emission.resize(count * kEmissionBlockBytes);
   const std::vector<bool> visible = visible_texels(tile);
   size_t block = 0;
   for (int by = 0; by < out.blocks_y; ++by)
@@ -55,6 +56,7 @@ CompressedTile compress(const Tile& tile) {
       Texels albedo{};
       Texels surface{};
       Texels depth{};
+      Texels emission{};
       BlockMasks masks;
       for (int i = 0; i < kBlock * kBlock; ++i) {
         const int x = bx * kBlock + i % kBlock;
@@ -67,6 +69,7 @@ CompressedTile compress(const Tile& tile) {
         std::copy_n(&tile.albedo[4 * texel], 4, &albedo[o]);
         std::copy_n(&tile.surface[4 * texel], 4, &surface[o]);
         depth[o] = surface[o + 3];
+        if (!tile.emission.empty()) std::copy_n(&tile.emission[4 * texel], 4, &emission[o]);
         out.parts[static_cast<size_t>(y) * static_cast<size_t>(out.blocks_x * kBlock) + static_cast<size_t>(x)] =
             surface[o + 2];
       }
@@ -80,6 +83,9 @@ CompressedTile compress(const Tile& tile) {
       std::copy_n(fitted.begin() + 8, 8, to + 8);
       squish::CompressMasked(surface.data(), masks.visible, &out.normal[block * kNormalBlockBytes], squish::kBc5);
       squish::CompressMasked(depth.data(), masks.visible, &out.depth[block * kDepthBlockBytes], squish::kBc4);
+      if (!tile.emission.empty())
+        squish::CompressMasked(emission.data(), masks.visible, &out.emission[block * kEmissionBlockBytes],
+                               squish::kDxt1 | squish::kColourClusterFit);
     }
   return out;
 }
@@ -109,6 +115,9 @@ Tile decompress(const CompressedTile& compressed, const Tile& shape) {
     for (int bx = 0; bx < compressed.blocks_x; ++bx, ++block) {
       const std::span normals(&compressed.normal[block * kNormalBlockBytes], kNormalBlockBytes);
       Texels albedo{};
+      Texels emission{};
+      if (!compressed.emission.empty())
+        squish::Decompress(emission.data(), &compressed.emission[block * kEmissionBlockBytes], squish::kDxt1);
       squish::Decompress(albedo.data(), &compressed.albedo[block * kColourBlockBytes], squish::kDxt5);
       const auto alpha = decode_bc4(std::span(&compressed.albedo[block * kColourBlockBytes], 8));
       const auto x_codes = decode_bc4(normals.first(8));
@@ -127,6 +136,7 @@ Tile decompress(const CompressedTile& compressed, const Tile& shape) {
             compressed.parts[static_cast<size_t>(y) * static_cast<size_t>(compressed.blocks_x * kBlock) +
                              static_cast<size_t>(x)];
         out.surface[o + 3] = depths[i];
+        if (!compressed.emission.empty()) std::copy_n(&emission[4 * i], 4, &out.emission[o]);
       }
     }
   return out;

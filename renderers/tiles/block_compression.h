@@ -12,22 +12,25 @@
 
 namespace crowdbench::renderers {
 
-inline constexpr int kBlock = 4;              // texels, along a side
-inline constexpr int kColourBlockBytes = 16;  // BC3: colour and coverage
-inline constexpr int kNormalBlockBytes = 16;  // BC5: x and y
-inline constexpr int kDepthBlockBytes = 8;    // BC4
+inline constexpr int kBlock = 4;               // texels, along a side
+inline constexpr int kColourBlockBytes = 16;   // BC3: colour and coverage
+inline constexpr int kNormalBlockBytes = 16;   // BC5: x and y
+inline constexpr int kDepthBlockBytes = 8;     // BC4
+inline constexpr int kEmissionBlockBytes = 8;  // BC1
 
 inline int blocks(int texels) { return (texels + kBlock - 1) / kBlock; }
 
 // Tile::albedo as BC3 (GL_COMPRESSED_RGBA_S3TC_DXT5_EXT), Tile::surface as BC5 normals (GL_COMPRESSED_RG_RGTC2), BC4
-// depth (GL_COMPRESSED_RED_RGTC1) and, exactly as they were, one byte of material id a texel. Blocks row by row from
-// the bottom; texels beyond the tile are anything, their ids 0.
+// depth (GL_COMPRESSED_RED_RGTC1), BC1 emission where the tile has any (GL_COMPRESSED_SRGB_S3TC_DXT1_EXT) and, exactly
+// as they were, one byte of material id a texel. Blocks row by row from the bottom; texels beyond the tile are
+// anything, their ids 0.
 struct CompressedTile {
   int blocks_x = 0;
   int blocks_y = 0;
   std::vector<uint8_t> albedo;
   std::vector<uint8_t> normal;
   std::vector<uint8_t> depth;
+  std::vector<uint8_t> emission;
   std::vector<uint8_t> parts;  // (4 blocks_x) x (4 blocks_y)
 };
 

@@ -1,10 +1,17 @@
 #version 450 core
 // Many samples a texel down to one: the fraction that is covered, the covered samples' mean colour in linear light, the
-// material id that most of them have, and the mean normal and depth of the samples with that id.
+// material id that most of them have, and the mean normal and depth of the samples with that id; where the character
+// glows, the mean of what the covered samples give off.
 layout(binding = 0) uniform sampler2D albedo_samples;
 layout(binding = 1) uniform sampler2D surface_samples;
+#ifdef CB_EMISSIVE
+layout(binding = 2) uniform sampler2D emission_samples;
+#endif
 layout(location = 0) out vec4 out_albedo;
 layout(location = 1) out vec4 out_surface;
+#ifdef CB_EMISSIVE
+layout(location = 2) out vec4 out_emission;
+#endif
 
 const int kSide = CB_SAMPLES;
 
@@ -22,7 +29,18 @@ void main() {
   }
   out_albedo = vec4(0.0);
   out_surface = vec4(128.0 / 255.0, 128.0 / 255.0, 0.0, 128.0 / 255.0);
+#ifdef CB_EMISSIVE
+  out_emission = vec4(0.0);
+#endif
   if (covered == 0) return;
+#ifdef CB_EMISSIVE
+  vec3 emission = vec3(0.0);
+  for (int i = 0; i < kSide * kSide; ++i) {
+    vec3 e = texelFetch(emission_samples, corner + ivec2(i % kSide, i / kSide), 0).rgb;
+    emission += e * e;  // zero where nothing was drawn
+  }
+  out_emission = vec4(sqrt(emission / float(covered)), 1.0);
+#endif
 
   // Samples that are not covered were cleared to zero in every channel; a covered one's alpha code never is zero.
   vec3 normal = vec3(0.0);

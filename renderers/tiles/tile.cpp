@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/colour.h"
+
 namespace crowdbench::renderers {
 namespace {
 
@@ -19,6 +21,7 @@ struct Plane {
   std::vector<std::array<float, 3>> normal;  // unit
   std::vector<float> depth;                  // of the range, [-1, 1]
   std::vector<uint8_t> part;
+  std::vector<std::array<float, 3>> emission;  // linear, of the peak; empty: nothing glows
 
   explicit Plane(const TileRect& r) : rect(r) {
     const size_t n = static_cast<size_t>(r.width) * static_cast<size_t>(r.height);
@@ -53,6 +56,7 @@ TileRect half(const TileRect& r) {
 
 Plane half(const Plane& fine) {
   Plane coarse(half(fine.rect));
+  if (!fine.emission.empty()) coarse.emission.resize(coarse.alpha.size());
   const int x0 = coarse.rect.x;
   const int y0 = coarse.rect.y;
   const int x1 = x0 + coarse.rect.width;
@@ -101,6 +105,15 @@ Plane half(const Plane& fine) {
       for (size_t c = 0; c < 3; ++c) {
         coarse.colour[d][c] = colour[c] / total;
         coarse.normal[d][c] = length > 0 ? normal[c] / length : (c == 2 ? 1.0F : 0.0F);
+      }
+      if (fine.emission.empty()) continue;
+      for (size_t c = 0; c < 3; ++c) {
+        float sum = 0;
+        for (int i = 0; i < sources; ++i) {
+          const size_t s = source[static_cast<size_t>(i)];
+          sum += fine.alpha[s] * fine.emission[s][c];
+        }
+        coarse.emission[d][c] = sum / total;
       }
     }
   return coarse;
@@ -186,6 +199,7 @@ Tile encode(const Plane& plane, double area) {
   const size_t n = static_cast<size_t>(tile.stride()) * static_cast<size_t>(tile.rows()) * 4;
   tile.albedo.assign(n, 0);
   tile.surface.assign(n, 0);
+  if (!plane.emission.empty()) tile.emission.assign(n, 0);
   for (int row = 0; row < tile.rows(); ++row)
     for (int column = 0; column < tile.stride(); ++column) {
       const int x = plane.rect.x + column - kTileGutter;
@@ -196,6 +210,7 @@ Tile encode(const Plane& plane, double area) {
       float weight = 0;
       std::array<float, 3> colour{};
       std::array<float, 3> normal{};
+      std::array<float, 3> emission{};
       float depth = 0;
       float heaviest = 0;
       uint8_t part = 0;
@@ -210,6 +225,7 @@ Tile encode(const Plane& plane, double area) {
           for (size_t c = 0; c < 3; ++c) {
             colour[c] += w * plane.colour[s][c];
             normal[c] += w * plane.normal[s][c];
+            if (!plane.emission.empty()) emission[c] += w * plane.emission[s][c];
           }
           if (w > heaviest) {
             heaviest = w;
@@ -226,6 +242,9 @@ Tile encode(const Plane& plane, double area) {
       tile.surface[o + 1] = encode_signed(normal[1] / length);
       tile.surface[o + 2] = part;
       tile.surface[o + 3] = encode_signed(depth / weight);
+      if (plane.emission.empty()) continue;
+      for (size_t c = 0; c < 3; ++c) tile.emission[o + c] = linear_to_srgb8(static_cast<double>(emission[c] / weight));
+      tile.emission[o + 3] = 255;
     }
   return tile;
 }
@@ -280,6 +299,12 @@ std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<Capt
       plane.normal[d] = decode_normal(t.surface[0], t.surface[1]);
       plane.part[d] = t.surface[2];
       plane.depth[d] = static_cast<float>(decode_signed(t.surface[3]));
+      if (t.emission == std::array<uint8_t, 3>{}) continue;
+      if (plane.emission.empty()) plane.emission.resize(plane.alpha.size());
+      for (size_t c = 0; c < 3; ++c) {
+        const float v = static_cast<float>(t.emission[c]) / 255;
+        plane.emission[d][c] = v * v;
+      }
     }
   for (int level = 0; level < levels; ++level) {
     if (level > 0) {

@@ -24,16 +24,19 @@ TileRect level_rect(const TileRect& rect, int level);
 
 inline constexpr int kTileGutter = 1;  // texels around a tile, filled from its border, with the alpha of "nothing here"
 
-// Two RGBA maps of (width + 2 gutter) x (height + 2 gutter) texels, bottom row first.
+// Two RGBA maps, or three, of (width + 2 gutter) x (height + 2 gutter) texels, bottom row first.
 //   albedo:  R, G, B = square root of the linear albedo, unlit; A = coverage, remapped so that bilinear filtering
 //            crosses one half where the silhouette is.
 //   surface: R, G = x and y of the normal in view space (encode_signed); B = material id, the top bit set when it is
 //            not to be lit; A = height above the capture plane towards the eye, over the bake's depth range
 //            (encode_signed).
+//   emission: R, G, B = what the texel gives off (renderers/emission.h), A = 255; empty where the tile gives off
+//            nothing.
 struct Tile {
   TileRect rect;
   std::vector<uint8_t> albedo;
   std::vector<uint8_t> surface;
+  std::vector<uint8_t> emission;
   double coverage = 0;      // area of the silhouette in texels of this level, from the capture's own samples
   uint8_t empty_alpha = 0;  // stored alpha of "nothing here", below one half
 
@@ -49,15 +52,16 @@ double decode_signed(uint8_t code);
 
 // One texel of a capture: coverage 0..255 and the mean of the covered samples.
 struct CapturedTexel {
-  std::array<uint8_t, 4> albedo{};   // sqrt-encoded colour, A = fraction of the samples that are covered
-  std::array<uint8_t, 4> surface{};  // as Tile::surface
+  std::array<uint8_t, 4> albedo{};    // sqrt-encoded colour, A = fraction of the samples that are covered
+  std::array<uint8_t, 4> surface{};   // as Tile::surface
+  std::array<uint8_t, 3> emission{};  // square root of the fraction of the peak
 };
 
 // Level 0 and `levels` - 1 coarser ones of one tile. texels: rect.width x rect.height, bottom row first.
 //   Every level keeps the silhouette's area: its alpha is mapped affinely (which commutes with bilinear filtering) so
 //   that the filtered alpha is at least one half over exactly that area. Colours, normals and depths are means weighted
-//   by coverage (colours in linear light, normals renormalised), material ids the most covered one; texels without
-//   coverage next to covered ones take their neighbours' values.
+//   by coverage (colours and emission in linear light, normals renormalised), material ids the most covered one; texels
+//   without coverage next to covered ones take their neighbours' values.
 // crop: the rectangle shrinks to what is covered. A tile that covers nothing gives empty rectangles.
 std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<CapturedTexel>& texels, int levels,
                                     bool crop = true);

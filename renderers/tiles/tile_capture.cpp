@@ -105,32 +105,35 @@ struct TileCapture::State {
   scene::Cast cast;
   glm::dvec3 centre;
   double texel, range;
+  bool glows;
   FrameResources resources;
   std::unique_ptr<Representation> mesh;
   gl::VertexArray no_vertices;
   gl::Program resolve;
 
-  State(gl::Context& context_, scene::Cast cast_, const glm::dvec3& centre_, double texel_, double range_)
+  State(gl::Context& context_, scene::Cast cast_, const glm::dvec3& centre_, double texel_, double range_, float peak)
       : context(context_),
         cast(std::move(cast_)),
         centre(centre_),
         texel(texel_),
         range(range_),
+        glows(peak > 0),
         resources(context, cast),
-        mesh(make_mesh_capture({.context = context, .cast = cast})),
+        mesh(make_mesh_capture({.context = context, .cast = cast}, peak)),
         no_vertices(context),
         resolve(context, {"renderers/shaders/screen.vert", "renderers/tiles/resolve.frag"},
-                {{"CB_SAMPLES", std::to_string(kSamples)}}) {}
+                glows ? gl::Defines{{"CB_SAMPLES", std::to_string(kSamples)}, {"CB_EMISSIVE", ""}}
+                      : gl::Defines{{"CB_SAMPLES", std::to_string(kSamples)}}) {}
 };
 
 TileCapture::TileCapture(gl::Context& context, std::shared_ptr<const scene::Character> character,
                          std::shared_ptr<const scene::PoseBank> bank, const glm::dvec3& centre, double texel,
-                         double range) {
+                         double range, float peak) {
   scene::Cast cast;
   cast.characters = {std::move(character)};
   cast.banks = {std::move(bank)};
   cast.shares = {1.0};
-  state_ = std::make_unique<State>(context, std::move(cast), centre, texel, range);
+  state_ = std::make_unique<State>(context, std::move(cast), centre, texel, range, peak);
 }
 
 TileCapture::~TileCapture() = default;
@@ -157,8 +160,16 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
   const gl::Texture depth = target(GL_DEPTH_COMPONENT32F, width, height);
   const gl::Texture albedo_page = target(GL_RGBA8, packing.width, packing.height);
   const gl::Texture surface_page = target(GL_RGBA8, packing.width, packing.height);
-  const std::array<const gl::Texture*, 2> fine = {&albedo, &surface};
-  const std::array<const gl::Texture*, 2> coarse = {&albedo_page, &surface_page};
+  gl::Texture emission;
+  gl::Texture emission_page;
+  std::vector<const gl::Texture*> fine = {&albedo, &surface};
+  std::vector<const gl::Texture*> coarse = {&albedo_page, &surface_page};
+  if (s.glows) {
+    emission = target(GL_RGBA8, width, height);
+    emission_page = target(GL_RGBA8, packing.width, packing.height);
+    fine.push_back(&emission);
+    coarse.push_back(&emission_page);
+  }
   const gl::Framebuffer capture_target(s.context, fine, &depth);
   const gl::Framebuffer resolve_target(s.context, coarse, nullptr);
 
@@ -170,6 +181,7 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
   const size_t page_bytes = static_cast<size_t>(packing.width) * static_cast<size_t>(packing.height) * 4;
   std::vector<uint8_t> albedo_texels(page_bytes);
   std::vector<uint8_t> surface_texels(page_bytes);
+  std::vector<uint8_t> emission_texels(s.glows ? page_bytes : 0);
   for (int page = 0; page < packing.layers; ++page) {
     std::vector<size_t> here;
     for (size_t i = 0; i < tiles.size(); ++i)
@@ -214,6 +226,7 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
     const std::array<float, 4> nothing{};
     glClearBufferfv(GL_COLOR, 0, nothing.data());
     glClearBufferfv(GL_COLOR, 1, nothing.data());
+    if (s.glows) glClearBufferfv(GL_COLOR, 2, nothing.data());
     glClearBufferfv(GL_DEPTH, 0, nothing.data());
     s.resources.upload(frame, width, height);
     view_buffer.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_CAPTURE);
@@ -224,11 +237,13 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
     glDisable(GL_DEPTH_TEST);
     albedo.bind(0);
     surface.bind(1);
+    if (s.glows) emission.bind(2);
     s.no_vertices.bind();
     s.resolve.use();
     glDrawArrays(GL_TRIANGLES, 0, 3);
     albedo_page.read(0, GL_RGBA, GL_UNSIGNED_BYTE, albedo_texels.data(), page_bytes);
     surface_page.read(0, GL_RGBA, GL_UNSIGNED_BYTE, surface_texels.data(), page_bytes);
+    if (s.glows) emission_page.read(0, GL_RGBA, GL_UNSIGNED_BYTE, emission_texels.data(), page_bytes);
 
     std::vector<std::vector<CapturedTexel>> captured;
     for (const size_t i : here) {
@@ -242,6 +257,7 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
           CapturedTexel& to = texels[static_cast<size_t>(y) * static_cast<size_t>(rect.width) + static_cast<size_t>(x)];
           std::copy_n(albedo_texels.begin() + static_cast<std::ptrdiff_t>(from), 4, to.albedo.begin());
           std::copy_n(surface_texels.begin() + static_cast<std::ptrdiff_t>(from), 4, to.surface.begin());
+          if (s.glows) std::copy_n(emission_texels.begin() + static_cast<std::ptrdiff_t>(from), 3, to.emission.begin());
         }
       captured.push_back(std::move(texels));
     }

@@ -45,9 +45,11 @@ struct CaptureTile {
 
 class TileCapture {
  public:
-  // texel: metres. range: metres that the depth code's ends stand for. Poses come from `bank`.
+  // texel: metres. range: metres that the depth code's ends stand for. Poses come from `bank`. peak: of the light that
+  // the whole character gives off (renderers/emission.h); 0: none is captured.
   TileCapture(gl::Context& context, std::shared_ptr<const scene::Character> character,
-              std::shared_ptr<const scene::PoseBank> bank, const glm::dvec3& centre, double texel, double range);
+              std::shared_ptr<const scene::PoseBank> bank, const glm::dvec3& centre, double texel, double range,
+              float peak);
   ~TileCapture();
   TileCapture(const TileCapture&) = delete;
   TileCapture& operator=(const TileCapture&) = delete;

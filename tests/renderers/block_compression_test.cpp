@@ -91,6 +91,22 @@ TEST(BlockCompression, IdsAreNeverMixedAndUnseenTexelsDoNotCount) {
   }
 }
 
+TEST(BlockCompression, EmissionIsABlockOfItsOwnWhereThereIsAny) {
+  Tile tile = tile_of({8, 16, 255, 230}, {100, 200, 3, 77});
+  EXPECT_TRUE(compress(tile).emission.empty());
+  EXPECT_TRUE(decompress(compress(tile), tile).emission.empty());
+  // 255, 130 and 0 are codes of five and six bits.
+  for (int i = 0; i < 49; ++i) tile.emission.insert(tile.emission.end(), {255, 130, 0, 255});
+  const CompressedTile blocks = compress(tile);
+  EXPECT_EQ(blocks.emission.size(), 4U * 8);
+  const Tile back = decompress(blocks, tile);
+  const std::vector<bool> visible = visible_texels(tile);
+  for (size_t i = 0; i < 49; ++i) {
+    if (!visible[i]) continue;
+    for (size_t c = 0; c < 4; ++c) EXPECT_EQ(back.emission[4 * i + c], tile.emission[4 * i + c]) << i;
+  }
+}
+
 TEST(BlockCompression, AnEmptyTileHasNoBlocks) {
   const CompressedTile blocks = compress(Tile{});
   EXPECT_EQ(blocks.blocks_x, 0);

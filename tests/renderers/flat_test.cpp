@@ -158,6 +158,15 @@ TEST(FlatBake, BytesSurviveARoundTripAndDamageDoesNot) {
   EXPECT_TRUE(deserialise_flat(serialise(bake)));
   bake.part_bits = 8;
   EXPECT_FALSE(deserialise_flat(serialise(bake))) << "ids of four bits";
+  bake.part_bits = 4;
+  bake.emission_peak = 2.5F;  // a map that is not there
+  EXPECT_FALSE(deserialise_flat(serialise(bake)));
+  compressed.emission.resize(8);
+  const auto glowing = serialise(bake);
+  ASSERT_TRUE(deserialise_flat(glowing));
+  EXPECT_EQ(deserialise_flat(glowing)->emission_peak, 2.5F);
+  EXPECT_EQ(deserialise_flat(glowing)->levels[0].emission.size(), 8U);
+  for (size_t n = 0; n < glowing.size(); ++n) EXPECT_FALSE(deserialise_flat(std::span(glowing).first(n))) << n;
 }
 
 TEST(FlatBake, AccountingAgreesWithTheSource) {

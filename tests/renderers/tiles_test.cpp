@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/colour.h"
 #include "core/random.h"
 #include "renderers/tiles/outline.h"
 #include "renderers/tiles/packing.h"
@@ -175,6 +176,24 @@ TEST(Tile, ColoursAreMeansInLinearLight) {
   const size_t centre = 4 * 4;               // (1, 1) of 3 x 3
   EXPECT_EQ(levels[1].albedo[centre], 180);  // sqrt(0.5) * 255 = 180.3
   EXPECT_EQ(levels[1].surface[centre + 2], 4) << "three quarters of it is part 4; ids are never averaged";
+}
+
+TEST(Tile, EmissionIsAMeanOfWhatIsCovered) {
+  const TileRect rect{0, 0, 2, 2};
+  std::vector<CapturedTexel> texels(4);
+  for (CapturedTexel& t : texels) t.albedo[3] = 255;
+  for (const Tile& t : build_tile_levels(rect, texels, 2)) EXPECT_TRUE(t.emission.empty()) << "nothing glows";
+  // Two that give off all of the peak, one nothing, one is not covered: two thirds of the peak.
+  texels[0].emission = texels[1].emission = {255, 0, 0};
+  texels[3].albedo[3] = 0;
+  const auto levels = build_tile_levels(rect, texels, 2);
+  ASSERT_EQ(levels[0].emission.size(), 4U * 16);
+  const size_t first = 4 * (4 + 1);  // (0, 0) of 2 x 2, within the gutters
+  EXPECT_EQ(levels[0].emission[first], 255);
+  EXPECT_EQ(levels[0].emission[first - 4], linear_to_srgb8(0.5)) << "the gutter beside it, and beside the dark texel";
+  const size_t centre = 4 * 4;  // (1, 1) of 3 x 3
+  EXPECT_EQ(levels[1].emission[centre], linear_to_srgb8(2.0 / 3));
+  EXPECT_EQ(levels[1].emission[centre + 1], 0);
 }
 
 TEST(Tile, NormalsAreRenormalised) {
