@@ -53,6 +53,14 @@ void require_libraries() {
   (void)present;
 }
 
+// llvmpipe's shader cache on disk is keyed by the shader and the processor, not by the vector width (Mesa 22.3.6): code
+// compiled 8 lanes wide, run where LP_NATIVE_VECTOR_WIDTH asks for 4, writes 8 vertices at a time into room for a
+// multiple of 4. Where the variable is set, nothing is taken from the cache nor left there; said before the driver
+// starts.
+void keep_vector_widths_apart() {
+  if (std::getenv("LP_NATIVE_VECTOR_WIDTH")) setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
+}
+
 bool has_word(const char* list, std::string_view word) {
   if (!list) return false;
   std::string_view rest(list);
@@ -216,6 +224,7 @@ std::vector<Device> list_devices() {
 
 Context::Context(const ContextOptions& options) {
   require_libraries();
+  keep_vector_widths_apart();
   std::string wanted = options.device;
   std::string where = "--device";
   if (wanted.empty()) {

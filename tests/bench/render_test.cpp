@@ -61,6 +61,37 @@ TEST_F(RenderGl, BytesDoNotDependOnThreadsPlatformOrRun) {
   EXPECT_EQ(text.find(folder_.path().string()), std::string::npos) << "no path of this machine";
 }
 
+// llvmpipe's shader cache does not know the vector width: code of one width must not run at another, either way. A tier
+// of 13 or 9 boxes of 4 corners has no multiple of 8 vertices, which code 8 lanes wide would write.
+TEST_F(RenderGl, ANarrowedDriverSharesNoShaderCache) {
+  const auto render = [&](const std::string& shaders, const std::string& representation,
+                          const std::string& environment) {
+    const Outcome outcome =
+        run("unset MESA_SHADER_CACHE_DISABLE; CROWDBENCH_CACHE_DIR='" + file("bakes") + "' MESA_SHADER_CACHE_DIR='" +
+                file(shaders) + "' " + environment,
+            "render --representation " + representation +
+                " --character mannequin:triangles=500 --agents 20 --occupancy 0.15 --size 160x120 --device software "
+                "--out '" +
+                file("x.png") + "'");
+    EXPECT_EQ(outcome.status, 0) << environment << ": " << outcome.text;
+    return outcome.status == 0 ? read_file(file("x.png")) : std::vector<uint8_t>();
+  };
+  const auto cached = [&](const std::string& shaders) {
+    size_t files = 0;
+    std::error_code absent;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(file(shaders), absent))
+      files += entry.is_regular_file() && entry.file_size() > 0 ? 1U : 0U;
+    return files;
+  };
+  const std::string relief = "relief:map=32,capture=bind";
+  const std::string narrow = "LP_NATIVE_VECTOR_WIDTH=128";
+  const std::vector<uint8_t> wide = render("after wide", relief, "");
+  if (cached("after wide") == 0) GTEST_SKIP() << "the driver keeps no shader cache";
+  EXPECT_EQ(render("after wide", relief, narrow), wide);
+  render("narrow first", "mesh", narrow);
+  EXPECT_EQ(cached("narrow first"), 0U) << "left for another width";
+}
+
 // A hybrid with a memory, at a tick in the middle of its cross-fades: the ticks before are played, whatever the
 // threads.
 TEST_F(RenderGl, ASwitchWithHistoryIsTheSameAtAnyThreadCount) {
