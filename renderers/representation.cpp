@@ -297,4 +297,8 @@ bool OptionReader::flag(const std::string& key) const {
   return value == "1";
 }
 
+std::string OptionReader::where(const std::string& key) const {
+  return fmt::format("representation '{}', option '{}'", type_.name, key);
+}
+
 }  // namespace crowdbench::renderers

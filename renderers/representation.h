@@ -179,6 +179,8 @@ class OptionReader {
   int64_t integer(const std::string& key, int64_t low, int64_t high) const;
   double number(const std::string& key, double low, double high) const;
   bool flag(const std::string& key) const;  // 0 or 1
+  // How an error names an option.
+  std::string where(const std::string& key) const;
 
  private:
   const RepresentationType& type_;

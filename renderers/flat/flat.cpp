@@ -9,14 +9,10 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <numbers>
-#include <optional>
 #include <tuple>
 
 #include "core/error.h"
-#include "core/hash.h"
-#include "core/progress.h"
-#include "renderers/bake_cache.h"
+#include "renderers/bake_loader.h"
 #include "renderers/emission.h"
 #include "renderers/flat/flat.shared.h"
 #include "renderers/flat/flat_bake.h"
@@ -25,6 +21,8 @@
 #include "renderers/gl/program.h"
 #include "renderers/shaders/bindings.shared.h"
 #include "renderers/tiles/level_order.h"
+#include "renderers/tiles/tile_textures.h"
+#include "renderers/views/view_options.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -67,14 +65,11 @@ struct CharacterTiles {
   gl::Texture tile_texels, outline_texels, view_texels;
   glm::vec3 centre{0.0F};
   double texel = 0;
-  uint64_t disk_bytes = 0;
   int part_bits = 0;
   bool glows = false;
-  std::string cache_key;
-  bool cached = false;
   uint64_t tiles_baked = 0;
   uint32_t frames = 0, views = 0;
-  std::vector<FlatClip> clips;
+  std::vector<StoredClip> clips;
   double covered = 0, drawn = 0;  // texels of level 0 over all tiles: silhouettes, and the outlines around them
 };
 
@@ -125,12 +120,16 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   out.clips = bake.clips;
   out.part_bits = bake.part_bits;
   out.glows = bake.emission_peak > 0;
-  std::vector<std::array<glm::vec4, 2>> axes;
-  for (uint32_t v = 0; v < bake.views; ++v) {
-    const ViewBasis basis = grid.basis(static_cast<int>(v));
-    axes.push_back({glm::vec4(glm::vec3(basis.right), 0.0F), glm::vec4(glm::vec3(basis.up), 0.0F)});
+  out.frames = bake.frames;
+  out.views = bake.views;
+  const FlatLevel& finest = bake.levels[0];
+  for (const FlatTile& t : finest.tiles) {
+    out.tiles_baked += t.covered > 0 ? 1 : 0;
+    out.covered += t.covered;
   }
-  out.axes = gl::Buffer(context, axes);
+  for (size_t i = 0; i < finest.outlines.size(); i += static_cast<size_t>(finest.corners))
+    out.drawn += strip_area(finest, i);
+  out.axes = gl::Buffer(context, view_axes(grid));
   out.view_texels = gl::Texture::make_buffer(context, GL_RGBA32F, out.axes);
   std::vector<FlatTile> tiles;
   std::vector<std::array<float, 2>> outlines;
@@ -145,13 +144,11 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
     for (int first = 0; first < level.layers; first += step) {
       const int count = std::min(step, level.layers - first);
       table.layers = {first, count, std::bit_cast<uint32_t>(bake.emission_peak), 0};
-      const auto make = [&](unsigned internal, unsigned format, int width, const std::vector<uint8_t>& texels) {
-        gl::Texture texture = gl::Texture::make_array(context, internal, width, level.height, count, 1);
+      const auto make = [&](unsigned stored, unsigned format, int width, const std::vector<uint8_t>& texels) {
         const size_t layer_bytes = texels.size() / static_cast<size_t>(level.layers);
-        for (int layer = 0; layer < count; ++layer)
-          texture.write(0, layer, format, GL_UNSIGNED_BYTE,
-                        texels.data() + static_cast<size_t>(first + layer) * layer_bytes);
-        return texture;
+        return upload_layers(context, stored, format, width, level.height, count,
+                             std::span(texels).subspan(static_cast<size_t>(first) * layer_bytes,
+                                                       static_cast<size_t>(count) * layer_bytes));
       };
       CharacterTiles::Part& part = l.arrays.emplace_back();
       part.table = gl::Buffer(context, sizeof table, &table);
@@ -214,7 +211,6 @@ class FlatRepresentation : public Representation {
         grid_(options.grid),
         nominal_(nominal_frame(options.grid, options.texels)) {
     const auto start = std::chrono::steady_clock::now();
-    const BakeCache cache(cache_directory() / "bakes", make.use_cache);
     const bool any_glows =
         std::ranges::any_of(make.cast.characters, [](const auto& character) { return emission_peak(*character) > 0; });
     const char* lacking = !context_.has_extension(kS3tc)                ? kS3tc
@@ -228,7 +224,8 @@ class FlatRepresentation : public Representation {
                    lacking);
       options.compressed = false;
     }
-    uint64_t left = make.bake_budget;
+    BakeLoader loader(make, {"flat", "flat impostors", "tiles",
+                             "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget"});
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const auto& character = make.cast.characters[c];
       const auto& bank = make.cast.banks[c];
@@ -244,48 +241,16 @@ class FlatRepresentation : public Representation {
             needed_tiles(*character, bank, options, draw_.blend, [&](const auto& see) { make.required_by(c, see); });
       }
       const std::string key = flat_cache_key(*character, *bank, options, context_.renderer(), context_.version());
-      std::optional<FlatBake> bake;
-      if (!make.rebake)
-        if (const auto stored = cache.load("flat", key)) bake = deserialise_flat(*stored);
-      const bool cached = bake.has_value();
-      if (!bake) {
-        std::optional<Progress> progress;
-        size_t shown = 0;
-        bake = bake_flat(context_, character, bank, options, left, [&](size_t done, size_t total) {
-          throw_if_interrupted();
-          if (!make.progress) return;
-          if (!progress) progress.emplace(fmt::format("baking flat impostors of {}", character->name), total);
-          progress->advance(done - shown);
-          shown = done;
-        });
-        cache.store("flat", key, serialise(*bake));
-      }
-      if (bake->texture_bytes() > left)
-        throw Error(
-            fmt::format("flat bake of {}", character->name),
-            fmt::format("{:.0f} MiB of tiles are more than what is left of the budget, {:.0f}",
-                        static_cast<double>(bake->texture_bytes()) / (1 << 20), static_cast<double>(left) / (1 << 20)),
-            "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
-      left -= bake->texture_bytes();
-      check_limits(context_, *bake, character->name, draw_);
-      characters_.push_back(upload(context_, *bake, options.grid, draw_.layers));
-      characters_.back().cache_key = key;
-      for (const FlatTile& t : bake->levels[0].tiles) {
-        characters_.back().tiles_baked += t.covered > 0 ? 1 : 0;
-        characters_.back().covered += t.covered;
-      }
-      characters_.back().frames = bake->frames;
-      characters_.back().views = bake->views;
-      for (size_t i = 0; i < bake->levels[0].outlines.size(); i += static_cast<size_t>(bake->levels[0].corners))
-        characters_.back().drawn += strip_area(bake->levels[0], i);
-      characters_.back().cached = cached;
-      characters_.back().disk_bytes = cache.enabled() ? cache.disk_bytes("flat", key) : 0;
+      const FlatBake bake = loader.load<FlatBake>(
+          character->name, key, deserialise_flat, [&](uint64_t left, const BakeProgress& progress) {
+            return bake_flat(context_, character, bank, options, left, progress);
+          });
+      check_limits(context_, bake, character->name, draw_);
+      characters_.push_back(upload(context_, bake, options.grid, draw_.layers));
     }
-    gl::SamplerOptions sampling{
-        .min_filter = GL_LINEAR, .mag_filter = GL_LINEAR, .wrap_s = GL_CLAMP_TO_EDGE, .wrap_t = GL_CLAMP_TO_EDGE};
-    filtered_ = gl::Sampler(context_, sampling);
-    sampling.min_filter = sampling.mag_filter = GL_NEAREST;
-    nearest_ = gl::Sampler(context_, sampling);
+    records_ = loader.records();
+    filtered_ = page_sampler(context_, GL_LINEAR);
+    nearest_ = page_sampler(context_, GL_NEAREST);
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
@@ -331,26 +296,22 @@ class FlatRepresentation : public Representation {
           out.buffer_bytes += part.table.size();
         }
       out.buffer_bytes += c.tiles.size() + c.outlines.size() + c.axes.size();
-      out.disk_bytes += c.disk_bytes;
     }
+    out.disk_bytes = disk_bytes_of(records_);
     for (const auto& [corners, polygons] : polygons_) out.buffer_bytes += polygons.indices.size();
     out.upload_bytes_per_frame = order_.agents() * sizeof(uint32_t);
     return out;
   }
 
   BakeInfo bake_info() const override {
-    BakeInfo info;
+    BakeInfo info = bake_info_of(records_);
     info.seconds = seconds_;
-    info.cached = !characters_.empty();
     double tiles = 0;
     double covered = 0;
     double drawn = 0;
     double emission = 0;
     double frames = 0;
-    Sha256 keys;
     for (const CharacterTiles& c : characters_) {
-      info.cached = info.cached && c.cached;
-      keys.text(c.cache_key);
       tiles += static_cast<double>(c.tiles_baked);
       frames += c.frames;
       covered += c.covered;
@@ -367,9 +328,7 @@ class FlatRepresentation : public Representation {
                     {"compressed", characters_[0].part_bits > 0 ? 1.0 : 0.0},
                     {"emission_bytes", emission},
                     {"drawn_over_covered", covered > 0 ? drawn / covered : 0.0}};
-      const ViewErrors errors = compute_view_errors(grid_);
-      info.facts.emplace_back("view_error_deg_mean", errors.mean * 180 / std::numbers::pi);
-      info.facts.emplace_back("view_error_deg_max", errors.largest * 180 / std::numbers::pi);
+      for (auto& fact : view_error_facts(grid_)) info.facts.push_back(std::move(fact));
     }
     info.facts.emplace_back("nominal_page", nominal_.side);
     info.facts.emplace_back("nominal_frame_bytes", static_cast<double>(nominal_.bytes));
@@ -378,7 +337,6 @@ class FlatRepresentation : public Representation {
       info.facts.emplace_back("whole_tiles", static_cast<double>(whole_tiles_));
       info.facts.emplace_back("whole_bytes", static_cast<double>(whole_bytes_));
     }
-    info.cache_key = characters_.size() == 1 ? characters_[0].cache_key : keys.hex();
     return info;
   }
 
@@ -467,6 +425,7 @@ class FlatRepresentation : public Representation {
   ViewGrid grid_;
   NominalFrame nominal_;
   double seconds_ = 0;
+  std::vector<BakeRecord> records_;
   uint64_t whole_bytes_ = 0, whole_tiles_ = 0;  // of the bakes of which only the required part was made
   std::vector<CharacterTiles> characters_;
   gl::Sampler filtered_, nearest_;
@@ -481,8 +440,7 @@ class FlatRepresentation : public Representation {
 FlatBakeOptions flat_bake_options(const Spec& spec) {
   const OptionReader reader(flat_type, spec);
   FlatBakeOptions options;
-  options.grid = parse_view_grid(reader.text("views"), reader.number("el_min", -89, 89) * std::numbers::pi / 180,
-                                 "representation 'flat', option 'views'");
+  options.grid = read_view_grid(reader);
   options.frames = static_cast<int>(reader.integer("frames", 1, 256));
   options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
   options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
@@ -496,9 +454,8 @@ FlatBakeOptions flat_bake_options(const Spec& spec) {
 const RepresentationType flat_type = {
     "flat",
     "flat impostors: one textured polygon an agent, its tile picked by view and clip frame, lit at run time",
-    {{"views", "sphere-AxE[-mirrored]|cube-N|hemi-N", "sphere-17x8",
-      "the view grid: azimuths x elevations, or N a side"},
-     {"el_min", "-89..89", "0", "degrees: the lowest elevation of the grid; lower views use its lowest row"},
+    {views_option(),
+     el_min_option(),
      {"frames", "1..256", "10", "frames a clip"},
      {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
      {"quad", "trimmed|square", "trimmed", "what is drawn: the outline of each tile, or the whole captured square"},

@@ -8,16 +8,15 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake_cache.h"
 #include "renderers/emission.h"
 #include "renderers/gl/objects.h"
+#include "renderers/parallel.h"
 #include "renderers/tiles/block_compression.h"
 #include "renderers/tiles/outline.h"
 #include "renderers/tiles/packing.h"
@@ -28,29 +27,20 @@ namespace {
 constexpr uint32_t kBakeVersion = 10;  // raised whenever the same inputs give other bytes
 constexpr int kFineLevels = 2;         // levels whose outlines have `corners` corners; the others are triangles
 
-// The coarsest level still has sixteen texels along the figure, and smaller pictures of it are point-sampled from
-// there: coarser ones are blobs that overlap less in a dense crowd than figures do (at four texels 5 % more of the
-// picture was covered by 30,000 agents), and their texels would no longer save time.
-int level_count(int texels) {
-  int levels = 1;
-  while ((texels >> levels) >= 16) ++levels;
-  return levels;
-}
-
 struct Plan {
+  StoredFrames frames;
   CaptureSphere sphere;
   double texel = 0;
-  std::vector<FlatClip> clips;
-  std::shared_ptr<const scene::PoseBank> moving;  // evenly spaced frames of the clips that move
-  std::shared_ptr<const scene::PoseBank> still;   // the given bank
-  std::vector<CaptureTile> moving_tiles, still_tiles;
-  std::vector<size_t> moving_index, still_index;  // into frames x views
-  std::vector<TileRect> bounds;                   // frames x views; what holds a tile at level 0, captured or not
-  std::vector<TilePlane> planes;                  // frames x views
-  std::vector<double> steps;                      // metres: a frame's farthest vertex from where it is in the next
-  size_t frames = 0;
-  size_t wanted = 0;  // of both kinds of tiles
-  int part_bits = 0;  // FlatBake's
+  struct Captured {
+    std::vector<CaptureTile> tiles;
+    std::vector<size_t> index;  // into frames x views
+  };
+  Captured moving, still;
+  std::vector<TileRect> bounds;   // frames x views; what holds a tile at level 0, captured or not
+  std::vector<TilePlane> planes;  // frames x views
+  std::vector<double> steps;      // metres: a frame's farthest vertex from where it is in the next
+  size_t wanted = 0;              // of both kinds of tiles
+  int part_bits = 0;              // FlatBake's
   float emission_peak = 0;
 };
 
@@ -63,7 +53,6 @@ std::vector<ViewBasis> view_bases(const ViewGrid& grid) {
 Plan make_plan(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                const FlatBakeOptions& options) {
   Plan plan;
-  plan.still = bank;
   plan.emission_peak = emission_peak(character);
   if (options.compressed) {
     int largest = 0;
@@ -71,39 +60,12 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
       largest = std::max(largest, std::min<int>(material.part, 0x7f));
     plan.part_bits = part_bits(largest);
   }
-  std::vector<int> moving_clips;
-  for (const scene::BankClip& c : bank->clips())
-    if (c.samples > 1) moving_clips.push_back(c.clip);
-  if (!moving_clips.empty())
-    plan.moving =
-        std::make_shared<const scene::PoseBank>(scene::PoseBank::frames(character, moving_clips, options.frames));
-
-  struct Pose {
-    bool moving;
-    scene::PoseSample sample;
-  };
-  std::vector<Pose> poses;
-  std::vector<std::vector<glm::vec3>> positions;
-  int next_moving = 0;
-  for (size_t c = 0; c < bank->clips().size(); ++c) {
-    const bool moves = bank->clips()[c].samples > 1;
-    FlatClip clip{static_cast<uint32_t>(poses.size()), moves ? static_cast<uint32_t>(options.frames) : 1U};
-    for (uint32_t f = 0; f < clip.frames; ++f) {
-      const scene::PoseBank& from = moves ? *plan.moving : *bank;
-      const scene::PoseSample sample = moves ? from.sample(next_moving, static_cast<double>(f) / options.frames)
-                                             : from.sample(static_cast<int>(c), 0);
-      poses.push_back({moves, sample});
-      positions.push_back(posed_positions(character.mesh, from.palette(sample)));
-    }
-    if (moves) ++next_moving;
-    plan.clips.push_back(clip);
-  }
-  plan.frames = poses.size();
-  plan.sphere = enclosing_sphere(positions);
-  if (!(plan.sphere.radius > 0)) throw Error(character.name, "has no extent to take pictures of", "check the file");
+  plan.frames = stored_frames(character, bank, options.frames);
+  const std::vector<std::vector<glm::vec3>> positions = plan.frames.positions(character.mesh);
+  plan.sphere = capture_sphere(character, positions);
   plan.texel = 2 * plan.sphere.radius / options.texels;
 
-  for (const FlatClip& clip : plan.clips)
+  for (const StoredClip& clip : plan.frames.clips)
     for (uint32_t f = 0; f < clip.frames && clip.frames > 1; ++f) {
       const auto& here = positions[clip.first_frame + f];
       const auto& next = positions[clip.first_frame + (f + 1) % clip.frames];
@@ -117,7 +79,8 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
 
   const std::vector<ViewBasis> bases = view_bases(options.grid);
   const int half = (options.texels + 1) / 2;
-  for (size_t f = 0; f < poses.size(); ++f) {
+  for (size_t f = 0; f < plan.frames.size(); ++f) {
+    const StoredFrames::Pose& pose = plan.frames.poses[f];
     const SurfaceMoments moments = surface_moments(positions[f], character.mesh.indices);
     for (size_t v = 0; v < bases.size(); ++v) {
       plan.planes.push_back(options.fitted ? fit_plane(moments, plan.sphere.centre, bases[v]) : TilePlane{});
@@ -131,8 +94,9 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
       if (!reachable) continue;
       const bool wanted = options.needed.empty() || options.needed[index] != 0;
       plan.wanted += wanted ? 1 : 0;
-      (poses[f].moving ? plan.moving_tiles : plan.still_tiles).push_back({poses[f].sample, bases[v], rect, wanted});
-      (poses[f].moving ? plan.moving_index : plan.still_index).push_back(index);
+      Plan::Captured& captured = pose.moves ? plan.moving : plan.still;
+      captured.tiles.push_back({pose.sample, bases[v], rect, wanted});
+      captured.index.push_back(index);
     }
   }
   return plan;
@@ -172,7 +136,7 @@ Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) 
   const auto views = static_cast<size_t>(options.grid.size());
   std::vector<size_t> order;  // view-major
   for (size_t v = 0; v < views; ++v)
-    for (size_t f = 0; f < plan.frames; ++f) order.push_back(f * views + v);
+    for (size_t f = 0; f < plan.frames.size(); ++f) order.push_back(f * views + v);
   std::vector<int> group_of_view;
   for (size_t v = 0; v < views; ++v) group_of_view.push_back(elevation_group(options.grid, static_cast<int>(v)));
   std::stable_sort(order.begin(), order.end(),
@@ -372,7 +336,7 @@ FlatForecast forecast_flat(const scene::Character& character, const std::shared_
                            const FlatBakeOptions& options) {
   const Plan plan = make_plan(character, bank, options);
   FlatForecast out;
-  for (int level = 0; level < level_count(options.texels); ++level)
+  for (int level = 0; level < tile_levels(options.texels); ++level)
     out.texture_bytes += make_layout(plan, options, level).bytes();
   out.tiles = plan.wanted;
   out.texel = plan.texel;
@@ -400,9 +364,9 @@ std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::
                                   const std::function<void(const std::function<void(const Sighting&)>&)>& visit) {
   const Plan plan = make_plan(character, bank, options);
   const auto views = static_cast<size_t>(options.grid.size());
-  std::vector<uint8_t> needed(plan.frames * views);
+  std::vector<uint8_t> needed(plan.frames.size() * views);
   visit([&](const Sighting& seen) {
-    const FlatClip& clip = plan.clips[static_cast<size_t>(seen.bank_clip)];
+    const StoredClip& clip = plan.frames.clips[static_cast<size_t>(seen.bank_clip)];
     const glm::dvec3 d = glm::dvec3(seen.eye) - plan.sphere.centre;
     // The GPU picks in single precision: what lies this near to a border may fall to either side of it.
     const double near = 2e-4 * glm::length(d);
@@ -439,13 +403,7 @@ std::string flat_cache_key(const scene::Character& character, const scene::PoseB
   hash.value(options.frames).value(options.texels).value(options.trimmed).value(options.corners).value(options.fitted);
   hash.value(options.compressed).value(options.compressed && options.depth);
   hash.value(options.needed.size()).bytes(options.needed.data(), options.needed.size());
-  for (const scene::BankClip& c : bank.clips()) {
-    hash.value(c.clip).value(c.samples > 1);
-    if (c.samples > 1) continue;
-    // A still pose may be any moment of the clip; it is told apart by its matrices.
-    for (const scene::Mat3x4& m : bank.palette(bank.sample(static_cast<int>(&c - bank.clips().data()), 0)))
-      hash.bytes(&m, sizeof m);
-  }
+  hash_poses(hash, bank);
   return hash.hex();
 }
 
@@ -453,7 +411,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
                    const std::shared_ptr<const scene::PoseBank>& bank, const FlatBakeOptions& options, uint64_t budget,
                    const std::function<void(size_t, size_t)>& progress) {
   const Plan plan = make_plan(*character, bank, options);
-  const int levels = level_count(options.texels);
+  const int levels = tile_levels(options.texels);
   std::vector<Layout> layouts;
   uint64_t needed = 0;
   for (int level = 0; level < levels; ++level) {
@@ -464,8 +422,8 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
     const auto mib = [](uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
     throw Error(fmt::format("flat bake of {}", character->name),
                 fmt::format("{} clip{}, {} frames, {} views and {} texels need {:.0f} MiB, the budget is {:.0f}",
-                            plan.clips.size(), plan.clips.size() == 1 ? "" : "s", plan.frames, options.grid.size(),
-                            options.texels, mib(needed), mib(budget)),
+                            plan.frames.clips.size(), plan.frames.clips.size() == 1 ? "" : "s", plan.frames.size(),
+                            options.grid.size(), options.texels, mib(needed), mib(budget)),
                 "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
   }
 
@@ -474,39 +432,30 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
                  static_cast<float>(plan.sphere.centre.z)};
   bake.radius = static_cast<float>(plan.sphere.radius);
   bake.texel = static_cast<float>(plan.texel);
-  bake.frames = static_cast<uint32_t>(plan.frames);
+  bake.frames = static_cast<uint32_t>(plan.frames.size());
   bake.views = static_cast<uint32_t>(options.grid.size());
-  bake.clips = plan.clips;
+  bake.clips = plan.frames.clips;
   bake.part_bits = plan.part_bits;
   bake.emission_peak = plan.emission_peak;
 
-  const size_t total = plan.wanted;
-  std::vector<Built> built(plan.frames * bake.views);
+  std::vector<Built> built(plan.frames.size() * bake.views);
   size_t done = 0;
-  const auto run = [&](const std::shared_ptr<const scene::PoseBank>& poses, const std::vector<CaptureTile>& tiles,
-                       const std::vector<size_t>& index) {
-    if (tiles.empty()) return;
-    TileCapture capture(context, character, poses, glm::dvec3(bake.centre[0], bake.centre[1], bake.centre[2]),
-                        bake.texel, bake.radius, bake.emission_peak);
-    capture.capture(tiles, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels) {
-      std::atomic<size_t> next = 0;
-      const auto work = [&] {
-        for (size_t i = next++; i < page.size(); i = next++)
-          built[index[page[i]]] = build(tiles[page[i]].rect, texels[i], options, levels);
-      };
-      // Tiles do not depend on each other, so the bytes do not depend on the number of threads.
-      const unsigned count =
-          options.threads > 0 ? options.threads : std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
-      std::vector<std::thread> threads;
-      for (unsigned t = 1; t < count; ++t) threads.emplace_back(work);
-      work();
-      for (std::thread& t : threads) t.join();
-      done += page.size();
-      if (progress) progress(done, total);
-    });
-  };
-  run(plan.moving, plan.moving_tiles, plan.moving_index);
-  run(plan.still, plan.still_tiles, plan.still_index);
+  for (const bool moves : {true, false}) {
+    const Plan::Captured& captured = moves ? plan.moving : plan.still;
+    if (captured.tiles.empty()) continue;
+    TileCapture capture(context, character, plan.frames.bank(moves),
+                        glm::dvec3(bake.centre[0], bake.centre[1], bake.centre[2]), bake.texel, bake.radius,
+                        bake.emission_peak);
+    capture.capture(
+        captured.tiles, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels) {
+          // Tiles do not depend on each other, so the bytes do not depend on the number of threads.
+          parallel_for(page.size(), options.threads, [&](size_t i) {
+            built[captured.index[page[i]]] = build(captured.tiles[page[i]].rect, texels[i], options, levels);
+          });
+          done += page.size();
+          if (progress) progress(done, plan.wanted);
+        });
+  }
   for (int level = 0; level < levels; ++level)
     bake.levels.push_back(pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], options, plan.part_bits,
                                      plan.emission_peak > 0, static_cast<size_t>(level)));
@@ -553,7 +502,7 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
   bake.part_bits = in.value<int>();
   bake.emission_peak = in.value<float>();
   if (bake.part_bits != 0 && bake.part_bits != 4 && bake.part_bits != 8) return std::nullopt;
-  bake.clips = in.values<FlatClip>();
+  bake.clips = in.values<StoredClip>();
   const auto levels = in.value<uint32_t>();
   const uint64_t tiles = uint64_t{bake.frames} * bake.views;
   for (uint32_t i = 0; i < levels && in.ok(); ++i) {
@@ -586,7 +535,7 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
     if (!fits || l.emission.size() != emission_bytes) return std::nullopt;
     bake.levels.push_back(std::move(l));
   }
-  for (const FlatClip& c : bake.clips)
+  for (const StoredClip& c : bake.clips)
     if (c.frames == 0 || uint64_t{c.first_frame} + c.frames > bake.frames) return std::nullopt;
   if (!in.ok() || !in.at_end() || bake.levels.empty()) return std::nullopt;
   return bake;

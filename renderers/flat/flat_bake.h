@@ -11,8 +11,8 @@
 
 #include "renderers/representation.h"
 #include "renderers/tiles/plane.h"
+#include "renderers/tiles/stored_frames.h"
 #include "renderers/tiles/tile.h"
-#include "renderers/tiles/tile_capture.h"
 #include "renderers/views/view_grid.h"
 
 namespace crowdbench::renderers {
@@ -32,12 +32,6 @@ struct FlatBakeOptions {
   std::vector<uint8_t> needed;
   unsigned threads =
       0;  // that build tiles; 0: as many as the machine has, eight at most. The bytes do not depend on it
-};
-
-// One clip of the character's bank.
-struct FlatClip {
-  uint32_t first_frame = 0;  // into the bake's frames
-  uint32_t frames = 1;       // at phases 0, 1 / frames, ...
 };
 
 // Where a tile lies in its level's pages, and in space.
@@ -78,9 +72,9 @@ struct FlatBake {
   float texel = 0;                // metres, of level 0
   uint32_t frames = 0;
   uint32_t views = 0;
-  int part_bits = 0;            // of a compressed bake: 4 or 8 bits a material id; 0: RGBA8
-  float emission_peak = 0;      // linear light, of all materials; 0: no emission maps
-  std::vector<FlatClip> clips;  // one a clip of the bank
+  int part_bits = 0;              // of a compressed bake: 4 or 8 bits a material id; 0: RGBA8
+  float emission_peak = 0;        // linear light, of all materials; 0: no emission maps
+  std::vector<StoredClip> clips;  // one a clip of the bank
   std::vector<FlatLevel> levels;
   uint64_t texture_bytes() const;
 };

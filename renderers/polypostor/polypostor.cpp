@@ -8,15 +8,11 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <numbers>
-#include <optional>
 #include <set>
 #include <tuple>
 
 #include "core/error.h"
-#include "core/hash.h"
-#include "core/progress.h"
-#include "renderers/bake_cache.h"
+#include "renderers/bake_loader.h"
 #include "renderers/frame_resources.h"
 #include "renderers/gl/objects.h"
 #include "renderers/gl/program.h"
@@ -24,6 +20,8 @@
 #include "renderers/polypostor/polypostor_bake.h"
 #include "renderers/shaders/bindings.shared.h"
 #include "renderers/tiles/level_order.h"
+#include "renderers/tiles/tile_textures.h"
+#include "renderers/views/view_options.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -61,10 +59,7 @@ struct CharacterPolygons {
   float texels_a_unit = 0;
   int levels = 0;
   uint64_t triangles = 0;  // of level 0, mean over the views
-  uint64_t disk_bytes = 0;
-  std::string cache_key;
-  bool cached = false;
-  PolypostorBake bake;  // without its images; empty but for the facts unless lines are drawn
+  PolypostorBake bake;     // without its images; empty but for the facts unless lines are drawn
 };
 
 template <typename T>
@@ -82,14 +77,10 @@ gl::Buffer upload_table(gl::Context& context, const PolypostorBake& bake, const 
   header.counts = {bake.views, static_cast<uint32_t>(bake.clips.size()), bake.levels, bake.ranges_by_frame};
   header.units = {bake.unit_z, 0.0F, 0.0F, 0.0F};
   for (size_t c = 0; c < bake.clips.size(); ++c) header.clips[c] = {bake.clips[c].frames, 0U, 0U, 0U};
-  std::vector<glm::vec4> table(sizeof header / sizeof(glm::vec4) + 2 * size_t{bake.views});
+  std::vector<glm::vec4> table(sizeof header / sizeof(glm::vec4));
   std::memcpy(static_cast<void*>(table.data()), static_cast<const void*>(&header), sizeof header);
-  for (uint32_t v = 0; v < bake.views; ++v) {
-    const ViewBasis basis = grid.basis(static_cast<int>(v));
-    glm::vec4* axes = &table[sizeof header / sizeof(glm::vec4) + 2 * size_t{v}];
-    axes[0] = glm::vec4(glm::vec3(basis.right), 0.0F);
-    axes[1] = glm::vec4(glm::vec3(basis.up), 0.0F);
-  }
+  const std::vector<glm::vec4> axes = view_axes(grid);
+  table.insert(table.end(), axes.begin(), axes.end());
   return {context, table};
 }
 
@@ -100,18 +91,13 @@ CharacterPolygons upload(gl::Context& context, PolypostorBake bake, const ViewGr
   out.texels_a_unit = bake.unit / bake.texel;
   out.levels = static_cast<int>(bake.levels);
   out.table = upload_table(context, bake, grid);
-  // Widths are multiples of four, so that rows are aligned as OpenGL expects.
-  const auto make = [&](const std::vector<uint8_t>& texels, unsigned stored, unsigned format, size_t channels) {
-    gl::Texture texture = gl::Texture::make_array(context, stored, bake.width, bake.height, bake.layers, 1);
-    const size_t layer_bytes = channels * static_cast<size_t>(bake.width) * static_cast<size_t>(bake.height);
-    for (int layer = 0; layer < bake.layers; ++layer)
-      texture.write(0, layer, format, GL_UNSIGNED_BYTE, texels.data() + static_cast<size_t>(layer) * layer_bytes);
-    return texture;
-  };
   if (bake.layers > 0) {
-    out.albedo = make(bake.albedo, GL_RGBA8, GL_RGBA, 4);
-    out.normals = make(bake.normals, GL_RG8, GL_RG, 2);
-    out.materials = make(bake.materials, GL_R8, GL_RED, 1);
+    const auto make = [&](unsigned stored, unsigned format, const std::vector<uint8_t>& texels) {
+      return upload_layers(context, stored, format, bake.width, bake.height, bake.layers, texels);
+    };
+    out.albedo = make(GL_RGBA8, GL_RGBA, bake.albedo);
+    out.normals = make(GL_RG8, GL_RG, bake.normals);
+    out.materials = make(GL_R8, GL_RED, bake.materials);
   }
   out.sets = upload_buffer(context, bake.sets);
   out.ranges = upload_buffer(context, bake.ranges);
@@ -154,8 +140,8 @@ class PolypostorRepresentation : public Representation {
   PolypostorRepresentation(const MakeContext& make, const PolypostorBakeOptions& options, Debug debug, bool floor)
       : context_(make.context), floor_(floor), debug_(debug), grid_(options.grid) {
     const auto start = std::chrono::steady_clock::now();
-    const BakeCache cache(cache_directory() / "bakes", make.use_cache);
-    uint64_t left = make.bake_budget;
+    BakeLoader loader(make, {"polypostor", "polypostors", "images",
+                             "lower texels or views, use fewer clips or characters, or raise --bake-budget"});
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const auto& character = make.cast.characters[c];
       const auto& bank = make.cast.banks[c];
@@ -164,40 +150,16 @@ class PolypostorRepresentation : public Representation {
                     fmt::format("{} clips; {} is the most", bank->clips().size(), CB_POLYPOSTOR_CLIPS),
                     "use fewer clips");
       const std::string key = polypostor_cache_key(*character, *bank, options, context_.renderer(), context_.version());
-      std::optional<PolypostorBake> bake;
-      if (!make.rebake)
-        if (const auto stored = cache.load("polypostor", key)) bake = deserialise_polypostor(*stored);
-      const bool cached = bake.has_value();
-      if (!bake) {
-        std::optional<Progress> progress;
-        size_t shown = 0;
-        bake = bake_polypostor(context_, character, bank, options, left, [&](size_t done, size_t total) {
-          throw_if_interrupted();
-          if (!make.progress) return;
-          if (!progress) progress.emplace(fmt::format("baking polypostors of {}", character->name), total);
-          progress->advance(done - std::min(shown, done));
-          shown = std::max(shown, done);
-        });
-        cache.store("polypostor", key, serialise(*bake));
-      }
-      if (bake->texture_bytes() > left)
-        throw Error(
-            fmt::format("polypostor bake of {}", character->name),
-            fmt::format("{:.0f} MiB of images are more than what is left of the budget, {:.0f}",
-                        static_cast<double>(bake->texture_bytes()) / (1 << 20), static_cast<double>(left) / (1 << 20)),
-            "lower texels or views, use fewer clips or characters, or raise --bake-budget");
-      left -= bake->texture_bytes();
-      check_limits(context_, *bake, character->name);
-      characters_.push_back(upload(context_, std::move(*bake), options.grid, draws_lines()));
-      characters_.back().cache_key = key;
-      characters_.back().cached = cached;
-      characters_.back().disk_bytes = cache.enabled() ? cache.disk_bytes("polypostor", key) : 0;
+      auto bake = loader.load<PolypostorBake>(
+          character->name, key, deserialise_polypostor, [&](uint64_t left, const BakeProgress& progress) {
+            return bake_polypostor(context_, character, bank, options, left, progress);
+          });
+      check_limits(context_, bake, character->name);
+      characters_.push_back(upload(context_, std::move(bake), options.grid, draws_lines()));
     }
-    gl::SamplerOptions sampling{
-        .min_filter = GL_LINEAR, .mag_filter = GL_LINEAR, .wrap_s = GL_CLAMP_TO_EDGE, .wrap_t = GL_CLAMP_TO_EDGE};
-    filtered_ = gl::Sampler(context_, sampling);
-    sampling.min_filter = sampling.mag_filter = GL_NEAREST;
-    nearest_ = gl::Sampler(context_, sampling);
+    records_ = loader.records();
+    filtered_ = page_sampler(context_, GL_LINEAR);
+    nearest_ = page_sampler(context_, GL_NEAREST);
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
@@ -238,24 +200,18 @@ class PolypostorRepresentation : public Representation {
       out.texture_bytes += c.albedo.bytes() + c.normals.bytes() + c.materials.bytes();
       for (const gl::Buffer* b : {&c.table, &c.sets, &c.ranges, &c.indices, &c.vertices, &c.words})
         out.buffer_bytes += b->size();
-      out.disk_bytes += c.disk_bytes;
     }
+    out.disk_bytes = disk_bytes_of(records_);
     out.buffer_bytes += figures_.size() + commands_.size() + lines_.size();
     out.upload_bytes_per_frame = order_.agents() * sizeof(uint32_t);
     return out;
   }
 
   BakeInfo bake_info() const override {
-    BakeInfo info;
+    BakeInfo info = bake_info_of(records_);
     info.seconds = seconds_;
-    info.cached = !characters_.empty();
-    Sha256 keys;
     double frames = 0;
-    for (const CharacterPolygons& c : characters_) {
-      info.cached = info.cached && c.cached;
-      keys.text(c.cache_key);
-      frames += c.bake.frames;
-    }
+    for (const CharacterPolygons& c : characters_) frames += c.bake.frames;
     if (!characters_.empty()) {
       const PolypostorBake& bake = characters_[0].bake;
       info.facts = {{"views", bake.views},
@@ -267,11 +223,8 @@ class PolypostorRepresentation : public Representation {
                     {"corners_a_part", bake.corners_seen},
                     {"outline_error", bake.outline_error},
                     {"repaired", bake.repaired}};
-      const ViewErrors errors = compute_view_errors(grid_);
-      info.facts.emplace_back("view_error_deg_mean", errors.mean * 180 / std::numbers::pi);
-      info.facts.emplace_back("view_error_deg_max", errors.largest * 180 / std::numbers::pi);
+      for (auto& fact : view_error_facts(grid_)) info.facts.push_back(std::move(fact));
     }
-    info.cache_key = characters_.size() == 1 ? characters_[0].cache_key : keys.hex();
     return info;
   }
 
@@ -417,6 +370,7 @@ class PolypostorRepresentation : public Representation {
   Debug debug_;
   ViewGrid grid_;
   double seconds_ = 0;
+  std::vector<BakeRecord> records_;
   std::vector<CharacterPolygons> characters_;
   gl::Sampler filtered_, nearest_;
   gl::Program place_;
@@ -431,9 +385,8 @@ class PolypostorRepresentation : public Representation {
 const RepresentationType polypostor_type = {
     "polypostor",
     "polypostors: an image a body part and view, moved through the clip by a polygon, lit at run time",
-    {{"views", "sphere-AxE[-mirrored]|cube-N|hemi-N", "sphere-17x8",
-      "the view grid: azimuths x elevations, or N a side"},
-     {"el_min", "-89..89", "0", "degrees: the lowest elevation of the grid; lower views use its lowest row"},
+    {views_option(),
+     el_min_option(),
      {"frames", "1..256", "10", "stored frames a clip; between them corners move along lines"},
      {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
      {"vertices", "4..32", "8", "corners of a part's polygon, at most; small figures have four"},
@@ -446,8 +399,7 @@ const RepresentationType polypostor_type = {
     [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(polypostor_type, spec);
       PolypostorBakeOptions options;
-      options.grid = parse_view_grid(reader.text("views"), reader.number("el_min", -89, 89) * std::numbers::pi / 180,
-                                     "representation 'polypostor', option 'views'");
+      options.grid = read_view_grid(reader);
       options.frames = static_cast<int>(reader.integer("frames", 1, 256));
       options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
       options.corners = static_cast<int>(reader.integer("vertices", 4, 32));

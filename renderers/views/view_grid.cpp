@@ -288,6 +288,16 @@ ViewGridUniforms view_grid_uniforms(const ViewGrid& grid) {
            static_cast<float>(std::tan(low))}};
 }
 
+std::vector<glm::vec4> view_axes(const ViewGrid& grid) {
+  std::vector<glm::vec4> axes;
+  for (int v = 0; v < grid.size(); ++v) {
+    const ViewBasis basis = grid.basis(v);
+    axes.emplace_back(glm::vec3(basis.right), 0.0F);
+    axes.emplace_back(glm::vec3(basis.up), 0.0F);
+  }
+  return axes;
+}
+
 double view_error(const ViewGrid& grid, const glm::dvec3& to_eye) {
   const ViewPick picked = grid.pick(to_eye);
   glm::dvec3 view = grid.basis(picked.view).to_eye;

@@ -70,6 +70,9 @@ struct ViewGridUniforms {
 };
 ViewGridUniforms view_grid_uniforms(const ViewGrid& grid);
 
+// Right and up of every view, one after the other; the fourth coordinates are 0.
+std::vector<glm::vec4> view_axes(const ViewGrid& grid);
+
 // Angle in radians between a direction (raised to el_min) and the direction of the view picked for it, as the mirrored
 // flag places it.
 double view_error(const ViewGrid& grid, const glm::dvec3& to_eye);
