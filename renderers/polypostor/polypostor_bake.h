@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "renderers/polypostor/polypostor_parts.h"
+#include "renderers/tiles/stored_frames.h"
 #include "renderers/views/view_grid.h"
 #include "scene/character.h"
 #include "scene/pose_bank.h"
@@ -54,11 +55,6 @@ struct PolypostorRange {
   uint32_t indices = 0;
 };
 
-struct PolypostorClip {
-  uint32_t first_frame = 0;  // over all clips
-  uint32_t frames = 1;
-};
-
 struct PolypostorBake {
   std::array<float, 3> centre{};  // of the enclosing sphere, model space, metres
   float radius = 0;               // metres
@@ -69,7 +65,7 @@ struct PolypostorBake {
   uint32_t views = 0;
   uint32_t levels = 0;
   uint32_t ranges_by_frame = 0;  // 1: a set has a range for each frame (two keys); 0: one for all
-  std::vector<PolypostorClip> clips;
+  std::vector<StoredClip> clips;
   int width = 0, height = 0, layers = 0;  // of the pages; row 0 lowest
   // renderers/tiles/tile.h: albedo RGBA8; x and y of the normal RG8; material id R8.
   std::vector<uint8_t> albedo, normals, materials;

@@ -1,0 +1,79 @@
+#include "renderers/polypostor/polypostor_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "renderers/polypostor/polypostor_key.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+constexpr uint32_t kFineLevels = 2;
+constexpr int kCoarseCorners = 4;
+// Texels of a tier's finest level around an image: bilinear filtering then reads one gutter.
+constexpr double kRoom = 0.5;
+
+// Rotated as the positions are: joints scale little.
+std::vector<glm::vec3> posed_normals(const scene::Mesh& mesh, const std::vector<scene::Mat3x4>& palette) {
+  std::vector<glm::vec3> normals(mesh.normals.size());
+  for (size_t v = 0; v < normals.size(); ++v) {
+    glm::vec3 sum(0.0F);
+    for (int k = 0; k < scene::kInfluences; ++k) {
+      const scene::Mat3x4& m = palette[mesh.joints[v][k]];
+      const glm::vec3& n = mesh.normals[v];
+      sum += mesh.weights[v][k] * glm::vec3(glm::dot(glm::vec3(m.rows[0]), n), glm::dot(glm::vec3(m.rows[1]), n),
+                                            glm::dot(glm::vec3(m.rows[2]), n));
+    }
+    normals[v] = sum;
+  }
+  return normals;
+}
+
+}  // namespace
+
+PolypostorPlan plan_polypostors(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                                const PolypostorBakeOptions& options) {
+  PolypostorPlan plan;
+  plan.frames = stored_frames(character, bank, options.frames);
+  for (size_t f = 0; f < plan.frames.size(); ++f) plan.palettes.push_back(plan.frames.palette(f));
+  plan.sphere = capture_sphere(character, plan.frames.positions(character.mesh));
+  plan.texel = 2 * plan.sphere.radius / options.texels;
+  plan.quantum = kPolypostorReach * options.texels / 4094.0;
+
+  const BodyParts parts = options.cuts == "auto"
+                              ? find_parts(character)
+                              : cut_parts(character, options.cuts, "representation 'polypostor', option 'parts'");
+  const auto levels = static_cast<uint32_t>(tile_levels(options.texels));
+  const uint32_t fine = std::min(levels, kFineLevels);
+  const auto add_tier = [&](const PartMap& map, uint32_t first_level, uint32_t count, int corners) {
+    if (map.count > kPolypostorParts)
+      throw Error(fmt::format("polypostor bake of {}", character.name),
+                  fmt::format("{} parts; {} is the most", map.count, kPolypostorParts), "name fewer joints");
+    PolypostorTier tier;
+    tier.cut = cut_at_parts(character, map);
+    tier.first_level = first_level;
+    tier.levels = count;
+    const double room = kRoom * std::exp2(first_level);
+    tier.fit = {corners, room, room, plan.quantum};
+    const scene::Mesh& mesh = tier.cut.character->mesh;
+    tier.tones = vertex_tones(*tier.cut.character);
+    for (const auto& palette : plan.palettes) {
+      tier.positions.push_back(posed_positions(mesh, palette));
+      tier.normals.push_back(posed_normals(mesh, palette));
+    }
+    for (const auto& triangles : tier.cut.triangles) {
+      auto& of_part = tier.corners.emplace_back();
+      for (const uint32_t t : triangles)
+        for (uint32_t k = 0; k < 3; ++k) of_part.push_back(mesh.indices[3 * t + k]);
+      auto& by_frame = tier.moments.emplace_back();
+      for (const auto& posed : tier.positions) by_frame.push_back(surface_moments(posed, of_part));
+    }
+    plan.tiers.push_back(std::move(tier));
+  };
+  add_tier(parts.fine, 0, fine, options.corners);
+  if (levels > fine) add_tier(parts.coarse, fine, levels - fine, kCoarseCorners);
+  return plan;
+}
+
+}  // namespace crowdbench::renderers

@@ -1,0 +1,42 @@
+// What a bake of polypostors is made from: the stored frames, and the parts that each range of levels draws, posed.
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "renderers/polypostor/polypostor_bake.h"
+#include "renderers/polypostor/polypostor_fit.h"
+#include "renderers/polypostor/polypostor_parts.h"
+#include "renderers/tiles/plane.h"
+#include "renderers/tiles/stored_frames.h"
+
+namespace crowdbench::renderers {
+
+// The parts that a range of levels draws. The finest two have all parts, coarser ones fewer, of four corners.
+struct PolypostorTier {
+  CutCharacter cut;
+  std::vector<std::vector<uint32_t>> corners;        // by part: the triangles' vertices
+  std::vector<std::vector<glm::vec3>> positions;     // by frame, metres, model space
+  std::vector<std::vector<glm::vec3>> normals;       // by frame, of any length
+  std::vector<glm::vec3> tones;                      // vertex_tones
+  std::vector<std::vector<SurfaceMoments>> moments;  // by part and frame
+  uint32_t first_level = 0, levels = 0;
+  FitOptions fit;
+};
+
+struct PolypostorPlan {
+  StoredFrames frames;
+  CaptureSphere sphere;
+  double texel = 0;                                  // metres, of level 0
+  double quantum = 0;                                // texels: the unit of stored positions
+  std::vector<std::vector<scene::Mat3x4>> palettes;  // by frame
+  std::vector<PolypostorTier> tiers;
+};
+inline constexpr double kPolypostorReach = 1.25;  // of the sphere's radius: what stored positions may take
+
+// Throws Error: no extent, unknown joints in options.cuts, more than kPolypostorParts parts.
+PolypostorPlan plan_polypostors(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                                const PolypostorBakeOptions& options);
+
+}  // namespace crowdbench::renderers

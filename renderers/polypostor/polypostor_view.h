@@ -1,0 +1,36 @@
+// The polygons of every part in one view of one clip, and which frames' images they carry.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "renderers/polypostor/polypostor_plan.h"
+#include "renderers/tiles/plane.h"
+#include "renderers/tiles/tile.h"
+#include "renderers/views/view_grid.h"
+
+namespace crowdbench::renderers {
+
+// One key image of one part in one view of one clip.
+struct Sheet {
+  Fit fit;
+  TileRect rect;                  // of the image, texels of level 0
+  std::vector<double> costs;      // one a frame: how wrong it looks; where one of two sheets is chosen
+  std::vector<TilePlane> planes;  // one a frame
+  size_t first_tile = 0;          // of the bake's tiles: the tier's finest level; coarser ones follow
+};
+
+// What a tier draws of one clip in one view.
+struct ViewParts {
+  size_t tier = 0, clip = 0, view = 0;
+  std::vector<std::vector<Sheet>> sheets;  // by part: none, one, or one a key; empty: nobody sees this view
+};
+
+// Of each part the sheets whose keys are chosen as `choice` says: none where the part shows less than a texel.
+std::vector<std::vector<Sheet>> fit_view(const PolypostorPlan& plan, const PolypostorTier& tier, const StoredClip& clip,
+                                         const ViewBasis& basis, KeyChoice choice);
+
+// Which of a part's sheets (at least one) shows the way from frame f to the next.
+size_t sheet_for(std::span<const Sheet> sheets, size_t f, size_t frames);
+
+}  // namespace crowdbench::renderers
