@@ -52,6 +52,7 @@ struct LineVertex {
 
 struct CharacterPolygons {
   gl::Texture albedo, normals, materials, word_texels;
+  gl::Texture emission;  // of a character that glows
   gl::Buffer table, sets, ranges, indices, vertices, words;
   gl::VertexArray vertex_array;
   glm::vec3 centre{0.0F};
@@ -98,6 +99,7 @@ CharacterPolygons upload(gl::Context& context, PolypostorBake bake, const ViewGr
     out.albedo = make(GL_RGBA8, GL_RGBA, bake.albedo);
     out.normals = make(GL_RG8, GL_RG, bake.normals);
     out.materials = make(GL_R8, GL_RED, bake.materials);
+    if (bake.emission_peak > 0) out.emission = make(GL_SRGB8_ALPHA8, GL_RGBA, bake.emission);
   }
   out.sets = upload_buffer(context, bake.sets);
   out.ranges = upload_buffer(context, bake.ranges);
@@ -114,6 +116,7 @@ CharacterPolygons upload(gl::Context& context, PolypostorBake bake, const ViewGr
   bake.albedo = {};
   bake.normals = {};
   bake.materials = {};
+  bake.emission = {};
   if (!keep) {
     bake.words = {};
     bake.indices = {};
@@ -178,8 +181,14 @@ class PolypostorRepresentation : public Representation {
         polygons.normals.bind(CB_POLYPOSTOR_TEXTURE_NORMALS);
         polygons.materials.bind(CB_POLYPOSTOR_TEXTURE_MATERIALS);
         polygons.word_texels.bind(CB_POLYPOSTOR_TEXTURE_WORDS);
-        const gl::Program& p = program(pass);
+        const bool glows = polygons.emission && !paints();
+        const gl::Program& p = program(pass, glows);
         p.use();
+        if (glows) {
+          filtered_.bind(CB_POLYPOSTOR_TEXTURE_EMISSION);
+          polygons.emission.bind(CB_POLYPOSTOR_TEXTURE_EMISSION);
+          p.set(CB_POLYPOSTOR_LOCATION_PEAK, polygons.bake.emission_peak);
+        }
         if (debug_ == Debug::stretch) p.set(CB_POLYPOSTOR_LOCATION_TEXELS, polygons.texels_a_unit);
         polygons.vertex_array.set_instance_records(figures_, sizeof(Figure), kFigure);
         polygons.vertex_array.bind();
@@ -189,15 +198,15 @@ class PolypostorRepresentation : public Representation {
         if (draws_lines()) draw_lines(polygons, count, pass);
       });
     }
-    for (const unsigned unit :
-         {CB_POLYPOSTOR_TEXTURE_ALBEDO, CB_POLYPOSTOR_TEXTURE_NORMALS, CB_POLYPOSTOR_TEXTURE_MATERIALS})
+    for (const unsigned unit : {CB_POLYPOSTOR_TEXTURE_ALBEDO, CB_POLYPOSTOR_TEXTURE_NORMALS,
+                                CB_POLYPOSTOR_TEXTURE_MATERIALS, CB_POLYPOSTOR_TEXTURE_EMISSION})
       glBindSampler(unit, 0);
   }
 
   Footprint footprint() const override {
     Footprint out;
     for (const CharacterPolygons& c : characters_) {
-      out.texture_bytes += c.albedo.bytes() + c.normals.bytes() + c.materials.bytes();
+      out.texture_bytes += c.albedo.bytes() + c.normals.bytes() + c.materials.bytes() + c.emission.bytes();
       for (const gl::Buffer* b : {&c.table, &c.sets, &c.ranges, &c.indices, &c.vertices, &c.words})
         out.buffer_bytes += b->size();
     }
@@ -211,13 +220,18 @@ class PolypostorRepresentation : public Representation {
     BakeInfo info = bake_info_of(records_);
     info.seconds = seconds_;
     double frames = 0;
-    for (const CharacterPolygons& c : characters_) frames += c.bake.frames;
+    double emission = 0;
+    for (const CharacterPolygons& c : characters_) {
+      frames += c.bake.frames;
+      emission += static_cast<double>(c.emission.bytes());
+    }
     if (!characters_.empty()) {
       const PolypostorBake& bake = characters_[0].bake;
       info.facts = {{"views", bake.views},
                     {"frames", frames},
                     {"levels", bake.levels},
                     {"texel_mm", characters_[0].texel * 1000},
+                    {"emission_bytes", emission},
                     {"parts", bake.parts},
                     {"parts_seen", bake.parts_seen},
                     {"corners_a_part", bake.corners_seen},
@@ -240,7 +254,7 @@ class PolypostorRepresentation : public Representation {
       gl::Attribute{CB_POLYPOSTOR_ATTRIBUTE_LIGHT, 4, GL_FLOAT, false, false, 64},
       gl::Attribute{CB_POLYPOSTOR_ATTRIBUTE_POSE, 4, GL_UNSIGNED_INT, false, true, 80}};
 
-  using Variant = std::tuple<bool, bool, bool>;  // ids, touched, dithered
+  using Variant = std::tuple<bool, bool, bool, bool>;  // ids, touched, dithered, glows
 
   static constexpr glm::vec3 kOutline{1.0F, 0.9F, 0.1F};
   static constexpr glm::vec3 kInner{0.6F, 0.3F, 0.05F};
@@ -344,14 +358,15 @@ class PolypostorRepresentation : public Representation {
     glDepthFunc(GL_GREATER);
   }
 
-  const gl::Program& program(const Pass& pass) {
-    const Variant variant(pass.ids, pass.touched, pass.dithered);
+  const gl::Program& program(const Pass& pass, bool glows) {
+    const Variant variant(pass.ids, pass.touched, pass.dithered, glows);
     auto found = programs_.find(variant);
     if (found == programs_.end()) {
       gl::Defines defines;
       if (pass.ids) defines.emplace_back("CB_IDS", "");
       if (pass.touched) defines.emplace_back("CB_TOUCHED", "");
       if (pass.dithered) defines.emplace_back("CB_DITHER", "");
+      if (glows) defines.emplace_back("CB_EMISSIVE", "");
       if (floor_) defines.emplace_back("CB_FLOOR", "");
       if (paints()) defines.emplace_back("CB_DEBUG", "");
       if (debug_ == Debug::stretch) defines.emplace_back("CB_DEBUG_STRETCH", "");

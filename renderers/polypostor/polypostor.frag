@@ -6,6 +6,10 @@
 layout(binding = CB_POLYPOSTOR_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered
 layout(binding = CB_POLYPOSTOR_TEXTURE_NORMALS) uniform sampler2DArray normal_map;       // nearest
 layout(binding = CB_POLYPOSTOR_TEXTURE_MATERIALS) uniform sampler2DArray material_map;   // nearest: ids must not be mixed
+#ifdef CB_EMISSIVE
+layout(binding = CB_POLYPOSTOR_TEXTURE_EMISSION) uniform sampler2DArray emission_map;  // filtered; fractions of the peak
+layout(location = CB_POLYPOSTOR_LOCATION_PEAK) uniform float emission_peak;
+#endif
 
 layout(location = 0) in vec3 v_texel;
 layout(location = 1) flat in vec3 v_light;
@@ -52,14 +56,21 @@ void main() {
   if (albedo.a < 0.5) discard;
   vec2 normal = texture(normal_map, v_texel).rg;
   float material = texture(material_map, v_texel).r;
+#ifdef CB_EMISSIVE
+  vec3 emission = texture(emission_map, v_texel).rgb * emission_peak;
+#else
+  const vec3 emission = vec3(0.0);
+#endif
 #ifdef CB_DEBUG
   write_output(painted * (0.3 + 0.7 * dot(albedo.rgb, vec3(0.3, 0.6, 0.1))), v_id);
 #elif defined(CB_FLOOR)
-  write_output(albedo.rgb + vec3(normal, material), v_id);
+  write_output(albedo.rgb + vec3(normal, material) + emission, v_id);
 #else
   uint part = uint(material * 255.0 + 0.5);
   vec2 n = (normal * 255.0 - 128.0) / 127.0;
   float lambert = max(0.0, dot(vec3(n, sqrt(max(0.0, 1.0 - dot(n, n)))), v_light));
-  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit, part > 0x7fu, vec3(0.0)), v_id);
+  // Added here, since what an unlit texel holds is the part of it that glows.
+  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit, part > 0x7fu, vec3(0.0)) + emission,
+               v_id);
 #endif
 }

@@ -15,11 +15,13 @@
 #define CB_POLYPOSTOR_TEXTURE_ALBEDO 0
 #define CB_POLYPOSTOR_TEXTURE_NORMALS 1
 #define CB_POLYPOSTOR_TEXTURE_MATERIALS 2
-#define CB_POLYPOSTOR_TEXTURE_WORDS 3  // the frames' blocks, R32UI
+#define CB_POLYPOSTOR_TEXTURE_WORDS 3     // the frames' blocks, R32UI
+#define CB_POLYPOSTOR_TEXTURE_EMISSION 4  // of characters that glow
 
 #define CB_POLYPOSTOR_LOCATION_LEVELS 3  // uint[CB_POLYPOSTOR_LEVELS]: position in the list of the level's first agent
 
 #define CB_POLYPOSTOR_LOCATION_TEXELS 20  // float: texels of level 0 a unit of x and y (debug=stretch)
+#define CB_POLYPOSTOR_LOCATION_PEAK 21    // float: of the light given off
 
 #define CB_POLYPOSTOR_ATTRIBUTE_VERTEX 0  // PolypostorVertex
 #define CB_POLYPOSTOR_ATTRIBUTE_CLIP 1    // Figure, one an instance: four columns

@@ -18,7 +18,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 15;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 16;  // raised whenever the same inputs give other bytes
 
 uint32_t pack_position(const glm::dvec2& p, double z, double quantum, double unit_z) {
   const auto code = [](double v, double zero, double most) {
@@ -203,6 +203,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
   bake.levels = plan.tiers.back().first_level + plan.tiers.back().levels;
   bake.ranges_by_frame = options.key == KeyChoice::two_keys ? 1 : 0;
   bake.clips = plan.frames.clips;
+  bake.emission_peak = plan.emission_peak;
   const std::vector<PackPlace> places = pack_images(tiles, bake);
   bake.sets.resize(bake.levels * clips * grid_views);
   for (const ViewParts& view : views) store_view(plan, view, tiles, places, bake);
@@ -224,6 +225,8 @@ std::vector<uint8_t> serialise(const PolypostorBake& bake) {
   out.values(bake.albedo);
   out.values(bake.normals);
   out.values(bake.materials);
+  out.value(bake.emission_peak);
+  if (bake.emission_peak > 0) out.values(bake.emission);
   out.values(bake.sets);
   out.values(bake.ranges);
   out.values(bake.indices);
@@ -245,6 +248,8 @@ std::optional<PolypostorBake> deserialise_polypostor(std::span<const uint8_t> by
   bake.albedo = in.values<uint8_t>();
   bake.normals = in.values<uint8_t>();
   bake.materials = in.values<uint8_t>();
+  bake.emission_peak = in.value<float>();
+  if (bake.emission_peak > 0) bake.emission = in.values<uint8_t>();
   bake.sets = in.values<PolypostorSet>();
   bake.ranges = in.values<PolypostorRange>();
   bake.indices = in.values<uint16_t>();
@@ -255,6 +260,7 @@ std::optional<PolypostorBake> deserialise_polypostor(std::span<const uint8_t> by
   const uint64_t texels =
       static_cast<uint64_t>(bake.width) * static_cast<uint64_t>(bake.height) * static_cast<uint64_t>(bake.layers);
   if (bake.albedo.size() != 4 * texels || bake.normals.size() != 2 * texels || bake.materials.size() != texels ||
+      bake.emission.size() != (bake.emission_peak > 0 ? 4 * texels : 0) ||
       bake.sets.size() != uint64_t{bake.levels} * bake.clips.size() * bake.views)
     return std::nullopt;
   // What the GPU will follow must lead nowhere else.

@@ -69,6 +69,8 @@ struct PolypostorBake {
   int width = 0, height = 0, layers = 0;  // of the pages; row 0 lowest
   // renderers/tiles/tile.h: albedo RGBA8; x and y of the normal RG8; material id R8.
   std::vector<uint8_t> albedo, normals, materials;
+  float emission_peak = 0;          // linear light, of all materials (renderers/emission.h)
+  std::vector<uint8_t> emission;    // RGBA8; empty where the peak is 0
   std::vector<PolypostorSet> sets;  // levels x clips x views
   std::vector<PolypostorRange> ranges;
   std::vector<uint16_t> indices;  // triangles, from the set's first vertex
@@ -77,7 +79,7 @@ struct PolypostorBake {
   // Of the fine polygons, for people: parts; parts seen in a view and their corners, means; the mean distance in texels
   // between moved outlines and the frames' own; frames of parts whose polygon had to be made more alike to its key.
   double parts = 0, parts_seen = 0, corners_seen = 0, outline_error = 0, repaired = 0;
-  uint64_t texture_bytes() const { return albedo.size() + normals.size() + materials.size(); }
+  uint64_t texture_bytes() const { return albedo.size() + normals.size() + materials.size() + emission.size(); }
 };
 
 std::string polypostor_cache_key(const scene::Character& character, const scene::PoseBank& bank,

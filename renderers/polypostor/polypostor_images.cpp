@@ -10,6 +10,7 @@ namespace crowdbench::renderers {
 namespace {
 
 constexpr uint64_t kTexelBytes = 7;
+constexpr uint64_t kEmissionBytes = 4;  // more, of a character that glows
 
 // The character with the triangles of one part only, drawn from both sides.
 std::shared_ptr<const scene::Character> only_part(const scene::Character& character,
@@ -50,6 +51,11 @@ void copy_tile(const Tile& tile, const PackPlace& place, bool gutters, Polyposto
       std::copy_n(&tile.albedo[4 * from], 4, &bake.albedo[4 * to]);
       std::copy_n(&tile.surface[4 * from], 2, &bake.normals[2 * to]);
       bake.materials[to] = tile.surface[4 * from + 2];
+      if (bake.emission.empty()) continue;
+      if (tile.emission.empty())
+        std::fill_n(&bake.emission[4 * to], 4, uint8_t{0});
+      else
+        std::copy_n(&tile.emission[4 * from], 4, &bake.emission[4 * to]);
     }
 }
 
@@ -84,7 +90,7 @@ uint64_t image_bytes(const PolypostorPlan& plan, std::span<const ViewParts> view
           texels += side(sheet.rect.width) * side(sheet.rect.height);
         }
   }
-  return texels * kTexelBytes;
+  return texels * (kTexelBytes + (plan.emission_peak > 0 ? kEmissionBytes : 0));
 }
 
 std::vector<Tile> capture_images(gl::Context& context, const PolypostorPlan& plan, const ViewGrid& grid,
@@ -116,7 +122,7 @@ std::vector<Tile> capture_images(gl::Context& context, const PolypostorPlan& pla
         }
         if (wanted.empty()) continue;
         TileCapture capture(context, only_part(*tier.cut.character, triangles[part]), plan.frames.bank(moves),
-                            plan.sphere.centre, plan.texel, plan.sphere.radius, 0);
+                            plan.sphere.centre, plan.texel, plan.sphere.radius, plan.emission_peak);
         capture.capture(wanted, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> images) {
           parallel_for(page.size(), threads, [&](size_t k) {
             std::vector<Tile> levels = build_tile_levels(wanted[page[k]].rect, images[k],
@@ -146,6 +152,7 @@ std::vector<PackPlace> pack_images(std::span<const Tile> tiles, PolypostorBake& 
   bake.albedo.assign(4 * texels, 0);
   bake.normals.assign(2 * texels, 0);
   bake.materials.assign(texels, 0);
+  if (bake.emission_peak > 0) bake.emission.assign(4 * texels, 0);
   for (const bool gutters : {true, false})
     for (size_t i = 0; i < tiles.size(); ++i)
       if (packing.places[i].layer >= 0) copy_tile(tiles[i], packing.places[i], gutters, bake);

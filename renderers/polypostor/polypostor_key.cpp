@@ -45,6 +45,16 @@ Affine fit_affine(std::span<const uint32_t> corners, std::span<const glm::dvec3>
   return out;
 }
 
+// Square root of linear: the sRGB curve is one but for some percent.
+glm::vec3 nearest_texel(const scene::Character& character, int image_index, const glm::vec2& uv) {
+  const Image8& image = character.images[static_cast<size_t>(image_index)].image;
+  const auto texel = [](float at, int size) {
+    return std::clamp(static_cast<int>((at - std::floor(at)) * static_cast<float>(size)), 0, size - 1);
+  };
+  const uint8_t* t = image.at(texel(uv.x, image.width), texel(uv.y, image.height));
+  return glm::vec3(t[0], t[1], t[2]) / 255.0F;
+}
+
 }  // namespace
 
 std::vector<glm::vec3> vertex_tones(const scene::Character& character) {
@@ -56,14 +66,13 @@ std::vector<glm::vec3> vertex_tones(const scene::Character& character) {
       glm::vec3 colour(material.base_colour);
       if (!mesh.colours.empty()) colour *= glm::vec3(mesh.colours[v]);
       glm::vec3 tone = glm::sqrt(glm::clamp(colour, 0.0F, 1.0F));
-      if (material.base_colour_image >= 0) {
-        const Image8& image = character.images[static_cast<size_t>(material.base_colour_image)].image;
-        const auto texel = [](float at, int size) {
-          return std::clamp(static_cast<int>((at - std::floor(at)) * static_cast<float>(size)), 0, size - 1);
-        };
-        const uint8_t* t = image.at(texel(mesh.uvs[v].x, image.width), texel(mesh.uvs[v].y, image.height));
-        // The sRGB curve is a square root but for some percent.
-        tone *= glm::vec3(t[0], t[1], t[2]) / 255.0F;
+      if (material.base_colour_image >= 0) tone *= nearest_texel(character, material.base_colour_image, mesh.uvs[v]);
+      if (!material.unlit && material.emissive != glm::vec3(0.0F)) {
+        glm::vec3 glow = glm::sqrt(glm::clamp(material.emissive, 0.0F, 1.0F));
+        if (material.emissive_image >= 0)
+          glow *= nearest_texel(character, material.emissive_image,
+                                mesh.emissive_uvs.empty() ? mesh.uvs[v] : mesh.emissive_uvs[v]);
+        tone = glm::sqrt(glm::min(tone * tone + glow * glow, 1.0F));
       }
       tones[v] = tone;
     }

@@ -10,7 +10,7 @@
 namespace crowdbench::renderers {
 
 // The base colour at every vertex, square root of linear: the material's factor, its image's nearest texel, the
-// vertex's colour.
+// vertex's colour; with what the material gives off, as far as white.
 std::vector<glm::vec3> vertex_tones(const scene::Character& character);
 
 // What a view sees of a posed part, at one sample a texel: the tone and the normal of the nearest surface, from either

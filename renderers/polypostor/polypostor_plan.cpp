@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "renderers/emission.h"
 #include "renderers/polypostor/polypostor_key.h"
 
 namespace crowdbench::renderers {
@@ -40,6 +41,7 @@ PolypostorPlan plan_polypostors(const scene::Character& character, const std::sh
   plan.sphere = capture_sphere(character, plan.frames.positions(character.mesh));
   plan.texel = 2 * plan.sphere.radius / options.texels;
   plan.quantum = kPolypostorReach * options.texels / 4094.0;
+  plan.emission_peak = emission_peak(character);
 
   const BodyParts parts = options.cuts == "auto"
                               ? find_parts(character)

@@ -30,6 +30,7 @@ struct PolypostorPlan {
   CaptureSphere sphere;
   double texel = 0;                                  // metres, of level 0
   double quantum = 0;                                // texels: the unit of stored positions
+  float emission_peak = 0;                           // of the whole character (renderers/emission.h)
   std::vector<std::vector<scene::Mat3x4>> palettes;  // by frame
   std::vector<PolypostorTier> tiers;
 };

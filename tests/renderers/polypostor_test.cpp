@@ -403,6 +403,8 @@ TEST(PolypostorKey, TonesAreThoseOfMaterialsImagesAndVertices) {
   const auto tones = vertex_tones(c);
   EXPECT_LT(glm::distance(tones[0], glm::vec3(0.0F, 1.0F, 0.0F)), 1e-6F);
   EXPECT_LT(glm::distance(tones[1], glm::vec3(0.5F, 0.0F, 0.0F)), 1e-6F) << "images repeat";
+  c.materials[0].emissive = {0.11F, 0.25F, 9.0F};
+  EXPECT_LT(glm::distance(vertex_tones(c)[1], glm::vec3(0.6F, 0.5F, 1.0F)), 1e-6F) << "0.25 and 0.11 of linear light";
 }
 
 // ---- parts
@@ -584,6 +586,12 @@ TEST_F(PolypostorGl, BytesSurviveARoundTripAndDamageDoesNot) {
   EXPECT_TRUE(damaged([](PolypostorBake& b) { b.vertices[0].turn = 65535; }));
   EXPECT_TRUE(damaged([](PolypostorBake& b) { b.clips[0].frames = 400; }));
   EXPECT_TRUE(damaged([](PolypostorBake& b) { b.width *= 2; }));
+  EXPECT_TRUE(bake.emission.empty());
+  EXPECT_TRUE(damaged([](PolypostorBake& b) { b.emission_peak = 1.0F; })) << "a map that is not there";
+  EXPECT_FALSE(damaged([](PolypostorBake& b) {
+    b.emission_peak = 1.0F;
+    b.emission = b.albedo;
+  }));
 }
 
 // One agent at the origin, 120 pixels tall in 200 rows, level, from an azimuth.
