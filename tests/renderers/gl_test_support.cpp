@@ -1,8 +1,10 @@
 #include "gl_test_support.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "core/portable_math.h"
+#include "scene/mannequin.h"
 
 namespace crowdbench::renderers::testing {
 namespace {
@@ -145,6 +147,35 @@ void add_agent(scene::Frame& frame, const scene::Cast& cast, const glm::dvec3& p
   agent.phase = static_cast<float>(phase);
   agent.id = id;
   frame.agents[0].push_back(agent);
+}
+
+const scene::Cast& walker() {
+  static const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 500}));
+  return cast;
+}
+
+std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, const MakeOptions& how) {
+  return make_representation(
+      {.context = context(), .cast = cast, .bake_budget = how.budget, .use_cache = how.use_cache, .progress = false},
+      parse_spec(spec));
+}
+
+scene::Frame frame_from(const scene::Cast& cast, const Viewpoint& view) {
+  constexpr double kDegrees = std::numbers::pi / 180;
+  const double azimuth = view.azimuth * kDegrees;
+  const double elevation = view.elevation * kDegrees;
+  scene::Frame frame = frame_of_one(5, 1, 200, 200, view.fov);
+  const double distance = 1.75 * 200 / 120 / (2 * std::tan(frame.camera.fov_y / 2));
+  const glm::dvec3 d{std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                     std::cos(azimuth) * std::cos(elevation)};
+  const scene::PoseBank& bank = *cast.banks[0];
+  frame.camera.target = view.around.value_or(0.5 * (glm::dvec3(bank.bounds_min()) + glm::dvec3(bank.bounds_max())));
+  frame.camera.eye = frame.camera.target + distance * d;
+  frame.camera.up = {-std::sin(azimuth) * std::sin(elevation), std::cos(elevation),
+                     -std::cos(azimuth) * std::sin(elevation)};
+  frame.origin = frame.camera.eye;
+  add_agent(frame, cast, {0, 0, 0}, 1, view.phase, view.heading);
+  return frame;
 }
 
 }  // namespace crowdbench::renderers::testing

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "renderers/capture.h"
 #include "renderers/gl/context.h"
@@ -30,9 +32,29 @@ scene::Character two_bones();
 // A cast of one character with the bank of its first clip (or its bind pose).
 scene::Cast cast_of(scene::Character character, double rate = 30.0);
 
-// A frame looking along -Z from (0, eye_height, distance): one agent at the origin.
+// The small mannequin with its walk: asymmetric enough that a wrong view or frame shows.
+const scene::Cast& walker();
+
+// A representation of the cast, silently.
+struct MakeOptions {
+  bool use_cache = false;
+  uint64_t budget = uint64_t{512} << 20;  // bytes
+};
+std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, const MakeOptions& how = {});
+
+// A frame looking along -Z from (0, eye_height, distance), without agents.
 scene::Frame frame_of_one(double distance, double eye_height, int width, int height, double fov_y_deg = 40.0);
 void add_agent(scene::Frame& frame, const scene::Cast& cast, const glm::dvec3& place, uint32_t id, double phase = 0.0,
                float heading_turns = 0.0F, float scale = 1.0F);
+
+// One agent at the origin in a frame of 200 x 200, 1.75 metres to 120 pixels at the point that the eye turns around.
+struct Viewpoint {
+  double azimuth = 0, elevation = 0;  // degrees
+  double phase = 0;
+  float heading = 0;                 // turns
+  double fov = 15;                   // degrees
+  std::optional<glm::dvec3> around;  // the middle of the bank's bounds
+};
+scene::Frame frame_from(const scene::Cast& cast, const Viewpoint& view);
 
 }  // namespace crowdbench::renderers::testing

@@ -17,6 +17,7 @@ using testing::cast_of;
 using testing::context;
 using testing::frame_of_one;
 using testing::GlTest;
+using testing::make;
 
 scene::FrameAgent agent_at(const glm::vec3& position, float scale = 1) {
   scene::FrameAgent a;
@@ -213,15 +214,7 @@ TEST(LodSwitch, AnAgentThatWasAwayBeginsAnew) {
   EXPECT_TRUE(step(lod, 3, 15).near);
 }
 
-class HybridGl : public GlTest {
- protected:
-  std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec) {
-    MakeContext make{.context = context(), .cast = cast};
-    make.use_cache = false;
-    make.progress = false;
-    return make_representation(make, parse_spec(spec));
-  }
-};
+using HybridGl = GlTest;
 
 TEST_F(HybridGl, OfOneRepresentationTwiceIsThatRepresentation) {
   const scene::Cast cast = cast_of(testing::two_bones());

@@ -16,6 +16,7 @@
 #include "renderers/shaders/bindings.shared.h"
 #include "scene/mannequin.h"
 #include "scene/pose.h"
+#include "tests/renderers/compare_captures.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -24,14 +25,12 @@ using testing::add_agent;
 using testing::card;
 using testing::cast_of;
 using testing::context;
+using testing::covered;
 using testing::frame_of_one;
 using testing::GlTest;
+using testing::make;
 
 class MeshGl : public GlTest {};
-
-std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec = "mesh") {
-  return make_representation({.context = context(), .cast = cast}, parse_spec(spec));
-}
 
 Capture draw(const scene::Cast& cast, const scene::Frame& frame, const CaptureOptions& options = {},
              const std::string& spec = "mesh") {
@@ -43,12 +42,6 @@ Capture draw(const scene::Cast& cast, const scene::Frame& frame, const CaptureOp
 // The vertical field of view that makes one metre at depth 1 as long as `focal` pixels.
 double fov_deg(int height, double focal) {
   return 2.0 * std::atan(height / 2.0 / focal) * 180.0 / 3.14159265358979323846;
-}
-
-size_t covered(const Capture& c) {
-  size_t n = 0;
-  for (const uint32_t id : c.ids.data) n += id != 0 ? 1U : 0U;
-  return n;
 }
 
 scene::Material& material(scene::Character& character) { return character.materials.front(); }
@@ -238,7 +231,7 @@ TEST_F(MeshGl, SupersamplingAveragesInLinearLight) {
   EXPECT_EQ(c.ids.at(23, 15)[0], 1U);
   EXPECT_EQ(c.ids.at(24, 15)[0], 0U);
   EXPECT_TRUE(std::isinf(c.depth.at(24, 15)[0]));
-  const auto mesh = make(cast);
+  const auto mesh = make(cast, "mesh");
   Renderer renderer(context(), cast);
   EXPECT_THROW((void)renderer.capture(frame, *mesh, {.supersample = 2}), Error);
   EXPECT_THROW((void)renderer.capture(frame, *mesh, {.supersample = 1001}), Error);
@@ -255,7 +248,8 @@ TEST_F(MeshGl, EncodesSrgbWithinOneCode) {
     scene::Outfit outfit;
     for (glm::vec4& c : outfit.colours) c = glm::vec4(static_cast<float>(srgb_to_linear(code / 255.0)));
     frame.outfits.push_back(outfit);
-    add_agent(frame, cast, {static_cast<double>(code % 16) - 7.5, static_cast<double>(code / 16), 0}, code + 1);
+    const uint32_t row = code / 16;
+    add_agent(frame, cast, {static_cast<double>(code % 16) - 7.5, static_cast<double>(row), 0}, code + 1);
     frame.agents[0].back().outfit = code + 1;
   }
   const Capture c = draw(cast, frame, {.linear = true});
@@ -297,7 +291,7 @@ TEST_F(MeshGl, ColoursAreTheSameWithAndWithoutIds) {
   for (uint32_t i = 0; i < 5; ++i)
     add_agent(frame, cast, {i - 2.0, 0, -0.5 * i}, i + 1, 0.17 * i, 0.2F * static_cast<float>(i));
   Renderer renderer(context(), cast);
-  const auto mesh = make(cast);
+  const auto mesh = make(cast, "mesh");
   const Target plain(context(), 200, 200, {});
   renderer.draw(frame, *mesh, plain);
   const Capture without = plain.read();
@@ -421,7 +415,7 @@ TEST_F(MeshGl, BatchesOfPalettesChangeNothing) {
     lists[0].push_back(i);
   }
   Renderer renderer(context(), cast);
-  const auto mesh = make(cast);
+  const auto mesh = make(cast, "mesh");
   const Capture whole = renderer.capture(frame, *mesh);
   scene::Frame empty = frame;
   empty.agents[0].clear();
