@@ -70,7 +70,7 @@ class Loader {
   // --- accessors ---
 
   AccessorView view_of(int accessor) const {
-    const AccessorView& view = plan_.accessors[index_of(accessor)].view;
+    const AccessorView& view = plan_.accessors[index_of(accessor)];
     check_sparse(view, source_);
     return view;
   }

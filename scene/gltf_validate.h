@@ -14,12 +14,6 @@
 
 namespace crowdbench::scene {
 
-// Of the file's accessor, all ranges checked; the data itself is not looked at, save that it is there.
-struct GltfAccessor {
-  AccessorView view;
-  bool has_buffer_view = false;
-};
-
 struct GltfImage {
   std::string uri;                 // empty: in a buffer view
   std::span<const uint8_t> bytes;  // then
@@ -29,7 +23,7 @@ struct GltfImage {
 struct GltfPlan {
   std::string json;                           // the pruned document
   std::vector<std::vector<uint8_t>> buffers;  // those that are not the GLB's own chunk
-  std::vector<GltfAccessor> accessors;
+  std::vector<AccessorView> accessors;        // all ranges checked; the data itself is only known to be there
   std::vector<GltfImage> images;
   std::vector<int> node_order;   // every node of the file, parents before children
   std::vector<int> node_parent;  // by file index, -1 for a root
