@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake_cache.h"
+#include "renderers/emission.h"
 #include "renderers/frame_resources.h"
 #include "renderers/gl/objects.h"
 #include "renderers/gl/program.h"
@@ -27,7 +28,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 5;
+constexpr uint32_t kBakeVersion = 6;
 constexpr int kGroup = 64;  // local_size_x of relief.comp
 
 // Distances at which joints may share boxes: pixels of the character's height, from the nearest tier on. A tier is
@@ -191,6 +192,8 @@ std::vector<uint8_t> serialise(const Bake& bake) {
     out.values(m.extent);
     out.values(m.colour);
     out.values(m.normal);
+    out.value(m.emission_peak);
+    if (m.emission_peak > 0) out.values(m.emission);
   }
   for (const std::vector<uint8_t>& cones : bake.cones) out.values(cones);
   return out.bytes();
@@ -213,6 +216,8 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
     m.extent = in.values<uint16_t>();
     m.colour = in.values<uint8_t>();
     m.normal = in.values<uint8_t>();
+    m.emission_peak = in.value<float>();
+    if (m.emission_peak > 0) m.emission = in.values<uint8_t>();
     size_t texels = 0;
     for (const ReliefBox& box : m.boxes) {
       if (box.texels < 16 || box.texels > 256 || box.first != texels || box.joint < 0 ||
@@ -221,7 +226,8 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
       texels += ReliefModel::box_texels(box);
     }
     if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
-        m.extent.size() != texels * 6 || m.colour.size() != texels * 24 || m.normal.size() != texels * 24)
+        m.extent.size() != texels * 6 || m.colour.size() != texels * 24 || m.normal.size() != texels * 24 ||
+        m.emission.size() != (m.emission_peak > 0 ? texels * 24 : 0))
       return std::nullopt;
   }
   for (uint32_t i = 0; cones && i < count && in.ok(); ++i) {
@@ -240,10 +246,13 @@ uint64_t depth_texel_bytes(const Options& options) {
   return static_cast<uint64_t>(options.depth_bits) / 4 + (options.search == RELIEF_SEARCH_CONE ? 4 : 0);
 }
 
+// Colours, normals and, of a character that glows, emission, of two faces to a depth texel.
+uint64_t colour_texel_bytes(float emission_peak) { return 2 * 4 * (emission_peak > 0 ? 3 : 2); }
+
 uint64_t atlas_bytes(const ReliefModel& model, const Options& options) {
   const AtlasPlan plan = plan_atlas(model);
   return static_cast<uint64_t>(plan.width) * static_cast<uint64_t>(plan.height) *
-             (depth_texel_bytes(options) + 2 * 2 * 4) +
+             (depth_texel_bytes(options) + colour_texel_bytes(model.emission_peak)) +
          static_cast<uint64_t>(plan.width / 2) * static_cast<uint64_t>(plan.height / 2) * 2;
 }
 
@@ -312,10 +321,12 @@ struct Tier {
   gl::Texture colour;
   gl::Texture normal;
   gl::Texture bounds;
-  gl::Texture cones;  // with search=cone
+  gl::Texture cones;     // with search=cone
+  gl::Texture emission;  // of a character that glows
+  float emission_peak = 0;
   uint64_t texels() const { return static_cast<uint64_t>(depth.width()) * static_cast<uint64_t>(depth.height()); }
   uint64_t texture_bytes() const {
-    return depth.bytes() + colour.bytes() + normal.bytes() + bounds.bytes() + cones.bytes();
+    return depth.bytes() + colour.bytes() + normal.bytes() + bounds.bytes() + cones.bytes() + emission.bytes();
   }
   gl::Buffer records;
   gl::Buffer points;
@@ -423,6 +434,7 @@ class Relief final : public Representation {
       info.facts.emplace_back("normal_bytes", bytes(nearest.normal.bytes()));
       info.facts.emplace_back("bounds_bytes", bytes(nearest.bounds.bytes()));
       info.facts.emplace_back("cone_bytes", bytes(nearest.cones.bytes()));
+      info.facts.emplace_back("emission_bytes", bytes(nearest.emission.bytes()));
       info.facts.emplace_back("merged_bytes", bytes(actual - full));
       info.facts.emplace_back("id_bytes", bytes((nearest.colour.bytes() + nearest.normal.bytes()) / 4));
       info.facts.emplace_back("level_bytes", bytes(full - full * baked_[0].full_texels / nearest.texels()));
@@ -451,7 +463,8 @@ class Relief final : public Representation {
       uint64_t texels = character.skeleton.joints.size() * n * n;
       for (const int side : given)
         if (side > 0) texels += static_cast<uint64_t>(side * side) - n * n;
-      const uint64_t bytes = texels * (3 * depth_texel_bytes(options_) + 6 * 8) * 3 / 2;
+      const uint64_t bytes =
+          texels * 3 * (depth_texel_bytes(options_) + colour_texel_bytes(emission_peak(character))) * 3 / 2;
       if (bytes > left)
         throw Error(
             "relief",
@@ -502,7 +515,8 @@ class Relief final : public Representation {
       facts[1].second = model.triangles_of_box[i];
       facts[2].second = std::max({box.size.x, box.size.y, box.size.z});
       // Its place in the pictures, levels and all: 3 n x 1.5 n of the depth picture.
-      const uint64_t bytes = ReliefModel::box_texels(box) * 9 / 4 * (2 * (depth_texel_bytes(options_) + 16) + 1);
+      const uint64_t bytes = ReliefModel::box_texels(box) * 9 / 4 *
+                             (2 * (depth_texel_bytes(options_) + colour_texel_bytes(model.emission_peak)) + 1);
       facts[3].second = static_cast<double>(bytes);
     }
     return parts;
@@ -531,8 +545,14 @@ class Relief final : public Representation {
     }
     tier.colour = gl::Texture::make_2d(context_, GL_SRGB8_ALPHA8, 2 * plan.width, plan.height);
     tier.colour.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, atlas.colour.data());
-    for (const unsigned which : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-      glTextureParameteri(tier.colour.name(), which, GL_LINEAR);
+    tier.emission_peak = model.emission_peak;
+    if (tier.emission_peak > 0) {
+      tier.emission = gl::Texture::make_2d(context_, GL_SRGB8_ALPHA8, 2 * plan.width, plan.height);
+      tier.emission.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, atlas.emission.data());
+    }
+    for (const gl::Texture* filtered : {&tier.colour, &tier.emission})
+      for (const unsigned which : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        if (*filtered) glTextureParameteri(filtered->name(), which, GL_LINEAR);
     tier.normal = gl::Texture::make_2d(context_, GL_RGBA8, 2 * plan.width, plan.height);
     tier.normal.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, atlas.normal.data());
     tier.bounds = gl::Texture::make_2d(context_, GL_RG8, plan.width / 2, plan.height / 2);
@@ -611,6 +631,7 @@ class Relief final : public Representation {
       if (pass.ids) all.emplace_back("CB_IDS", "");
       if (pass.touched) all.emplace_back("CB_TOUCHED", "");
       if (pass.dithered) all.emplace_back("CB_DITHER", "");
+      if (tier.emission) all.emplace_back("CB_EMISSIVE", "");
       found = tier.draw
                   .emplace(pass,
                            gl::Program(context_, {"renderers/relief/relief.vert", "renderers/relief/relief.frag"}, all))
@@ -634,6 +655,10 @@ class Relief final : public Representation {
       found->second.set(RELIEF_LOCATION_FIRST, first + done);
       found->second.set(RELIEF_LOCATION_OFFSET, done);
       found->second.use();
+      if (tier.emission) {
+        found->second.set(RELIEF_LOCATION_PEAK, tier.emission_peak);
+        tier.emission.bind(RELIEF_TEXTURE_EMISSION);
+      }
       tier.depth.bind(RELIEF_TEXTURE_DEPTH);
       tier.colour.bind(RELIEF_TEXTURE_COLOUR);
       tier.normal.bind(RELIEF_TEXTURE_NORMAL);

@@ -31,6 +31,10 @@ layout(location = 5) flat in vec3 v_view;
 
 layout(binding = RELIEF_TEXTURE_DEPTH) uniform sampler2D depth_map;    // least and greatest depth along the axis
 layout(binding = RELIEF_TEXTURE_COLOUR) uniform sampler2D colour_map;  // sRGB colour, unlit; filtered
+#ifdef CB_EMISSIVE
+layout(binding = RELIEF_TEXTURE_EMISSION) uniform sampler2D emission_map;  // sRGB, fractions of the peak; filtered
+layout(location = RELIEF_LOCATION_PEAK) uniform float emission_peak;
+#endif
 layout(binding = RELIEF_TEXTURE_NORMAL) uniform sampler2D normal_map;  // bind-space normal, part
 layout(binding = RELIEF_TEXTURE_BOUNDS) uniform sampler2D bounds_map;  // conservative least and greatest depth
 #if SEARCH == RELIEF_SEARCH_CONE
@@ -324,8 +328,9 @@ void main() {
                                int(v_identity.w)));
   vec3 place = v_anchor - s * ray;
   place = axis == 0 ? place.yzx : axis == 1 ? place.zxy : place;
-  vec4 colour = textureLod(colour_map, (colour_low + clamp(place.xy * float(colour_size), 0.5, float(colour_size) - 0.5)) /
-                           vec2(textureSize(colour_map, 0)), 0.0);
+  vec2 colour_at = (colour_low + clamp(place.xy * float(colour_size), 0.5, float(colour_size) - 0.5)) /
+                   vec2(textureSize(colour_map, 0));
+  vec4 colour = textureLod(colour_map, colour_at, 0.0);
   vec3 n = normal.xyz * 2.0 - 1.0;
   float square = max(dot(n, n), 1e-6);
   // What looks away is the inner side of an open piece, or beside a rim: mirrored, which does nothing at right angles and turns
@@ -339,6 +344,10 @@ void main() {
     lambert = dot(world, frame.light_direction.xyz) * inversesqrt(max(dot(world, world), 1e-30));
   }
   vec3 shown = shade_lit(colour.rgb, max(lambert, 0.0), uint(normal.a * 255.0 + 0.5), v_identity.x, colour.a > 0.5, vec3(0.0));
+#ifdef CB_EMISSIVE
+  // Added here, since what an unlit texel holds is the part of it that glows.
+  shown += textureLod(emission_map, colour_at, 0.0).rgb * emission_peak;
+#endif
 #if defined(DEBUG) && DEBUG == RELIEF_DEBUG_STEPS
   shown = heat(min(float(taps) / 64.0, 1.0));  // dark red: 64 taps and more
 #elif defined(DEBUG) && DEBUG == RELIEF_DEBUG_HIT_FACE

@@ -13,10 +13,12 @@
 #define RELIEF_TEXTURE_NORMAL 2
 #define RELIEF_TEXTURE_BOUNDS 3
 #define RELIEF_TEXTURE_CONES 4
+#define RELIEF_TEXTURE_EMISSION 5  // of characters that glow
 
 #define RELIEF_LOCATION_COUNT 1   // uint: agents to pose
 #define RELIEF_LOCATION_OFFSET 2  // uint: position in PALETTE of the first agent to pose
 #define RELIEF_LOCATION_FIRST 0   // uint: position in LIST of the first instance
+#define RELIEF_LOCATION_PEAK 3    // float: of the light given off
 
 // Search methods.
 #define RELIEF_SEARCH_ADAPTIVE 0  // one step a texel crossed, each tested as an interval

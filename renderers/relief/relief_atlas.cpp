@@ -17,6 +17,7 @@ struct Level {
   std::vector<uint16_t> depth;  // [axis][v][u][2]
   std::vector<uint8_t> colour;  // [axis][side][v][u][4]
   std::vector<uint8_t> normal;
+  std::vector<uint8_t> emission;  // as colour; empty where nothing glows
 };
 
 double linear_of(uint8_t code) {
@@ -28,8 +29,8 @@ double linear_of(uint8_t code) {
   return table[code];
 }
 
-// Colours of covered texels, carried into empty ones beside them, twice.
-void spread_colours(Level& level) {
+// Colours (or emission) of covered texels, carried into empty ones beside them, twice.
+void spread_colours(const Level& level, std::vector<uint8_t>& colours) {
   const auto n = static_cast<long>(level.n);
   for (size_t map = 0; map < 3; ++map) {
     const auto at = [&](long u, long v) { return static_cast<size_t>(v * n + u); };
@@ -44,7 +45,7 @@ void spread_colours(Level& level) {
         for (long u = 0; u < n; ++u) {
           if (before[at(u, v)] != 0) continue;
           for (size_t side = 0; side < 2; ++side) {
-            uint8_t* face = level.colour.data() + (map * 2 + side) * known.size() * 4;
+            uint8_t* face = colours.data() + (map * 2 + side) * known.size() * 4;
             std::array<int, 4> sum{};
             int count = 0;
             for (long y = std::max(0L, v - 1); y <= std::min(n - 1, v + 1); ++y) {
@@ -140,6 +141,7 @@ Level halved(const Level& from) {
   to.depth.resize(3 * n * n * 2);
   to.colour.resize(6 * n * n * 4);
   to.normal.resize(to.colour.size());
+  if (!from.emission.empty()) to.emission.resize(to.colour.size());
   std::vector<std::array<uint16_t, 2>> reach(n * n);  // least and greatest of each texel's children
   for (size_t map = 0; map < 3; ++map) {
     for (size_t v = 0; v < n; ++v) {
@@ -168,14 +170,20 @@ Level halved(const Level& from) {
           const size_t face = map * 2 + side;
           uint8_t* colour = to.colour.data() + (face * n * n + v * n + u) * 4;
           uint8_t* normal = to.normal.data() + (face * n * n + v * n + u) * 4;
-          std::array<double, 3> sum{};
           glm::vec3 direction(0.0F);
           for (int k = 0; k < covered; ++k) {
             const size_t texel = (face * m * m + child[static_cast<size_t>(k)]) * 4;
-            for (size_t c = 0; c < 3; ++c) sum[c] += linear_of(from.colour[texel + c]);
             direction += glm::vec3(from.normal[texel], from.normal[texel + 1], from.normal[texel + 2]) / 127.5F - 1.0F;
           }
-          for (size_t c = 0; c < 3; ++c) colour[c] = linear_to_srgb8(sum[c] / covered);
+          const auto mean = [&](const std::vector<uint8_t>& codes, size_t c) {
+            double sum = 0;
+            for (int k = 0; k < covered; ++k)
+              sum += linear_of(codes[(face * m * m + child[static_cast<size_t>(k)]) * 4 + c]);
+            return linear_to_srgb8(sum / covered);
+          };
+          for (size_t c = 0; c < 3; ++c) colour[c] = mean(from.colour, c);
+          for (size_t c = 0; c < 3 && !from.emission.empty(); ++c)
+            to.emission[(face * n * n + v * n + u) * 4 + c] = mean(from.emission, c);
           const float length = glm::length(direction);
           direction = length > 1e-6F ? direction / length : glm::vec3(0, 1, 0);
           for (int c = 0; c < 3; ++c) normal[c] = static_cast<uint8_t>(direction[c] * 127.5F + 128.0F);
@@ -242,6 +250,7 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
   for (size_t i = 0; i < atlas.depth.size(); i += 2) atlas.depth[i] = 65535;
   atlas.colour.assign(2 * width * height * 4, 0);
   atlas.normal.assign(2 * width * height * 4, 0);
+  if (!model.emission.empty()) atlas.emission.assign(2 * width * height * 4, 0);
   atlas.bounds.assign(width / 2 * (height / 2) * 2, 0);
   for (size_t i = 0; i < atlas.bounds.size(); i += 2) atlas.bounds[i] = 255;
   for (size_t i = 0; i < model.boxes.size(); ++i) {
@@ -251,11 +260,14 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
       const auto begin = all.begin() + static_cast<std::ptrdiff_t>(box.first * per_texel);
       return std::vector(begin, begin + static_cast<std::ptrdiff_t>(n * n * per_texel));
     };
-    Level level{n, slice(model.depth, 6), slice(model.colour, 24), slice(model.normal, 24)};
+    Level level{n, slice(model.depth, 6), slice(model.colour, 24), slice(model.normal, 24), {}};
+    if (!model.emission.empty()) level.emission = slice(model.emission, 24);
     for (uint32_t l = 0; l < atlas_levels(box.texels); ++l) {
       if (l > 0) level = halved(level);
-      Level spread = level;
-      spread_colours(spread);
+      std::vector<uint8_t> colour = level.colour;
+      spread_colours(level, colour);
+      std::vector<uint8_t> emission = level.emission;
+      if (!emission.empty()) spread_colours(level, emission);
       const size_t aside = l == 0 ? 0 : n - (n >> (l - 1));
       const size_t top = plan.top[i] + (l == 0 ? 0 : n);
       for (size_t v = 0; v < level.n; ++v) {
@@ -267,7 +279,8 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
           const auto from = static_cast<std::ptrdiff_t>((face * level.n + v) * level.n * 4);
           const auto to =
               static_cast<std::ptrdiff_t>(((top + v) * 2 * width + 2 * plan.left[i] + face * n + aside) * 4);
-          std::copy_n(spread.colour.begin() + from, level.n * 4, atlas.colour.begin() + to);
+          std::copy_n(colour.begin() + from, level.n * 4, atlas.colour.begin() + to);
+          if (!emission.empty()) std::copy_n(emission.begin() + from, level.n * 4, atlas.emission.begin() + to);
           std::copy_n(level.normal.begin() + from, level.n * 4, atlas.normal.begin() + to);
         }
       }

@@ -32,6 +32,7 @@ struct Atlas {
   std::vector<uint16_t> depth;  // width x height x 2
   std::vector<uint8_t> colour;  // 2 width x height x 4; six columns a box
   std::vector<uint8_t> normal;
+  std::vector<uint8_t> emission;  // as colour (renderers/emission.h); empty where nothing glows
   // width/2 x height/2 x 2: one texel for two by two of the depth picture's, level by level. Least and greatest depth
   // of anything that touches these texels or, on the level's own scale, the texels next to them, rounded outward: what
   // lies outside, in any of the three axes' maps, is air.
@@ -39,8 +40,8 @@ struct Atlas {
 };
 // Halved levels. A texel is covered when at least two of its four children are: the silhouette keeps its area on
 // average, and only depths of covered children are joined (least and greatest), so that no surface appears between a
-// limb and nothing. Ids are not mixed. Colours are averaged in linear light, and spread beyond the silhouette by two
-// texels so that they can be filtered.
+// limb and nothing. Ids are not mixed. Colours and emission are averaged in linear light, and spread beyond the
+// silhouette by two texels so that they can be filtered.
 Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan);
 
 }  // namespace crowdbench::renderers

@@ -13,6 +13,7 @@
 
 #include "core/colour.h"
 #include "core/error.h"
+#include "renderers/emission.h"
 #include "renderers/tiles/half_plane.h"
 #include "scene/pose.h"
 
@@ -107,13 +108,15 @@ struct Source {
   const Character& character;
   const std::vector<int>& material_of_triangle;
   const std::vector<LinearPyramid>& pyramids;
+  float emission_peak;
 };
 
 uint8_t byte_of(double unit) { return static_cast<uint8_t>(std::clamp(unit, 0.0, 1.0) * 255.0 + 0.5); }
 
 void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_from_capture,
            const std::vector<glm::dvec3>& normals, int axis, int side, const glm::dmat3& unit_from_bind,
-           double texel_area_unit, const std::array<glm::dvec3, 3>& corners_uv, uint8_t* colour, uint8_t* normal) {
+           double texel_area_unit, const std::array<glm::dvec3, 3>& corners_uv, uint8_t* colour, uint8_t* normal,
+           uint8_t* emission) {
   const scene::Mesh& mesh = source.character.mesh;
   const std::array<uint32_t, 3> v{mesh.indices[3 * winner.triangle], mesh.indices[3 * winner.triangle + 1],
                                   mesh.indices[3 * winner.triangle + 2]};
@@ -124,11 +127,11 @@ void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_fr
   if (!mesh.colours.empty())
     albedo *= glm::dvec3(mesh.colours[v[0]]) * b0 + glm::dvec3(mesh.colours[v[1]]) * winner.b1 +
               glm::dvec3(mesh.colours[v[2]]) * winner.b2;
-  if (material.base_colour_image >= 0 && !mesh.uvs.empty()) {
-    const LinearPyramid& pyramid = source.pyramids[static_cast<size_t>(material.base_colour_image)];
-    const glm::dvec2 t0(mesh.uvs[v[0]]);
-    const glm::dvec2 t1(mesh.uvs[v[1]]);
-    const glm::dvec2 t2(mesh.uvs[v[2]]);
+  const auto sampled = [&](int image, const std::vector<glm::vec2>& uvs) {
+    const LinearPyramid& pyramid = source.pyramids[static_cast<size_t>(image)];
+    const glm::dvec2 t0(uvs[v[0]]);
+    const glm::dvec2 t1(uvs[v[1]]);
+    const glm::dvec2 t2(uvs[v[2]]);
     // Texels of the skin under one texel of the map: the ratio of the triangle's areas in the two planes.
     const glm::dvec2 e1 = (t1 - t0) * glm::dvec2(pyramid.width(), pyramid.height());
     const glm::dvec2 e2 = (t2 - t0) * glm::dvec2(pyramid.width(), pyramid.height());
@@ -137,10 +140,17 @@ void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_fr
     const glm::dvec3 p2 = corners_uv[2] - corners_uv[0];
     const double map_area = std::abs(p1.x * p2.y - p1.y * p2.x) / texel_area_unit;
     const double footprint = std::sqrt(skin_area / std::max(map_area, 1e-9));
-    albedo *= glm::dvec3(pyramid.sample(t0 * b0 + t1 * winner.b1 + t2 * winner.b2, std::min(footprint, 64.0)));
-  }
+    return glm::dvec3(pyramid.sample(t0 * b0 + t1 * winner.b1 + t2 * winner.b2, std::min(footprint, 64.0)));
+  };
+  if (material.base_colour_image >= 0 && !mesh.uvs.empty()) albedo *= sampled(material.base_colour_image, mesh.uvs);
   for (int c = 0; c < 3; ++c) colour[c] = linear_to_srgb8(albedo[c]);
   colour[3] = material.unlit ? 255 : 0;
+  if (emission != nullptr && !material.unlit) {
+    glm::dvec3 glow(material.emissive / source.emission_peak);
+    if (material.emissive_image >= 0)
+      glow *= sampled(material.emissive_image, mesh.emissive_uvs.empty() ? mesh.uvs : mesh.emissive_uvs);
+    for (int c = 0; c < 3; ++c) emission[c] = linear_to_srgb8(glow[c]);
+  }
 
   glm::dvec3 n = bind_from_capture * (normals[v[0]] * b0 + normals[v[1]] * winner.b1 + normals[v[2]] * winner.b2);
   const double length = glm::length(n);
@@ -421,7 +431,8 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
         }
         const size_t face = box.first * 6 + static_cast<size_t>(axis * 2 + side) * n * n;
         shade(source, winner, bind_from_capture3, normals, axis, side, unit_from_bind, 1.0, corners,
-              model.colour.data() + (face + texel) * 4, model.normal.data() + (face + texel) * 4);
+              model.colour.data() + (face + texel) * 4, model.normal.data() + (face + texel) * 4,
+              model.emission.empty() ? nullptr : model.emission.data() + (face + texel) * 4);
       }
     }
   }
@@ -450,7 +461,8 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   for (const scene::Texture& texture : character.images) pyramids.emplace_back(texture);
 
   ReliefModel model;
-  const Source source{character, material_of_triangle, pyramids};
+  model.emission_peak = emission_peak(character);
+  const Source source{character, material_of_triangle, pyramids, model.emission_peak};
   std::vector<Bounds> bounds;
   for (size_t joint = 0; joint < triangles_of.size(); ++joint) {
     // A matrix that flattens space cannot carry a box; such a joint draws nothing.
@@ -482,6 +494,7 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   model.extent.resize(texels * 3 * 2);
   model.colour.resize(texels * 6 * 4);
   model.normal.resize(texels * 6 * 4);
+  if (model.emission_peak > 0) model.emission.resize(texels * 6 * 4);
 
   std::atomic<size_t> next{0};
   const auto work = [&] {

@@ -62,6 +62,9 @@ struct ReliefModel {
   std::vector<uint8_t> colour;
   // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is the part id.
   std::vector<uint8_t> normal;
+  // The same for the light given off (renderers/emission.h), the fourth unused; empty where the peak is 0.
+  std::vector<uint8_t> emission;
+  float emission_peak = 0;
   std::vector<int> triangles_of_box;
   size_t texels() const { return boxes.empty() ? 0 : boxes.back().first + box_texels(boxes.back()); }
   static size_t box_texels(const ReliefBox& b) { return static_cast<size_t>(b.texels) * static_cast<size_t>(b.texels); }

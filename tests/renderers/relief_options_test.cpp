@@ -89,8 +89,8 @@ TEST_F(ReliefOptionsGl, BytesByKindAddUp) {
     const auto relief = make(cast, spec);
     const auto& facts = relief->bake_info().facts;
     double sum = 0;
-    for (const char* kind :
-         {"depth_bytes", "colour_bytes", "normal_bytes", "bounds_bytes", "cone_bytes", "merged_bytes"})
+    for (const char* kind : {"depth_bytes", "colour_bytes", "normal_bytes", "bounds_bytes", "cone_bytes",
+                             "emission_bytes", "merged_bytes"})
       sum += number(facts, kind);
     EXPECT_EQ(sum, number(facts, "actual_bytes")) << spec;
     EXPECT_EQ(sum, static_cast<double>(relief->footprint().texture_bytes)) << spec;
