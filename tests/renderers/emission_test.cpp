@@ -235,6 +235,9 @@ INSTANTIATE_TEST_SUITE_P(Registered, EmissionGl, ::testing::ValuesIn(asked()),
                            return name;
                          });
 
+class EmissionBytesGl : public testing::GlTest {};
+class EmissionCrowdGl : public testing::GlTest {};
+
 TEST(EmissionPeak, IsTheBrightestThatIsInUse) {
   scene::Character c = lantern();
   EXPECT_FLOAT_EQ(emission_peak(c), 4.0F);
@@ -254,7 +257,7 @@ TEST(EmissionPeak, IsTheBrightestThatIsInUse) {
 
 // A character that does not glow is stored and drawn from the same bytes whether its materials have an emissive image
 // or not; one that does has a map more: 4 bytes a texel of 12, or half a byte.
-TEST(EmissionBytesGl, OnlyThoseThatGlowHaveAMap) {
+TEST_F(EmissionBytesGl, OnlyThoseThatGlowHaveAMap) {
   const auto bytes_of = [](const scene::Character& character, const std::string& spec) {
     const scene::Cast one = cast_of(character);
     return make_representation({.context = context(), .cast = one, .use_cache = false, .progress = false},
@@ -277,6 +280,36 @@ TEST(EmissionBytesGl, OnlyThoseThatGlowHaveAMap) {
                      ratio * static_cast<double>(none.texture_bytes))
         << spec;
   }
+}
+
+// Characters of one crowd with and without a map, whichever comes first.
+TEST_F(EmissionCrowdGl, ADarkOneBesideAGlowingOneStaysDark) {
+  scene::Character dark = lantern();
+  for (scene::Material& m : dark.materials) m.emissive = glm::vec3(0.0F);
+  dark.materials[3].unlit = false;
+  dark.content_hash = "dark";
+  for (const char* spec : {"flat:views=sphere-4x2,texels=32", "flat:views=sphere-4x2,texels=32,compress=bc",
+                           "polypostor:views=sphere-4x2,texels=32", "relief:map=32"})
+    for (const bool dark_first : {false, true}) {
+      scene::Cast both = cast_of(dark_first ? dark : lantern());
+      const scene::Cast second = cast_of(dark_first ? lantern() : dark);
+      both.characters.push_back(second.characters[0]);
+      both.banks.push_back(second.banks[0]);
+      both.shares = {0.5, 0.5};
+      scene::Frame frame = picture(60, 0, false);
+      frame.agents.push_back(frame.agents[0]);
+      frame.agents[0][0].position.x -= 0.5F;
+      frame.agents[1][0].position.x += 0.5F;
+      frame.agents[1][0].id = 2;
+      Renderer renderer(context(), both);
+      const auto one = make_representation({.context = context(), .cast = both, .use_cache = false, .progress = false},
+                                           parse_spec(spec));
+      const Capture c = renderer.capture(frame, *one, {.linear = true});
+      std::array<double, 3> light{};  // by id
+      for (size_t i = 0; i < c.ids.data.size(); ++i) light[c.ids.data[i]] += static_cast<double>(c.linear.data[4 * i]);
+      EXPECT_EQ(light[dark_first ? 1 : 2], 0.0) << spec;
+      EXPECT_GT(light[dark_first ? 2 : 1], 100.0) << spec;
+    }
 }
 
 }  // namespace
