@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "renderers/polypostor/polypostor_parts.h"
 #include "renderers/tiles/stored_frames.h"
 #include "renderers/views/view_grid.h"
 #include "scene/character.h"
