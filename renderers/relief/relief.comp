@@ -138,7 +138,7 @@ void main() {
 #ifdef CARVE
   float a_texel = clamp(4.0 * exp2(level - wanted), 1.0, level > 0.0 ? 1.0 : 2.0);
 #else
-  const float a_texel = 0.85;
+  const float a_texel = 1.0;
 #endif
   posed[item].view = vec4(view * inversesqrt(max(dot(view, view), 1e-30)), a_texel);
   posed[item].maps = uvec4(pack_maps(box.maps.x, box.maps.y, box.maps.z, uint(level)),

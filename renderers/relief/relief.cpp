@@ -28,12 +28,18 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 6;
+constexpr uint32_t kBakeVersion = 7;
 constexpr int kGroup = 64;  // local_size_x of relief.comp
 
-// Distances at which joints may share boxes: pixels of the character's height, from the nearest tier on. A tier is
-// drawn below its height; tier 0, every joint on its own, above all.
-constexpr std::array<double, 4> kTierPixels{100, 50, 25, 12.5};
+// Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
+// joint on its own, above all.
+struct TierPlan {
+  double pixels;  // of the character's height
+  double texel;   // the most that a texel may cover at that height, in pixels
+};
+// Rays cross as many texels a pixel whatever the box; the farther, the finer, since an outline is off by half a texel
+// of ever thinner limbs.
+constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
 struct Options {
   ReliefBakeOptions bake;
@@ -261,15 +267,19 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
                const ReliefBakeOptions& nearest, Bake& bake) {
   ReliefBakeOptions what = nearest;
   JointMerger merger(character, bank, what.capture);
-  for (size_t tier = 0; tier < kTierPixels.size(); ++tier) {
-    what.carriers = merger.merged(options.merge * character.placement.height / kTierPixels[tier]);
-    const auto coarser = [&](int texels) { return std::min(texels, std::max(64, texels >> (tier + 1))); };
-    what.map_size = coarser(nearest.map_size);
-    for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint)
-      what.texels_of_joint[joint] = coarser(nearest.texels_of_joint[joint]);
+  what.by_area = true;
+  for (size_t tier = 0; tier < kTiers.size(); ++tier) {
+    const double pixel = character.placement.height / kTiers[tier].pixels;  // metres
+    what.carriers = merger.merged(options.merge * pixel);
+    what.texel = std::max(nearest.texel, kTiers[tier].texel * pixel);
+    // Joints that were given texels have half of them, 64 at least.
+    for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint) {
+      const int given = nearest.texels_of_joint[joint];
+      what.texels_of_joint[joint] = std::min(given, std::max(64, given >> (tier + 1)));
+    }
     ReliefModel model = bake_relief(character, what);
     if (model.boxes.size() < bake.models.back().boxes.size()) {
-      bake.tier_pixels.push_back(kTierPixels[tier]);
+      bake.tier_pixels.push_back(kTiers[tier].pixels);
       bake.models.push_back(std::move(model));
     }
   }

@@ -18,6 +18,11 @@
 #include "renderers/relief/relief_cone.glsl"
 #endif
 
+// Boxes of the farther tiers: the search and the choice of face in fewer operations.
+#if SEARCH == RELIEF_SEARCH_ADAPTIVE && !defined(CARVE)
+#define PLAIN
+#endif
+
 layout(location = 0) in vec3 v_anchor;
 layout(location = 1) flat in vec4 v_eye_depth;
 layout(location = 2) flat in vec4 v_light;  // w: steps to a texel
@@ -91,6 +96,9 @@ void main() {
   vec2 across = delta.xy * float(size);
   float hit = -1.0;  // depth along the axis
   ivec2 texel = low;
+#ifdef PLAIN
+  vec2 solid;  // least and greatest depth there
+#endif
 #ifdef DEBUG
   int taps = 0;
 #define COUNT_TAP ++taps
@@ -118,16 +126,32 @@ void main() {
     vec2 move = across * inverse_steps;
     float rise = delta.z * inverse_steps;
     vec2 at = start + 0.5 * move;
+#ifdef PLAIN
+    // A step's interval makes everything thicker by what the ray rises while it is in the next texel already. What is thicker
+    // than that is made thinner by as much in all; what is not is one surface, which no step may miss. Depths are doubled and not
+    // mirrored: two intervals meet when their middles lie no farther apart than their halves' sum. The ray was clipped half a
+    // texel within the map, so that no texel needs clamping.
+    float thinner = rise * clamp(max(abs(move.x), abs(move.y)) - 0.5, 0.0, 0.5);
+    float thickness = rise + 2.0 * SLACK;
+    float grown = thickness - thinner;
+    float upward = down ? -rise : rise;
+    float middle = 2.0 * (down ? 1.0 - from.z : from.z) + upward;
+    bool met = false;
+    int i = 0;
+    for (; i < steps && !met; ++i) {
+      texel = ivec2(at);
+      solid = texelFetch(depth_map, texel, 0).rg;
+      COUNT_TAP;
+      float thick = solid.y - solid.x;
+      met = thick >= 0.0 && abs(solid.x + solid.y - middle) <= max(thick + grown, thickness);
+      middle += 2.0 * upward;
+      at += move;
+    }
+    if (met) hit = max(max(down ? 1.0 - solid.y : solid.x, from.z + float(i - 1) * rise - SLACK), 0.0);
+#else
     float c = from.z - SLACK;
     float half_step = 0.5 * rise + SLACK;
     vec2 mirror = down ? vec2(1.0, -0.5) : vec2(0.0, 0.5);
-    // A step's interval makes everything thicker by what the ray rises while it is in the next texel already. What is thicker
-    // than that is made as much thinner; what is not is one surface, which no step may miss. Nearby, steps are short.
-#ifdef CARVE
-    const float thinner = 0.0;
-#else
-    float thinner = rise * clamp(max(abs(move.x), abs(move.y)) - 0.5, 0.0, 0.5);
-#endif
 #if SEARCH == RELIEF_SEARCH_CONE
     float slope = max(abs(delta.x), abs(delta.y)) / max(delta.z, 1e-20);
     float a_step = 1.0 / max(rise, 1e-20);
@@ -173,7 +197,7 @@ void main() {
         // Two intervals meet when their middles lie no farther apart than their halves' sum.
         float half_solid = 0.5 * (bounds.y - bounds.x);
         float middle = mirror.x + mirror.y * (bounds.x + bounds.y);
-        if (half_solid >= 0.0 && abs(middle - (c + half_step)) <= max(half_solid - thinner, 0.0) + half_step)
+        if (half_solid >= 0.0 && abs(middle - (c + half_step)) <= half_solid + half_step)
           enter = max(max(middle - half_solid, c), 0.0);
         c += rise;
         at += move;
@@ -215,6 +239,7 @@ void main() {
       hit = enter;
       break;
     }
+#endif
 #else
     float below = 0.0;
     for (int i = 0; i <= STEPS; ++i) {
@@ -279,6 +304,34 @@ void main() {
   // belongs to another axis. Take the face whose stored depth is nearest to the point.
   vec3 edges = unpackUnorm4x8(v_maps.z).xyz;
   vec3 point = v_anchor - s * ray;
+#ifdef PLAIN
+  // As below, from the march's axis on, whose depths are known already.
+  int main_axis = axis;
+  ivec2 corner = ivec2(v_maps.x & 65535u, v_maps.x >> 16u) + ivec2(column, 0);
+  vec3 p = axis == 0 ? point.yzx : axis == 1 ? point.zxy : point;
+  vec3 edge = axis == 0 ? edges : axis == 1 ? edges.yzx : edges.zxy;
+  vec3 facing = axis == 0 ? reach : axis == 1 ? reach.yzx : reach.zxy;
+  facing *= 1.0 / facing.x;
+  bvec3 ahead = axis == 0 ? forward : axis == 1 ? forward.yzx : forward.zxy;
+  vec2 miss = (abs(p.z - solid) + (ahead.x ? vec2(0.0, 0.04) : vec2(0.04, 0.0))) * edge.x;
+  side = miss.x <= miss.y ? 0 : 1;
+  float nearest = min(miss.x, miss.y);
+  for (int j = 1; j < 3; ++j) {
+    p = p.yzx;
+    int k = main_axis + j;
+    k -= k > 2 ? 3 : 0;
+    ivec2 there = corner + ivec2(k * texels, 0) + clamp(ivec2(p.xy * float(size)), ivec2(0), ivec2(size - 1));
+    vec2 bounds = texelFetch(depth_map, there, 0).rg;
+    float turned = 0.02 * facing[j];
+    miss = (abs(p.z - bounds) + (ahead[j] ? vec2(0.02 - turned, 0.02 + turned) : vec2(0.02 + turned, 0.02 - turned))) * edge[j];
+    if (bounds.x <= bounds.y && min(miss.x, miss.y) < nearest) {
+      nearest = min(miss.x, miss.y);
+      axis = k;
+      side = miss.x <= miss.y ? 0 : 1;
+      texel = there;
+    }
+  }
+#else
   float nearest = 1e30;
   ivec2 corner = ivec2(v_maps.x & 65535u, v_maps.x >> 16u) + ivec2(column, 0);
   ivec2 found = texel;
@@ -315,6 +368,7 @@ void main() {
 #endif
     }
   }
+#endif
 #endif
 #if !defined(ATTRIBUTE) || !defined(CARVE)
   // The colour and normal atlases hold two maps where the depth atlas holds one.

@@ -104,6 +104,13 @@ Difference against_mesh(const scene::Cast& cast, const scene::Frame& frame, cons
   return d;
 }
 
+double fact(const Representation& representation, const std::string& name) {
+  for (const auto& [key, value] : representation.bake_info().facts)
+    if (key == name) return value;
+  ADD_FAILURE() << "no fact " << name;
+  return 0;
+}
+
 // One agent at the origin, turned by nothing.
 scene::Frame look(const scene::Cast& cast, const glm::dvec3& eye, const glm::dvec3& target, double fov_deg,
                   double near = 0.1, int size = 192) {
@@ -419,14 +426,46 @@ TEST_F(ReliefGl, SmallFiguresAreAsWideAsTheMesh) {
   EXPECT_NEAR(covered[1], covered[0], 0.015 * covered[0]);
 }
 
-// ---- options
-
-double fact(const Representation& representation, const std::string& name) {
-  for (const auto& [key, value] : representation.bake_info().facts)
-    if (key == name) return value;
-  ADD_FAILURE() << "no fact " << name;
-  return 0;
+// A ball of 1.7 m and a knob on it, whose joints share a box: at 60 pixels its texels are no coarser than half a pixel,
+// however large the box, and the outline is off by a quarter of a texel on the mean: an eighth of a pixel. (64 texels
+// whatever the box: a pixel each.)
+TEST_F(ReliefGl, LargeSharedBoxesHaveFineTexels) {
+  scene::Character c = testing::sphere(0.85, 64);
+  const size_t ball = c.mesh.positions.size();
+  testing::append(c, testing::sphere(0.1, 16), {0, 0, 0.8F});
+  c.skeleton.nodes.push_back({.name = "knob", .parent = 0});
+  c.skeleton.joints.push_back({.name = "knob", .node = static_cast<int>(c.skeleton.nodes.size()) - 1});
+  for (size_t v = ball; v < c.mesh.positions.size(); ++v) c.mesh.joints[v] = glm::u16vec4(1, 0, 0, 0);
+  c.placement.height = 1.7;
+  c.content_hash = "ball_and_knob";
+  const scene::Cast cast = cast_of(std::move(c));
+  Renderer renderer(context(), cast);
+  const auto mesh = make(cast, "mesh");
+  const auto relief = make(cast, "relief:capture=bind");
+  EXPECT_EQ(fact(*relief, "boxes"), 2);
+  EXPECT_EQ(fact(*relief, "boxes_below_100_px"), 1);
+  int differ = 0;
+  int outline = 0;
+  for (int i = 0; i < 8; ++i) {
+    // 1.7 m at 6.4 m through 30 degrees and 120 rows: 60 pixels.
+    const double turn = 0.7 * i;
+    const scene::Frame frame =
+        look(cast, {6.3 * std::sin(turn), 1.0, 6.3 * std::cos(turn)}, {0.01 * i, 0, 0}, 30, 0.1, 120);
+    const Capture a = renderer.capture(frame, *mesh);
+    const Capture b = renderer.capture(frame, *relief);
+    for (int y = 0; y + 1 < a.ids.height; ++y)
+      for (int x = 0; x + 1 < a.ids.width; ++x) {
+        const bool in = *a.ids.at(x, y) != 0;
+        outline += in != (*a.ids.at(x + 1, y) != 0) || in != (*a.ids.at(x, y + 1) != 0) ? 1 : 0;
+        differ += in != (*b.ids.at(x, y) != 0) ? 1 : 0;
+      }
+  }
+  EXPECT_GT(outline, 1000);
+  if (std::getenv("CROWDBENCH_TEST_OUT")) std::printf("outline %d differ %d\n", outline, differ);
+  EXPECT_LT(differ, outline / 8);
 }
+
+// ---- options
 
 // Eight bits of depth: a step of the unit box is 1/255, which moves a surface by half of that, 2 mm; sixteen bits leave
 // the texel as the only error.
