@@ -86,10 +86,17 @@ void main() {
   uint agent = item / uint(BOXES);
   uint index = item - agent * uint(BOXES);
   BoxRecord box = boxes[index];
-  uint matrix = ((offset + agent) * uint(JOINTS) + box.place.x) * 3u;
-
+  uint first = (offset + agent) * uint(JOINTS);
+  uint matrix = (first + box.joints.x) * 3u;
+  mat3x4 rows_of_bind = mat3x4(palette[matrix], palette[matrix + 1u], palette[matrix + 2u]);
+  float second = uintBitsToFloat(box.joints.z);
+  if (second > 0.0) {
+    matrix = (first + box.joints.y) * 3u;
+    rows_of_bind = (1.0 - second) * rows_of_bind +
+                   second * mat3x4(palette[matrix], palette[matrix + 1u], palette[matrix + 2u]);
+  }
   mat4 world_from_bind =
-      transpose(mat4(palette[matrix], palette[matrix + 1u], palette[matrix + 2u], vec4(0.0, 0.0, 0.0, 1.0)));
+      transpose(mat4(rows_of_bind[0], rows_of_bind[1], rows_of_bind[2], vec4(0.0, 0.0, 0.0, 1.0)));
   mat4 bind_from_unit = transpose(mat4(box.rows[0], box.rows[1], box.rows[2], vec4(0.0, 0.0, 0.0, 1.0)));
   mat4 eye_from_unit = frame.view_from_world * (world_from_bind * bind_from_unit);
 
@@ -143,5 +150,6 @@ void main() {
   posed[item].view = vec4(view * inversesqrt(max(dot(view, view), 1e-30)), a_texel);
   posed[item].maps = uvec4(pack_maps(box.maps.x, box.maps.y, box.maps.z, uint(level)),
                            packUnorm4x8(vec4(edges / longest, 0.0)) | (angles_kept ? 0u : 1u << 24u) | colour_level << 25u,
-                           box.place.x | pack_maps(0u, box.maps.y, box.maps.z, colour_level).x & 0xffff0000u);
+                           pack_maps(0u, box.maps.y, box.maps.z, colour_level).x >> 16u);
+  for (int k = 0; k < 3; ++k) posed[item].turn[k] = vec4(rows_of_bind[k].xyz, 0.0);
 }

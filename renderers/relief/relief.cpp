@@ -22,13 +22,14 @@
 #include "renderers/relief/relief.shared.h"
 #include "renderers/relief/relief_atlas.h"
 #include "renderers/relief/relief_bake.h"
+#include "renderers/relief/relief_bends.h"
 #include "renderers/relief/relief_cone.h"
 #include "renderers/shaders/bindings.shared.h"
 
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 7;
+constexpr uint32_t kBakeVersion = 8;
 constexpr int kGroup = 64;  // local_size_x of relief.comp
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
@@ -41,6 +42,9 @@ struct TierPlan {
 // of ever thinner limbs.
 constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
+constexpr double kBendPixels = 240;
+constexpr double kPart = 0.27;  // of the height: one of 128 texels is then at most a pixel of a character 480 tall
+
 struct Options {
   ReliefBakeOptions bake;
   std::string capture;
@@ -51,7 +55,10 @@ struct Options {
   int binary_steps = 7;
   double level_bias = 0;
   bool hull = true;
-  double merge = 0;     // pixels
+  double merge = 0;  // pixels
+  double bend = 0;   // pixels, of a character kBendPixels tall
+  double part = 0;   // of the character's height; 0: no box is parted
+  bool part_auto = false;
   uint64_t budget = 0;  // bytes a character; 0: none
   int debug = 0;
   bool floor = false;
@@ -64,6 +71,11 @@ struct Bake {
   std::vector<ReliefModel> models;
   std::vector<std::vector<uint8_t>> cones;  // of each model; none unless the search uses them
 };
+
+// Metres at scale 1.
+double height_of(const scene::Character& character) {
+  return character.placement.height > 0 ? character.placement.height : 1.75;
+}
 
 double number_of(const char* begin, const char* end, const char* where, const std::string& text, double low,
                  double high, const char* advice) {
@@ -141,22 +153,25 @@ std::vector<int> parse_resolution(const std::string& text, const scene::Characte
   return texels;
 }
 
-std::string cache_key(const scene::Character& character, const scene::PoseBank& bank, const Options& options) {
+std::string cache_key(const scene::Character& character, const scene::PoseBank& bank, const Options& options,
+                      uint64_t share) {
   Sha256 hash;
   hash.text("relief").value(kBakeVersion).text(character.content_hash).text(options.capture);
   hash.value(options.bake.map_size).value(options.bake.rule).value(options.bake.threshold).value(options.bake.by_area);
   hash.value(options.merge).value(options.budget).value(options.search == RELIEF_SEARCH_CONE);
-  hash.text(options.resolution);
+  hash.text(options.resolution).value(options.bend).value(options.part).value(options.part_auto ? share : 0);
   // Which poses were measured.
-  if (options.capture == "best" || options.merge > 0)
+  if (options.capture == "best" || options.merge > 0 || options.bend > 0)
     for (const scene::Mat3x4& m : bank.matrices()) hash.bytes(&m, sizeof m);
   return hash.hex();
 }
 
 // A box as it lies on disk.
 struct StoredBox {
-  int32_t joint = 0;
+  std::array<int32_t, 2> joints{};
+  double second = 0;
   int32_t texels = 0;
+  int32_t nothing = 0;  // no padding: the same bake is the same bytes
   uint64_t first = 0;
   std::array<double, 16> bind_from_unit{};
   std::array<double, 3> size{};
@@ -164,7 +179,7 @@ struct StoredBox {
 };
 
 StoredBox stored(const ReliefBox& box) {
-  StoredBox out{box.joint, box.texels, box.first, {}, {}, {}};
+  StoredBox out{box.joints, box.second, box.texels, 0, box.first, {}, {}, {}};
   for (int i = 0; i < 16; ++i) out.bind_from_unit[static_cast<size_t>(i)] = box.bind_from_unit[i / 4][i % 4];
   for (int a = 0; a < 3; ++a) out.size[static_cast<size_t>(a)] = box.size[a];
   for (size_t i = 0; i < out.hull.size(); ++i) out.hull[i] = box.hull[i / 3][static_cast<int>(i % 3)];
@@ -173,7 +188,8 @@ StoredBox stored(const ReliefBox& box) {
 
 ReliefBox unstored(const StoredBox& from) {
   ReliefBox box;
-  box.joint = from.joint;
+  box.joints = from.joints;
+  box.second = from.second;
   box.texels = from.texels;
   box.first = from.first;
   for (int i = 0; i < 16; ++i) box.bind_from_unit[i / 4][i % 4] = from.bind_from_unit[static_cast<size_t>(i)];
@@ -226,9 +242,9 @@ std::optional<Bake> deserialise(const std::vector<uint8_t>& bytes, size_t joints
     if (m.emission_peak > 0) m.emission = in.values<uint8_t>();
     size_t texels = 0;
     for (const ReliefBox& box : m.boxes) {
-      if (box.texels < 16 || box.texels > 256 || box.first != texels || box.joint < 0 ||
-          static_cast<size_t>(box.joint) >= joints)
-        return std::nullopt;
+      if (box.texels < 16 || box.texels > 256 || box.first != texels) return std::nullopt;
+      for (const int joint : box.joints)
+        if (joint < 0 || static_cast<size_t>(joint) >= joints) return std::nullopt;
       texels += ReliefModel::box_texels(box);
     }
     if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
@@ -255,6 +271,11 @@ uint64_t depth_texel_bytes(const Options& options) {
 // Colours, normals and, of a character that glows, emission, of two faces to a depth texel.
 uint64_t colour_texel_bytes(float emission_peak) { return 2 * 4 * (emission_peak > 0 ? 3 : 2); }
 
+// Of so many texels of one map: three depth maps, six faces, and the levels.
+uint64_t maps_bytes(uint64_t texels, float emission_peak, const Options& options) {
+  return texels * 3 * (depth_texel_bytes(options) + colour_texel_bytes(emission_peak)) * 3 / 2;
+}
+
 uint64_t atlas_bytes(const ReliefModel& model, const Options& options) {
   const AtlasPlan plan = plan_atlas(model);
   return static_cast<uint64_t>(plan.width) * static_cast<uint64_t>(plan.height) *
@@ -266,6 +287,8 @@ uint64_t atlas_bytes(const ReliefModel& model, const Options& options) {
 void add_tiers(const scene::Character& character, const scene::PoseBank& bank, const Options& options,
                const ReliefBakeOptions& nearest, Bake& bake) {
   ReliefBakeOptions what = nearest;
+  what.pieces.clear();
+  what.longest = 0;
   JointMerger merger(character, bank, what.capture);
   what.by_area = true;
   for (size_t tier = 0; tier < kTiers.size(); ++tier) {
@@ -285,7 +308,8 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   }
 }
 
-Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, const Options& options) {
+// `share`: bytes of maps that part=auto keeps to.
+Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, const Options& options, uint64_t share) {
   Bake bake;
   ReliefBakeOptions what = options.bake;
   if (options.capture == "best")
@@ -294,6 +318,17 @@ Bake make_bake(const scene::Character& character, const scene::PoseBank& bank, c
     bake.capture.pose = parse_capture(options.capture, character);
   what.capture = bake.capture.pose;
   what.texels_of_joint = parse_resolution(options.resolution, character);
+  const double height = height_of(character);
+  if (options.bend > 0)
+    what.pieces =
+        bend_pieces(character, bank, what.capture, {what.rule, what.threshold, options.bend * height / kBendPixels});
+  // Boxes in fewer parts, where the maps would take more than a character's share of the bake budget.
+  for (double part = options.part; part > 0; part = options.part_auto && part < 1 ? part * 1.25 : 0) {
+    what.longest = part * height;
+    if (!options.part_auto || maps_bytes(relief_texels(character, what), emission_peak(character), options) <= share)
+      break;
+    what.longest = 0;
+  }
   bake.models.push_back(bake_relief(character, what));
   // Under a budget the texels grow until the maps fit.
   while (options.budget > 0 && atlas_bytes(bake.models[0], options) > options.budget) {
@@ -362,7 +397,7 @@ struct Baked {
 
 struct BoxRecord {
   glm::vec4 rows[3];
-  glm::uvec4 place;
+  glm::uvec4 joints;
   glm::uvec4 maps;
 };
 
@@ -372,7 +407,7 @@ class Relief final : public Representation {
     const auto begin = std::chrono::steady_clock::now();
     uint64_t left = make.bake_budget;
     for (size_t c = 0; c < make.cast.characters.size(); ++c)
-      add(*make.cast.characters[c], *make.cast.banks[c], make, left);
+      add(*make.cast.characters[c], *make.cast.banks[c], make, make.cast.characters.size() - c, left);
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
@@ -466,15 +501,15 @@ class Relief final : public Representation {
   double texel_metres(size_t character) const override { return baked_[character].texel; }
 
  private:
-  void add(const scene::Character& character, const scene::PoseBank& bank, const MakeContext& make, uint64_t& left) {
+  void add(const scene::Character& character, const scene::PoseBank& bank, const MakeContext& make,
+           size_t characters_left, uint64_t& left) {
     const auto n = static_cast<uint64_t>(options_.bake.map_size);
     const std::vector<int> given = parse_resolution(options_.resolution, character);
     if (options_.budget == 0) {
       uint64_t texels = character.skeleton.joints.size() * n * n;
       for (const int side : given)
         if (side > 0) texels += static_cast<uint64_t>(side * side) - n * n;
-      const uint64_t bytes =
-          texels * 3 * (depth_texel_bytes(options_) + colour_texel_bytes(emission_peak(character))) * 3 / 2;
+      const uint64_t bytes = maps_bytes(texels, emission_peak(character), options_);
       if (bytes > left)
         throw Error(
             "relief",
@@ -484,14 +519,15 @@ class Relief final : public Representation {
                    : "raise --bake-budget");
     }
     const BakeCache cache(cache_directory() / "bakes", make.use_cache);
-    const std::string key = cache_key(character, bank, options_);
+    const uint64_t share = std::bit_floor(left / std::max<size_t>(characters_left, 1));
+    const std::string key = cache_key(character, bank, options_, share);
     std::optional<Bake> bake;
     if (!make.rebake)
       if (const auto stored = cache.load("relief", key))
         bake = deserialise(*stored, character.skeleton.joints.size(), options_.search == RELIEF_SEARCH_CONE);
     const bool cached = bake.has_value();
     if (!bake) {
-      bake = make_bake(character, bank, options_);
+      bake = make_bake(character, bank, options_, share);
       cache.store("relief", key, serialise(*bake));
     }
     Baked& baked = baked_.emplace_back();
@@ -500,7 +536,7 @@ class Relief final : public Representation {
     baked.disk_bytes = cache.enabled() ? cache.disk_bytes("relief", key) : 0;
     baked.nominal_bytes = relief_nominal_bytes(character.skeleton.joints.size(), options_.bake.map_size);
     baked.capture = bake->capture;
-    baked.height = character.placement.height > 0 ? character.placement.height : 1.75;
+    baked.height = height_of(character);
     baked.pixels = bake->tier_pixels;
     for (const ReliefBox& box : bake->models[0].boxes)
       baked.texel = std::max(baked.texel, std::max({box.size.x, box.size.y, box.size.z}) / box.texels);
@@ -513,21 +549,23 @@ class Relief final : public Representation {
     }
   }
 
-  // Every joint; those without triangles have no box.
+  // Every joint, with all boxes that stand along its axes; those without triangles have none. A triangle counts in
+  // every box that holds it.
   std::vector<BakePart> parts_of(const scene::Character& character, const ReliefModel& model) const {
     std::vector<BakePart> parts;
     for (const scene::Joint& joint : character.skeleton.joints)
-      parts.push_back({joint.name, {{"texels", 0}, {"triangles", 0}, {"longest_m", 0}, {"bytes", 0}}});
+      parts.push_back({joint.name, {{"texels", 0}, {"triangles", 0}, {"longest_m", 0}, {"bytes", 0}, {"boxes", 0}}});
     for (size_t i = 0; i < model.boxes.size(); ++i) {
       const ReliefBox& box = model.boxes[i];
-      auto& facts = parts[static_cast<size_t>(box.joint)].facts;
-      facts[0].second = box.texels;
-      facts[1].second = model.triangles_of_box[i];
-      facts[2].second = std::max({box.size.x, box.size.y, box.size.z});
+      auto& facts = parts[static_cast<size_t>(box.joints[0])].facts;
+      facts[0].second = std::max<double>(facts[0].second, box.texels);
+      facts[1].second += model.triangles_of_box[i];
+      facts[2].second = std::max({facts[2].second, box.size.x, box.size.y, box.size.z});
       // Its place in the pictures, levels and all: 3 n x 1.5 n of the depth picture.
       const uint64_t bytes = ReliefModel::box_texels(box) * 9 / 4 *
                              (2 * (depth_texel_bytes(options_) + colour_texel_bytes(model.emission_peak)) + 1);
-      facts[3].second = static_cast<double>(bytes);
+      facts[3].second += static_cast<double>(bytes);
+      facts[4].second += 1;
     }
     return parts;
   }
@@ -576,8 +614,7 @@ class Relief final : public Representation {
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column)
           record.rows[row][column] = static_cast<float>(box.bind_from_unit[column][row]);
-      record.place.x = static_cast<uint32_t>(box.joint);
-      for (int a = 0; a < 3; ++a) record.place[a + 1] = std::bit_cast<uint32_t>(static_cast<float>(box.size[a]));
+      record.joints = {box.joints[0], box.joints[1], std::bit_cast<uint32_t>(static_cast<float>(box.second)), 0};
       record.maps = {plan.left[i], plan.top[i], box.texels, atlas_levels(box.texels)};
       records.push_back(record);
       for (const glm::vec3& p : box.hull) points.emplace_back(p, 1.0F);
@@ -625,7 +662,7 @@ class Relief final : public Representation {
   }
   // PosedBox in relief_records.glsl.
   size_t posed_bytes(const Tier& tier) const {
-    return 16 * (7 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
+    return 16 * (10 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
   }
 
   void draw_tier(Tier& tier, size_t character, const FrameResources& resources, const std::vector<uint32_t>& list,
@@ -663,7 +700,6 @@ class Relief final : public Representation {
       glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 
       found->second.set(RELIEF_LOCATION_FIRST, first + done);
-      found->second.set(RELIEF_LOCATION_OFFSET, done);
       found->second.use();
       if (tier.emission) {
         found->second.set(RELIEF_LOCATION_PEAK, tier.emission_peak);
@@ -721,6 +757,9 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   options.level_bias = read.number("bias", -4.0, 4.0);
   options.hull = read.choice("proxy", {"hull", "box"}) == 0;
   options.merge = read.text("merge") == "auto" ? (options.hull ? 0.25 : 0.0) : read.number("merge", 0.0, 16.0);
+  options.bend = read.number("bend", 0.0, 64.0);
+  options.part_auto = read.text("part") == "auto" && options.merge > 0;
+  options.part = options.part_auto ? kPart : read.text("part") == "auto" ? 0.0 : read.number("part", 0.0, 4.0);
   options.debug = static_cast<int>(read.choice("debug", {"none", "boxes", "steps", "hit-face", "misses"}));
   options.floor = read.flag("floor");
   return std::make_unique<Relief>(context, std::move(options));
@@ -748,6 +787,12 @@ const RepresentationType relief_type{
      {"bias", "-4..4", "-3", "mip levels added to one texel a pixel of a depth, for the silhouette"},
      {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
      {"merge", "auto|0..16", "auto", "pixels that joints sharing a box may stray; auto: 0.25 with proxy=hull, else 0"},
+     {"bend", "0..64", "0",
+      "pixels, of a character 240 tall, that skin may stray before bends get boxes of their own; 0: one box a joint"},
+     {"part", "auto|0..4", "auto",
+      "longest box, in heights of the character: longer ones are captured in parts; 0: whole; auto: 0.27 with merge "
+      "(more "
+      "where the bake budget asks for it), else 0"},
      {"debug", "none|boxes|steps|hit-face|misses", "none", "shows how the picture comes about instead of the picture"}},
     make_relief};
 

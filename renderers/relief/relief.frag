@@ -26,7 +26,7 @@
 layout(location = 0) in vec3 v_anchor;
 layout(location = 1) flat in vec4 v_eye_depth;
 layout(location = 2) flat in vec4 v_light;  // w: steps to a texel
-layout(location = 3) flat in uvec4 v_maps;
+layout(location = 3) flat in uvec4 v_maps;   // w: of the posed box
 layout(location = 4) flat in uvec4 v_identity;
 #ifdef CARVE
 layout(location = 5) in vec3 v_view;
@@ -45,7 +45,7 @@ layout(binding = RELIEF_TEXTURE_BOUNDS) uniform sampler2D bounds_map;  // conser
 #if SEARCH == RELIEF_SEARCH_CONE
 layout(binding = RELIEF_TEXTURE_CONES) uniform sampler2D cone_map;  // roots of the approaching and leaving cone, up and down
 #endif
-layout(std430, binding = CB_STORAGE_PALETTE) readonly restrict buffer Palette { vec4 palette[]; };
+layout(std430, binding = RELIEF_STORAGE_POSED) readonly restrict buffer Posed { PosedBox posed[]; };
 
 float stored_depth(float metres) { return -frame.projection[2][2] + frame.projection[3][2] / metres; }
 
@@ -393,8 +393,8 @@ void main() {
   if (away < 0.0) n -= 2.0 * away / dot(v_view, v_view) * v_view;
   float lambert = dot(n, v_light.xyz) * inversesqrt(square);
   if ((v_maps.z >> 24u & 1u) != 0u) {
-    // A joint that shears or stretches turns normals as the mesh's shader does.
-    vec3 world = vec3(dot(palette[v_maps.w].xyz, n), dot(palette[v_maps.w + 1u].xyz, n), dot(palette[v_maps.w + 2u].xyz, n));
+    // What shears or stretches turns normals as the mesh's shader does.
+    vec3 world = vec3(dot(posed[v_maps.w].turn[0].xyz, n), dot(posed[v_maps.w].turn[1].xyz, n), dot(posed[v_maps.w].turn[2].xyz, n));
     lambert = dot(world, frame.light_direction.xyz) * inversesqrt(max(dot(world, world), 1e-30));
   }
   vec3 shown = shade_lit(colour.rgb, max(lambert, 0.0), uint(normal.a * 255.0 + 0.5), v_identity.x, colour.a > 0.5, vec3(0.0));

@@ -5,7 +5,6 @@
 
 layout(std430, binding = RELIEF_STORAGE_POSED) readonly restrict buffer Posed { PosedBox posed[]; };
 layout(location = RELIEF_LOCATION_FIRST) uniform uint first;
-layout(location = RELIEF_LOCATION_OFFSET) uniform uint offset;
 
 #ifndef HULL
 #define CORNERS 8
@@ -56,7 +55,7 @@ void main() {
   v_view = posed[item].view.xyz;
 #endif
   uvec4 maps = posed[item].maps;
-  v_identity = uvec4(agents[list[first + uint(gl_InstanceID)]].identity.xy, box, maps.w >> 16u);
-  maps.w = ((uint(gl_InstanceID) + offset) * uint(JOINTS) + (maps.w & 65535u)) * 3u;
+  v_identity = uvec4(agents[list[first + uint(gl_InstanceID)]].identity.xy, box, maps.w);
+  maps.w = item;
   v_maps = maps;
 }

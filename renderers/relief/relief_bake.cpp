@@ -166,43 +166,16 @@ void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_fr
 struct Bounds {
   glm::dvec3 low{std::numeric_limits<double>::infinity()};
   glm::dvec3 high{-std::numeric_limits<double>::infinity()};
-  double longest = 0;  // metres, at the capture pose
+  glm::dvec3 metres{0.0};  // at the capture pose
+  double longest = 0;      // of these
 };
 
-Bounds bounds_of(const Source& source, const std::vector<uint32_t>& triangles, const std::vector<glm::dvec3>& positions,
-                 const glm::dmat4& capture_from_bind, int joint) {
-  const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(joint)].inverse_bind;
-  const glm::dmat4 joint_from_capture = joint_from_bind * glm::inverse(capture_from_bind);
-  Bounds bounds;
-  for (const uint32_t t : triangles) {
-    for (uint32_t corner = 0; corner < 3; ++corner) {
-      const glm::dvec3 p(joint_from_capture *
-                         glm::dvec4(positions[source.character.mesh.indices[3 * t + corner]], 1.0));
-      bounds.low = glm::min(bounds.low, p);
-      bounds.high = glm::max(bounds.high, p);
-    }
-  }
-  const glm::dmat3 capture_from_joint(glm::inverse(joint_from_capture));
-  for (int a = 0; a < 3; ++a)
-    bounds.longest = std::max(bounds.longest, glm::length(capture_from_joint[a]) * (bounds.high[a] - bounds.low[a]));
-  return bounds;
-}
-
-// What surfaces lie within one texel's square.
-struct Touched {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  Winner front;  // by the middle of each triangle's part in the square
-  Winner back;
-  bool any() const { return front.triangle != UINT32_MAX; }
-};
-
-// The part of triangle p (u, v in texels, depth) in the square of texel (i, j): its corners; at most seven.
+// The part of a triangle between two corners of a box: its own corners; at most nine.
 struct Polygon {
-  std::array<glm::dvec3, 8> corners;
+  std::array<glm::dvec3, 10> corners;
   size_t count = 0;
 };
-Polygon clipped(const std::array<glm::dvec3, 3>& p, double i, double j) {
+Polygon clipped(const std::array<glm::dvec3, 3>& p, const glm::dvec3& low, const glm::dvec3& high) {
   Polygon polygon{{p[0], p[1], p[2]}, 3};
   const auto cut = [&](int axis, double sign, double limit) {  // keeps sign * coordinate <= limit
     Polygon kept;
@@ -216,12 +189,71 @@ Polygon clipped(const std::array<glm::dvec3, 3>& p, double i, double j) {
     }
     polygon = kept;
   };
-  cut(0, -1, -i);
-  cut(0, 1, i + 1);
-  cut(1, -1, -j);
-  cut(1, 1, j + 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    cut(axis, -1, -low[axis]);
+    cut(axis, 1, high[axis]);
+  }
   return polygon;
 }
+
+std::array<glm::dvec3, 3> corners_of(const scene::Mesh& mesh, uint32_t triangle,
+                                     const std::vector<glm::dvec3>& positions, const glm::dmat4& matrix) {
+  std::array<glm::dvec3, 3> p;
+  for (uint32_t corner = 0; corner < 3; ++corner)
+    p[corner] = glm::dvec3(matrix * glm::dvec4(positions[mesh.indices[3 * triangle + corner]], 1.0));
+  return p;
+}
+
+// Drops the triangles that the piece's own limits leave nothing of.
+Bounds bounds_of(const Character& character, Piece& piece, const std::vector<glm::dvec3>& positions,
+                 const glm::dmat4& capture_from_bind) {
+  const glm::dmat4 joint_from_bind = character.skeleton.joints[static_cast<size_t>(piece.joints[0])].inverse_bind;
+  const glm::dmat4 joint_from_capture = joint_from_bind * glm::inverse(capture_from_bind);
+  Bounds bounds;
+  std::vector<uint32_t> within;
+  for (const uint32_t t : piece.triangles) {
+    const Polygon part = clipped(corners_of(character.mesh, t, positions, joint_from_capture), piece.low, piece.high);
+    for (size_t k = 0; k < part.count; ++k) {
+      bounds.low = glm::min(bounds.low, part.corners[k]);
+      bounds.high = glm::max(bounds.high, part.corners[k]);
+    }
+    if (part.count > 0) within.push_back(t);
+  }
+  piece.triangles = std::move(within);
+  const glm::dmat3 capture_from_joint(glm::inverse(joint_from_capture));
+  for (int a = 0; a < 3; ++a) {
+    bounds.metres[a] = glm::length(capture_from_joint[a]) * (bounds.high[a] - bounds.low[a]);
+    bounds.longest = std::max(bounds.longest, bounds.metres[a]);
+  }
+  return bounds;
+}
+
+// The parts of a piece whose box is too long, each overlapping the next by a texel so that no crack shows between them.
+std::vector<Piece> parts_of(const Piece& piece, const Bounds& bounds, double longest, int texels) {
+  glm::ivec3 parts(1);
+  for (int a = 0; a < 3; ++a) parts[a] = std::clamp(static_cast<int>(std::ceil(bounds.metres[a] / longest)), 1, 16);
+  std::vector<Piece> out;
+  for (int k = 0; k < parts.x * parts.y * parts.z; ++k) {
+    const glm::dvec3 cell(k % parts.x, k / parts.x % parts.y, k / parts.x / parts.y);
+    const glm::dvec3 size = (bounds.high - bounds.low) / glm::dvec3(parts);
+    Piece& part = out.emplace_back(piece);
+    for (int a = 0; a < 3; ++a) {
+      if (parts[a] == 1) continue;
+      part.low[a] = bounds.low[a] + (cell[a] - 1.0 / texels) * size[a];
+      part.high[a] = bounds.low[a] + (cell[a] + 1.0 + 1.0 / texels) * size[a];
+    }
+  }
+  return out;
+}
+
+// What surfaces lie within one texel's square.
+struct Touched {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  Winner front;  // by the middle of each triangle's part in the square
+  Winner back;
+  bool any() const { return front.triangle != UINT32_MAX; }
+};
 
 // Widens the intervals of two neighbours to where a surface that lies in both crosses from one into the other.
 void join(const Touched& a, const Touched& b, std::array<double, 2>& at_a, std::array<double, 2>& at_b) {
@@ -281,30 +313,37 @@ void close_gaps(const std::vector<Touched>& touched, size_t n, std::vector<Winne
     }
   };
   join_all();
+  // Walls seen edge-on: no centre finds them, or another surface covers the centre.
   std::vector<size_t> missed;
+  const double slack = 1.0 / static_cast<double>(n);
   for (size_t v = 0; v < n; ++v) {
     for (size_t u = 0; u < n; ++u) {
       const size_t texel = v * n + u;
-      if (covered(texel) || !touched[texel].any()) continue;
-      const double low = touched[texel].low;
-      const double high = touched[texel].high;
+      if (!touched[texel].any()) continue;
       bool held = false;
-      for (const size_t near : {u > 0 ? texel - 1 : texel, u + 1 < n ? texel + 1 : texel, v > 0 ? texel - n : texel,
-                                v + 1 < n ? texel + n : texel}) {
-        if (near == texel || !covered(near)) continue;
-        const double slack = 1.0 / static_cast<double>(n);
-        held = held || (intervals[near][0] <= low + slack && intervals[near][1] >= high - slack);
-      }
+      for (const size_t near : {texel, u > 0 ? texel - 1 : texel, u + 1 < n ? texel + 1 : texel,
+                                v > 0 ? texel - n : texel, v + 1 < n ? texel + n : texel})
+        held = held || (covered(near) && intervals[near][0] <= touched[texel].low + slack &&
+                        intervals[near][1] >= touched[texel].high - slack);
       if (!held) missed.push_back(texel);
     }
   }
   for (const size_t texel : missed) {
-    front[texel] = touched[texel].front;
-    back[texel] = touched[texel].back;
-    intervals[texel] = {touched[texel].low, touched[texel].high};
+    const bool alone = !covered(texel);
+    if (alone || touched[texel].low < intervals[texel][0]) {
+      front[texel] = touched[texel].front;
+      intervals[texel][0] = touched[texel].low;
+    }
+    if (alone || touched[texel].high > intervals[texel][1]) {
+      back[texel] = touched[texel].back;
+      intervals[texel][1] = touched[texel].high;
+    }
   }
   if (!missed.empty()) join_all();
 }
+
+// What lies farther outside the box is another part's; nearer, it is rounding.
+constexpr double kOutside = 1e-9;
 
 // Adds triangle t to every texel that it reaches into. One that is seen edge-on still has depths.
 void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector<Touched>& touched) {
@@ -323,7 +362,8 @@ void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector
   if (square <= 0) return;
   for (long j = top; j <= bottom; ++j) {
     for (long i = left; i <= right; ++i) {
-      const Polygon polygon = clipped(p, static_cast<double>(i), static_cast<double>(j));
+      const glm::dvec3 square_low(i, j, -kOutside);
+      const Polygon polygon = clipped(p, square_low, square_low + glm::dvec3(1.0, 1.0, 1.0 + 2 * kOutside));
       if (polygon.count == 0) continue;
       Touched& texel = touched[static_cast<size_t>(j) * n + static_cast<size_t>(i)];
       glm::dvec3 middle(0.0);
@@ -341,14 +381,14 @@ void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector
   }
 }
 
-void capture_box(const Source& source, const std::vector<uint32_t>& triangles, const std::vector<glm::dvec3>& positions,
+void capture_box(const Source& source, const Piece& piece, const std::vector<glm::dvec3>& positions,
                  const std::vector<glm::dvec3>& normals, const glm::dmat4& capture_from_bind, const Bounds& bounds,
                  size_t index, ReliefModel& model) {
   ReliefBox& box = model.boxes[index];
   const scene::Mesh& mesh = source.character.mesh;
   const auto n = static_cast<size_t>(box.texels);
   const glm::dmat4 bind_from_capture = glm::inverse(capture_from_bind);
-  const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(box.joint)].inverse_bind;
+  const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(box.joints[0])].inverse_bind;
   // Half a texel a side, so that the extreme vertices fall on texel centres; a flat box gets a thickness.
   const glm::dvec3 centre = 0.5 * (bounds.low + bounds.high);
   const glm::dvec3 extent = bounds.high - bounds.low;
@@ -365,9 +405,11 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
   const glm::dmat3 bind_from_capture3(bind_from_capture);
 
   std::vector<glm::dvec3> points;
-  for (const uint32_t t : triangles)
-    for (uint32_t corner = 0; corner < 3; ++corner)
-      points.emplace_back(unit_from_capture * glm::dvec4(positions[mesh.indices[3 * t + corner]], 1.0));
+  for (const uint32_t t : piece.triangles) {
+    const Polygon part =
+        clipped(corners_of(mesh, t, positions, unit_from_capture), glm::dvec3(-kOutside), glm::dvec3(1.0 + kOutside));
+    points.insert(points.end(), part.corners.begin(), part.corners.begin() + static_cast<long>(part.count));
+  }
   box.hull = hull_of(points, box.size, 0.5 / static_cast<double>(n));
 
   std::vector<Winner> winners[2];
@@ -378,12 +420,14 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
     const int v_axis = (axis + 2) % 3;
     for (auto& w : winners) w.assign(n * n, Winner{});
     touched.assign(n * n, Touched{});
-    for (const uint32_t t : triangles) {
-      std::array<glm::dvec3, 3> p;  // u, v in texels, depth in [0, 1]
-      for (uint32_t corner = 0; corner < 3; ++corner) {
-        const glm::dvec3 unit(unit_from_capture * glm::dvec4(positions[mesh.indices[3 * t + corner]], 1.0));
-        p[corner] = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), unit[axis]};
-      }
+    const auto in_texels = [&](uint32_t t) {  // u, v in texels, depth in [0, 1]
+      std::array<glm::dvec3, 3> p = corners_of(mesh, t, positions, unit_from_capture);
+      for (glm::dvec3& unit : p)
+        unit = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), unit[axis]};
+      return p;
+    };
+    for (const uint32_t t : piece.triangles) {
+      const std::array<glm::dvec3, 3> p = in_texels(t);
       touch(p, t, n, touched);
       const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
       if (std::abs(area) < 1e-12) continue;
@@ -400,7 +444,9 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
           const double b1 = ((x - p[0].x) * (p[2].y - p[0].y) - (y - p[0].y) * (p[2].x - p[0].x)) / area;
           const double b2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) / area;
           if (b1 < -1e-9 || b2 < -1e-9 || b1 + b2 > 1.0 + 1e-9) continue;
-          const double depth = std::clamp(p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z), 0.0, 1.0);
+          const double plane = p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z);
+          if (plane < -kOutside || plane > 1.0 + kOutside) continue;
+          const double depth = std::clamp(plane, 0.0, 1.0);
           const size_t texel = static_cast<size_t>(j) * n + static_cast<size_t>(i);
           Winner& front = winners[0][texel];
           Winner& back = winners[1][texel];
@@ -423,14 +469,8 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
       if (!covered) continue;
       for (int side = 0; side < 2; ++side) {
         const Winner& winner = winners[side][texel];
-        std::array<glm::dvec3, 3> corners;
-        for (uint32_t corner = 0; corner < 3; ++corner) {
-          const glm::dvec3 unit(unit_from_capture *
-                                glm::dvec4(positions[mesh.indices[3 * winner.triangle + corner]], 1.0));
-          corners[corner] = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), 0.0};
-        }
         const size_t face = box.first * 6 + static_cast<size_t>(axis * 2 + side) * n * n;
-        shade(source, winner, bind_from_capture3, normals, axis, side, unit_from_bind, 1.0, corners,
+        shade(source, winner, bind_from_capture3, normals, axis, side, unit_from_bind, 1.0, in_texels(winner.triangle),
               model.colour.data() + (face + texel) * 4, model.normal.data() + (face + texel) * 4,
               model.emission.empty() ? nullptr : model.emission.data() + (face + texel) * 4);
       }
@@ -438,17 +478,71 @@ void capture_box(const Source& source, const std::vector<uint32_t>& triangles, c
   }
 }
 
-}  // namespace
+// The boxes to capture, in the model's order.
+struct Plan {
+  std::vector<ReliefBox> boxes;  // joints, texels and place; the rest comes with the capture
+  std::vector<Piece> pieces;
+  std::vector<glm::dmat4> matrices;  // of each piece at the capture pose
+  std::vector<Bounds> bounds;
+  size_t texels = 0;  // of one map of every box
+};
 
-ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& options) {
+Plan plan_boxes(const Character& character, const ReliefBakeOptions& options, const std::vector<glm::dmat4>& palette,
+                const std::vector<glm::dvec3>& positions) {
   const Carriers carriers = options.carriers.empty() ? own_carriers(character) : options.carriers;
-  const std::vector<std::vector<uint32_t>> triangles_of =
-      assign_triangles(character, options.rule, options.threshold, carriers);
   std::vector<int> given(carriers.size(), 0);  // of each carrier
   for (size_t joint = 0; joint < options.texels_of_joint.size(); ++joint) {
     int& most = given[static_cast<size_t>(carriers[joint])];
     most = std::max(most, options.texels_of_joint[joint]);
   }
+  Plan plan;
+  const auto add = [&](Piece piece, const glm::dmat4& matrix, const Bounds& size) {
+    const int side = given[static_cast<size_t>(piece.joints[0])];
+    plan.boxes.push_back(
+        {.joints = piece.joints, .second = piece.second, .texels = side > 0 ? side : options.map_size});
+    plan.pieces.push_back(std::move(piece));
+    plan.matrices.push_back(matrix);
+    plan.bounds.push_back(size);
+  };
+  for (Piece& piece : options.pieces.empty() ? joint_pieces(character, options.rule, options.threshold, carriers)
+                                             : std::vector<Piece>(options.pieces)) {
+    // A matrix that flattens space cannot carry a box; such a piece draws nothing.
+    const glm::dmat4 matrix = matrix_of(piece, palette);
+    if (std::abs(glm::determinant(glm::dmat3(matrix))) < 1e-12 ||
+        std::abs(glm::determinant(character.skeleton.joints[static_cast<size_t>(piece.joints[0])].inverse_bind)) <
+            1e-18)
+      continue;
+    const Bounds whole = bounds_of(character, piece, positions, matrix);
+    if (options.longest <= 0 || whole.longest <= options.longest) {
+      add(std::move(piece), matrix, whole);
+      continue;
+    }
+    for (Piece& part : parts_of(piece, whole, options.longest, options.map_size)) {
+      const Bounds size = bounds_of(character, part, positions, matrix);
+      if (!part.triangles.empty()) add(std::move(part), matrix, size);
+    }
+  }
+  double longest = 0;
+  for (const Bounds& b : plan.bounds) longest = std::max(longest, b.longest);
+  const double texel = std::max(options.texel, longest / options.map_size);
+  for (size_t i = 0; i < plan.boxes.size(); ++i) {
+    ReliefBox& box = plan.boxes[i];
+    if (options.by_area && given[static_cast<size_t>(box.joints[0])] == 0)
+      while (box.texels > 16 && plan.bounds[i].longest <= texel * 0.5 * box.texels) box.texels /= 2;
+    box.first = plan.texels;
+    plan.texels += ReliefModel::box_texels(box);
+  }
+  return plan;
+}
+
+}  // namespace
+
+size_t relief_texels(const Character& character, const ReliefBakeOptions& options) {
+  const std::vector<glm::dmat4> palette = capture_palette(character, options.capture);
+  return plan_boxes(character, options, palette, scene::skin_positions(character.mesh, palette)).texels;
+}
+
+ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& options) {
   const std::vector<glm::dmat4> palette = capture_palette(character, options.capture);
   const std::vector<glm::dvec3> positions = scene::skin_positions(character.mesh, palette);
   const std::vector<glm::dvec3> normals = scene::skin_normals(character.mesh, palette);
@@ -463,45 +557,22 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   ReliefModel model;
   model.emission_peak = emission_peak(character);
   const Source source{character, material_of_triangle, pyramids, model.emission_peak};
-  std::vector<Bounds> bounds;
-  for (size_t joint = 0; joint < triangles_of.size(); ++joint) {
-    // A matrix that flattens space cannot carry a box; such a joint draws nothing.
-    if (triangles_of[joint].empty() || std::abs(glm::determinant(glm::dmat3(palette[joint]))) < 1e-12 ||
-        std::abs(glm::determinant(character.skeleton.joints[joint].inverse_bind)) < 1e-18)
-      continue;
-    ReliefBox box;
-    box.joint = static_cast<int>(joint);
-    box.texels = given[joint] > 0 ? given[joint] : options.map_size;
-    model.boxes.push_back(box);
-    model.triangles_of_box.push_back(static_cast<int>(triangles_of[joint].size()));
-    bounds.push_back(bounds_of(source, triangles_of[joint], positions, palette[joint], box.joint));
-  }
-  if (model.boxes.empty())
+  const Plan plan = plan_boxes(character, options, palette, positions);
+  if (plan.boxes.empty())
     throw Error(character.name, "has no triangle that a joint moves, so there is nothing to capture",
                 "use another character");
-  double longest = 0;
-  for (const Bounds& b : bounds) longest = std::max(longest, b.longest);
-  const double texel = std::max(options.texel, longest / options.map_size);
-  size_t texels = 0;
-  for (size_t i = 0; i < model.boxes.size(); ++i) {
-    ReliefBox& box = model.boxes[i];
-    if (options.by_area && given[static_cast<size_t>(box.joint)] == 0)
-      while (box.texels > 16 && bounds[i].longest <= texel * 0.5 * box.texels) box.texels /= 2;
-    box.first = texels;
-    texels += ReliefModel::box_texels(box);
-  }
-  model.depth.resize(texels * 3 * 2);
-  model.extent.resize(texels * 3 * 2);
-  model.colour.resize(texels * 6 * 4);
-  model.normal.resize(texels * 6 * 4);
-  if (model.emission_peak > 0) model.emission.resize(texels * 6 * 4);
+  model.boxes = plan.boxes;
+  for (const Piece& piece : plan.pieces) model.triangles_of_box.push_back(static_cast<int>(piece.triangles.size()));
+  model.depth.resize(plan.texels * 3 * 2);
+  model.extent.resize(plan.texels * 3 * 2);
+  model.colour.resize(plan.texels * 6 * 4);
+  model.normal.resize(plan.texels * 6 * 4);
+  if (model.emission_peak > 0) model.emission.resize(plan.texels * 6 * 4);
 
   std::atomic<size_t> next{0};
   const auto work = [&] {
-    for (size_t i = next++; i < model.boxes.size(); i = next++) {
-      const auto joint = static_cast<size_t>(model.boxes[i].joint);
-      capture_box(source, triangles_of[joint], positions, normals, palette[joint], bounds[i], i, model);
-    }
+    for (size_t i = next++; i < model.boxes.size(); i = next++)
+      capture_box(source, plan.pieces[i], positions, normals, plan.matrices[i], plan.bounds[i], i, model);
   };
   std::vector<std::thread> threads;
   for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);

@@ -22,6 +22,9 @@ struct ReliefBakeOptions {
   double threshold = 1.2;
   CapturePose capture;
   Carriers carriers;  // empty: every joint carries itself
+  // Empty: one a joint, by rule, threshold and carriers.
+  std::vector<Piece> pieces;
+  double longest = 0;  // metres; above 0: a longer box is captured in parts, each with maps of its own
   bool by_area =
       false;         // smaller boxes get maps of fewer texels (halved until a texel is as large as the largest box's)
   double texel = 0;  // metres; by_area: no box gets finer texels than this
@@ -29,10 +32,11 @@ struct ReliefBakeOptions {
 
 inline constexpr size_t kHullPoints = 16;
 
-// One joint's box. Unit coordinates [0,1]^3 span the box; `bind_from_unit` maps them to bind space, so that the box at
-// time t is palette(t)[joint] * bind_from_unit.
+// One piece's box. Unit coordinates [0,1]^3 span the box; `bind_from_unit` maps them to bind space, so that the box at
+// time t is ((1 - second) * palette(t)[joints[0]] + second * palette(t)[joints[1]]) * bind_from_unit.
 struct ReliefBox {
-  int joint = 0;
+  std::array<int, 2> joints{};
+  double second = 0;
   glm::dmat4 bind_from_unit{1.0};
   glm::dvec3 size{0.0};  // metres along the box's axes at the capture pose
   int texels = 0;        // a side of its maps; a power of two
@@ -76,6 +80,9 @@ struct ReliefModel {
     return maps.data() + (b.first * 6 + static_cast<size_t>(axis * 2 + side) * box_texels(b)) * 4;
   }
 };
+
+// Texels of one map of all boxes that a bake would have: ReliefModel::texels(), without capturing.
+size_t relief_texels(const scene::Character& character, const ReliefBakeOptions& options);
 
 // Throws Error when the character has no triangle that any joint moves. Parallel over boxes; deterministic.
 ReliefModel bake_relief(const scene::Character& character, const ReliefBakeOptions& options);

@@ -29,22 +29,6 @@ std::vector<glm::dmat4> to_double(const scene::Mat3x4* matrices, size_t joints) 
   return out;
 }
 
-// At most `most` poses spread evenly over the bank.
-std::vector<std::vector<glm::dmat4>> spread_poses(const scene::PoseBank& bank, size_t most) {
-  const auto joints = static_cast<size_t>(bank.joints());
-  const size_t samples = bank.matrices().size() / std::max<size_t>(joints, 1);
-  const size_t count = std::min(samples, most);
-  std::vector<std::vector<glm::dmat4>> poses;
-  for (size_t i = 0; i < count; ++i)
-    poses.push_back(to_double(bank.matrices().data() + i * samples / count * joints, joints));
-  return poses;
-}
-
-// A matrix without volume carries nothing anywhere.
-glm::dmat4 inverse_or_zero(const glm::dmat4& m) {
-  return std::abs(glm::determinant(glm::dmat3(m))) < 1e-18 ? glm::dmat4(0.0) : glm::inverse(m);
-}
-
 class Mask {
  public:
   Mask(int width, int height) : width_(width), height_(height), on_(static_cast<size_t>(width) * height, 0) {}
@@ -81,6 +65,20 @@ class Mask {
 };
 
 }  // namespace
+
+std::vector<std::vector<glm::dmat4>> spread_poses(const scene::PoseBank& bank, size_t most) {
+  const auto joints = static_cast<size_t>(bank.joints());
+  const size_t samples = bank.matrices().size() / std::max<size_t>(joints, 1);
+  const size_t count = std::min(samples, most);
+  std::vector<std::vector<glm::dmat4>> poses;
+  for (size_t i = 0; i < count; ++i)
+    poses.push_back(to_double(bank.matrices().data() + i * samples / count * joints, joints));
+  return poses;
+}
+
+glm::dmat4 inverse_or_zero(const glm::dmat4& m) {
+  return std::abs(glm::determinant(glm::dmat3(m))) < 1e-18 ? glm::dmat4(0.0) : glm::inverse(m);
+}
 
 std::vector<glm::dmat4> capture_palette(const Character& character, const CapturePose& pose) {
   const scene::PoseBank bank =
@@ -131,7 +129,41 @@ std::vector<std::vector<uint32_t>> assign_triangles(const Character& character, 
   return triangles_of;
 }
 
-JointMerger::JointMerger(const Character& character, const scene::PoseBank& bank, const CapturePose& capture) {
+glm::dmat4 matrix_of(const Piece& piece, const std::vector<glm::dmat4>& palette) {
+  const glm::dmat4& first = palette[static_cast<size_t>(piece.joints[0])];
+  if (piece.second <= 0) return first;
+  return (1.0 - piece.second) * first + piece.second * palette[static_cast<size_t>(piece.joints[1])];
+}
+
+std::vector<int> parents_of(const Character& character) {
+  const std::vector<scene::Joint>& joints = character.skeleton.joints;
+  std::vector<int> joint_of_node(character.skeleton.nodes.size(), -1);
+  for (size_t j = joints.size(); j-- > 0;) joint_of_node[static_cast<size_t>(joints[j].node)] = static_cast<int>(j);
+  std::vector<int> parents;
+  for (size_t j = 0; j < joints.size(); ++j) {
+    int node = joints[j].node;
+    // An entry that shares its node with an earlier one (a rigid mesh on a joint) hangs on that.
+    int above =
+        joint_of_node[static_cast<size_t>(node)] == static_cast<int>(j) ? -1 : joint_of_node[static_cast<size_t>(node)];
+    while (above < 0 && (node = character.skeleton.nodes[static_cast<size_t>(node)].parent) >= 0)
+      above = joint_of_node[static_cast<size_t>(node)];
+    parents.push_back(above);
+  }
+  return parents;
+}
+
+std::vector<Piece> joint_pieces(const Character& character, TriangleRule rule, double threshold,
+                                const Carriers& carriers) {
+  std::vector<std::vector<uint32_t>> triangles_of = assign_triangles(character, rule, threshold, carriers);
+  std::vector<Piece> pieces;
+  for (size_t joint = 0; joint < triangles_of.size(); ++joint)
+    if (!triangles_of[joint].empty())
+      pieces.push_back({.joints = {static_cast<int>(joint), 0}, .triangles = std::move(triangles_of[joint])});
+  return pieces;
+}
+
+JointMerger::JointMerger(const Character& character, const scene::PoseBank& bank, const CapturePose& capture)
+    : parent_(parents_of(character)) {
   const scene::Mesh& mesh = character.mesh;
   const size_t joints = character.skeleton.joints.size();
   std::vector<std::vector<size_t>> all(joints);
@@ -145,18 +177,6 @@ JointMerger::JointMerger(const Character& character, const scene::PoseBank& bank
   for (size_t j = 0; j < joints; ++j) {
     const size_t count = std::min<size_t>(all[j].size(), 24);
     for (size_t i = 0; i < count; ++i) vertices_[j].push_back(all[j][i * all[j].size() / count]);
-  }
-  std::vector<int> joint_of_node(character.skeleton.nodes.size(), -1);
-  for (size_t j = joints; j-- > 0;)
-    joint_of_node[static_cast<size_t>(character.skeleton.joints[j].node)] = static_cast<int>(j);
-  for (size_t j = 0; j < joints; ++j) {
-    int node = character.skeleton.joints[j].node;
-    // An entry that shares its node with an earlier one (a rigid mesh on a joint) hangs on that.
-    int above =
-        joint_of_node[static_cast<size_t>(node)] == static_cast<int>(j) ? -1 : joint_of_node[static_cast<size_t>(node)];
-    while (above < 0 && (node = character.skeleton.nodes[static_cast<size_t>(node)].parent) >= 0)
-      above = joint_of_node[static_cast<size_t>(node)];
-    parent_.push_back(above);
   }
   const std::vector<glm::dmat4> palette = capture_palette(character, capture);
   captured_ = scene::skin_positions(mesh, palette);

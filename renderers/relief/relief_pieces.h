@@ -1,8 +1,10 @@
 // Which joint carries which triangle, and in which pose the mesh is best captured: the choices before a relief bake,
 // all on the CPU, in double, deterministic.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -30,9 +32,31 @@ std::vector<glm::dmat4> capture_palette(const scene::Character& character, const
 using Carriers = std::vector<int>;
 Carriers own_carriers(const scene::Character& character);
 
+// What one box carries: triangles, moved by one joint or, where skin bends, by a weighted mean of two joints' matrices.
+struct Piece {
+  std::array<int, 2> joints{};  // the box stands along the first one's axes
+  double second = 0;            // weight of the second, 0..1; the first has the rest
+  std::vector<uint32_t> triangles;
+  // In joints[0]'s own frame: what lies between is captured. A piece in parts has parts of the same surface.
+  glm::dvec3 low{-std::numeric_limits<double>::infinity()};
+  glm::dvec3 high{std::numeric_limits<double>::infinity()};
+};
+// Sum of weight times matrix.
+glm::dmat4 matrix_of(const Piece& piece, const std::vector<glm::dmat4>& palette);
+// Of every joint, the nearest joint above it; -1 for none.
+std::vector<int> parents_of(const scene::Character& character);
+// One piece for every joint that has triangles.
+std::vector<Piece> joint_pieces(const scene::Character& character, TriangleRule rule, double threshold,
+                                const Carriers& carriers);
+
 // triangles_of[joint]: indices of the triangles that the joint's box captures; weights count for the carrier.
 std::vector<std::vector<uint32_t>> assign_triangles(const scene::Character& character, TriangleRule rule,
                                                     double threshold, const Carriers& carriers);
+
+// At most `most` poses spread evenly over a bank, each a palette in double.
+std::vector<std::vector<glm::dmat4>> spread_poses(const scene::PoseBank& bank, size_t most);
+// Zero for a matrix without volume, which carries nothing anywhere.
+glm::dmat4 inverse_or_zero(const glm::dmat4& m);
 
 // How far joints stray when another joint carries them: the skin in some poses of a bank against the skin at the
 // capture pose moved rigidly.

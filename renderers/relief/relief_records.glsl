@@ -1,19 +1,20 @@
 #include "renderers/relief/relief.shared.h"
 
-// One box of the character: rows of bind space from unit coordinates; the joint and the bits of the edges in metres; where its
-// maps lie.
+// One box of the character: rows of bind space from unit coordinates; the joints that carry it; where its maps
+// lie.
 struct BoxRecord {
   vec4 rows[3];
-  uvec4 place;  // joint, edges
+  uvec4 joints;  // two, and the bits of the second one's weight: 0 where the first carries it alone
   uvec4 maps;   // left, top in the depth atlas; texels a side; levels
 };
 
 // One box of one agent, posed.
 struct PosedBox {
   vec4 eye_depth;  // the eye in unit coordinates; hull: depth of the plane of the outline. Below zero: draws nothing
-  vec4 light;      // the light's direction in bind space; w: 1 where the joint does not keep angles, below 0: mirrored
-  uvec4 maps;      // see pack_maps(); z: the edges, the longest 1; w: joint
+  vec4 light;      // the light's direction in bind space; w: 1 where the box's matrix does not keep angles, below 0: mirrored
+  uvec4 maps;      // see pack_maps(); z: the edges, the longest 1; w: top row of its colours
   vec4 view;       // direction from the box's middle to the eye in bind space, unit; steps of the search to a texel
+  vec4 turn[3];    // rows of world directions from bind space
   vec4 frame[3];   // box: rows of eye space from unit coordinates. hull: the outline's plane in unit coordinates
 #ifdef HULL
   vec4 corners[CORNERS / 2];  // of the outline on the plane at depth 1, relative to the box's middle

@@ -441,7 +441,7 @@ TEST_F(ReliefGl, LargeSharedBoxesHaveFineTexels) {
   const scene::Cast cast = cast_of(std::move(c));
   Renderer renderer(context(), cast);
   const auto mesh = make(cast, "mesh");
-  const auto relief = make(cast, "relief:capture=bind");
+  const auto relief = make(cast, "relief:capture=bind,part=0");
   EXPECT_EQ(fact(*relief, "boxes"), 2);
   EXPECT_EQ(fact(*relief, "boxes_below_100_px"), 1);
   int differ = 0;
@@ -577,8 +577,8 @@ TEST_F(ReliefGl, ConesSaveTapsAndShowTheSamePicture) {
 TEST_F(ReliefGl, ConesAreBakedOnlyWhenAskedFor) {
   const scene::Cast cast = cast_of(testing::sphere(0.5, 8));
   // 4 bytes a texel of the depth picture: 3 n x 1.5 n.
-  EXPECT_EQ(make(cast, "relief:map=32,search=cone")->footprint().texture_bytes,
-            make(cast, "relief:map=32")->footprint().texture_bytes + 96 * 48 * 4);
+  EXPECT_EQ(make(cast, "relief:map=32,part=0,search=cone")->footprint().texture_bytes,
+            make(cast, "relief:map=32,part=0")->footprint().texture_bytes + 96 * 48 * 4);
 }
 
 // ---- the cache

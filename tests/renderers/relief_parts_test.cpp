@@ -1,0 +1,203 @@
+// Boxes that are not a joint's own: parts of a long one, blends of two joints where skin bends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+#include <string>
+
+#include "compare_captures.h"
+#include "core/error.h"
+#include "core/image_io.h"
+#include "gl_test_support.h"
+#include "renderers/relief/relief_bake.h"
+#include "renderers/relief/relief_bends.h"
+#include "scene/pose.h"
+#include "solids.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+using testing::cast_of;
+using testing::context;
+using testing::GlTest;
+
+std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, uint64_t budget = 512 << 20) {
+  return make_representation({.context = context(), .cast = cast, .bake_budget = budget, .use_cache = false},
+                             parse_spec(spec));
+}
+
+double number(const std::vector<std::pair<std::string, double>>& facts, const std::string& name) {
+  for (const auto& [key, value] : facts)
+    if (key == name) return value;
+  ADD_FAILURE() << "no fact " << name;
+  return 0;
+}
+
+// Pixels around which the mesh covers all of 5 x 5 and the picture does not.
+int holes(const Capture& mesh, const Capture& picture) {
+  int count = 0;
+  for (int y = 2; y + 2 < mesh.ids.height; ++y)
+    for (int x = 2; x + 2 < mesh.ids.width; ++x) {
+      bool inside = *picture.ids.at(x, y) == 0;
+      for (int j = -2; j <= 2 && inside; ++j)
+        for (int i = -2; i <= 2 && inside; ++i) inside = *mesh.ids.at(x + i, y + j) != 0;
+      count += inside;
+    }
+  return count;
+}
+
+// A square column, 0.3 m thick, on two joints at 0 and 1 m, in rings of 12.5 mm; from 0.6 to 1.4 m its weight goes
+// evenly from the lower to the upper one, which turns about X.
+scene::Character soft_column() {
+  scene::Character c = testing::two_bones();
+  scene::Mesh& mesh = c.mesh;
+  mesh = scene::Mesh{};
+  constexpr uint32_t kRings = 129;
+  const auto y_of = [](uint32_t ring) { return 0.2F + 0.0125F * static_cast<float>(ring); };
+  for (uint32_t ring = 0; ring < kRings; ++ring)
+    for (const glm::vec2& at : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(1, 1), glm::vec2(-1, 1)}) {
+      mesh.positions.emplace_back(0.15F * at.x, y_of(ring), 0.15F * at.y);
+      mesh.normals.push_back(glm::normalize(glm::vec3(at.x, 0, at.y)));
+    }
+  for (uint32_t ring = 0; ring + 1 < kRings; ++ring)
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t a = 4 * ring + k;
+      const uint32_t b = 4 * ring + (k + 1) % 4;
+      for (const uint32_t v : {a, a + 4, b, b, a + 4, b + 4}) mesh.indices.push_back(v);
+    }
+  testing::finish(c);
+  for (uint32_t v = 0; v < 4 * kRings; ++v) {
+    const float upper = std::clamp((y_of(v / 4) - 0.6F) / 0.8F, 0.0F, 1.0F);
+    mesh.joints[v] = glm::u16vec4(0, 1, 0, 0);
+    mesh.weights[v] = glm::vec4(1 - upper, upper, 0, 0);
+  }
+  for (scene::Material& m : c.materials) m.double_sided = true;
+  c.content_hash = "soft_column";
+  c.placement.height = 2;
+  return c;
+}
+
+class ReliefPartsGl : public GlTest {};
+
+// A wall seen edge-on, in texels whose centres another wall covers: an L of two squares.
+TEST(ReliefParts, AWallBehindAnotherOnesEdgeIsKept) {
+  scene::Character c = testing::one_joint_character();
+  for (const glm::vec3& p : {glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(1, 1, 0), glm::vec3(0, 1, 0),
+                             glm::vec3(0, 0, 1), glm::vec3(0, 1, 1)}) {
+    c.mesh.positions.push_back(p);
+    c.mesh.normals.emplace_back(0, 0, 1);
+  }
+  c.mesh.indices = {0, 1, 2, 0, 2, 3, 0, 4, 5, 0, 5, 3};  // the square z = 0 and the square x = 0
+  testing::finish(c);
+  constexpr size_t n = 32;
+  const ReliefModel m = bake_relief(c, {.map_size = n});
+  // Along X, (u, v) = (y, z): the first column of z holds the square z = 0, edge-on, all along x.
+  const uint16_t* depth = m.depth_map(0, 0);
+  for (size_t y = 0; y < n; ++y) {
+    EXPECT_LE(depth[2 * y], 65535 / n) << y;
+    EXPECT_GE(depth[2 * y + 1], 65535 - 65535 / n) << y;
+    EXPECT_LE(depth[2 * (n * n / 2 + y) + 1], 65535 / n) << "elsewhere only the square x = 0";
+  }
+}
+
+// In parts a sphere has the texels of smaller boxes and stays whole: no crack where parts meet.
+TEST_F(ReliefPartsGl, ASphereInPartsIsWhole) {
+  scene::Character ball = testing::sphere(0.5, 48);
+  ball.placement.height = 1;
+  const scene::Cast cast = cast_of(std::move(ball));
+  const auto mesh = make(cast, "mesh");
+  const auto whole = make(cast, "relief:map=32,merge=0,capture=bind");
+  const auto parts = make(cast, "relief:map=32,merge=0,capture=bind,part=0.3");
+  // 4 x 4 x 4 cells of a quarter, of which the surface meets all but the eight in the middle, whose
+  // farthest corners lie at 0.43 m.
+  EXPECT_EQ(number(whole->bake_info().facts, "boxes"), 1);
+  EXPECT_EQ(number(parts->bake_info().facts, "boxes"), 56);
+  Renderer renderer(context(), cast);
+  double sum_whole = 0;
+  double sum_parts = 0;
+  for (const glm::dvec3& eye : {glm::dvec3(0, 0, 3), glm::dvec3(1.7, 1.7, 1.7), glm::dvec3(0.3, 2.9, 0.4)}) {
+    scene::Frame frame = testing::frame_of_one(1, 0, 256, 256, 22);
+    frame.camera.eye = eye;
+    frame.camera.target = {0, 0, 0};
+    frame.origin = eye;
+    testing::add_agent(frame, cast, {0, 0, 0}, 1);
+    const Capture truth = renderer.capture(frame, *mesh);
+    const Capture a = renderer.capture(frame, *whole);
+    const Capture b = renderer.capture(frame, *parts);
+    EXPECT_EQ(holes(truth, b), 0);
+    // A texel of a part is 0.25 m / 31, under 2 pixels of 4.5 mm; half of one around 220 pixels of sphere is at
+    // most 3.3 %.
+    EXPECT_GT(testing::iou(truth, b), 0.967);
+    sum_whole += testing::iou(truth, a);
+    sum_parts += testing::iou(truth, b);
+  }
+  EXPECT_GT(sum_parts, sum_whole);
+}
+
+// The bake budget asks for fewer parts; without tiers there are none unless asked for.
+TEST_F(ReliefPartsGl, AutomaticPartsKeepToTheBudget) {
+  scene::Character ball = testing::sphere(0.5, 24);
+  ball.placement.height = 1;
+  const scene::Cast cast = cast_of(std::move(ball));
+  const auto boxes = [&](const std::string& spec, uint64_t budget) {
+    return number(make(cast, spec, budget)->bake_info().facts, "boxes");
+  };
+  EXPECT_EQ(boxes("relief:map=32,capture=bind", 512 << 20), 56);
+  // 2 MiB: 92160 bytes a box of 32 (60 bytes a texel of one map and its levels' half): 22 boxes; cells of 0.27 x 1.25^3
+  // of the height and more are two a side.
+  EXPECT_EQ(boxes("relief:map=32,capture=bind", 2 << 20), 8);
+  EXPECT_EQ(boxes("relief:map=32,capture=bind,merge=0", 512 << 20), 1);
+  EXPECT_THROW(make(cast, "relief:part=-1"), Error);
+  EXPECT_THROW(make(cast, "relief:bend=x"), Error);
+}
+
+TEST(ReliefParts, BendsGetBlendsAndRigidJointsNone) {
+  const scene::Character soft = soft_column();
+  const scene::PoseBank bank = scene::PoseBank::frames(soft, {0}, 12);
+  const std::vector<Piece> joints = bend_pieces(soft, bank, {}, {.stray = 10});
+  ASSERT_EQ(joints.size(), 2U) << "nothing strays so far";
+  const std::vector<Piece> pieces = bend_pieces(soft, bank, {}, {.stray = 0.01});
+  ASSERT_GT(pieces.size(), 4U);
+  std::set<uint32_t> held;
+  for (const Piece& piece : pieces) {
+    EXPECT_GE(piece.second, 0.0);
+    EXPECT_LE(piece.second, 0.5) << "the first counts most";
+    held.insert(piece.triangles.begin(), piece.triangles.end());
+  }
+  EXPECT_EQ(held.size(), soft.triangles()) << "every triangle in a box";
+  EXPECT_LE(bend_pieces(soft, bank, {}, {.stray = 0.001, .most = 4}).size(), 4U);
+
+  // Where no vertex follows two joints, blends carry nothing better.
+  scene::Character rigid = soft;
+  for (glm::vec4& w : rigid.mesh.weights) w = w.x >= 0.5F ? glm::vec4(1, 0, 0, 0) : glm::vec4(0, 1, 0, 0);
+  for (const Piece& piece : bend_pieces(rigid, bank, {}, {.stray = 0.05})) EXPECT_EQ(piece.second, 0.0);
+}
+
+// Bent by a quarter turn: boxes between the joints follow the skin where one box a joint leaves it.
+TEST_F(ReliefPartsGl, BlendsFollowBentSkin) {
+  const scene::Cast cast = cast_of(soft_column());
+  scene::Frame frame = testing::frame_of_one(4, 1, 384, 384, 25);
+  frame.camera.eye = {4, 1, 0.3};
+  frame.camera.target = {0, 1, 0.3};
+  frame.origin = frame.camera.eye;
+  testing::add_agent(frame, cast, {0, 0, 0}, 1, 0.5);
+  Renderer renderer(context(), cast);
+  const Capture mesh = renderer.capture(frame, *make(cast, "mesh"));
+  const auto differ = [&](const std::string& spec) {
+    const Capture relief = renderer.capture(frame, *make(cast, spec));
+    if (const char* folder = std::getenv("CROWDBENCH_TEST_OUT")) {
+      write_png(std::string(folder) + "/soft_mesh.png", mesh.colour);
+      write_png(std::string(folder) + "/soft_" + spec.substr(spec.find("bend=")) + ".png", relief.colour);
+    }
+    return 1 - testing::iou(mesh, relief);
+  };
+  const double rigid = differ("relief:map=64,capture=bind,part=0,bend=0");
+  const double blended = differ("relief:map=64,capture=bind,part=0,bend=1");
+  // One box a joint leaves the skin by up to half the turn; blends in eighths by a sixteenth of it, but gaps open where
+  // the skin stretches between them.
+  EXPECT_LT(blended, rigid);
+}
+
+}  // namespace
+}  // namespace crowdbench::renderers
