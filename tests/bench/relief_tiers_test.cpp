@@ -9,9 +9,8 @@ namespace crowdbench::bench {
 namespace {
 
 // A tier lets joints stray a quarter of a pixel (root mean square, so no less than the mean), in maps whose texels are
-// at most half a pixel (128 texels on half a metre at 100 pixels a figure are a quarter of one; a shared box is at most
-// twice as long): a quarter of a pixel each way. So silhouettes lie at most half a pixel farther from the mesh's, on
-// average, than those of joints on their own.
+// at most half a pixel: a quarter of a pixel each way. So silhouettes lie at most half a pixel farther from the mesh's,
+// on average, than those of joints on their own.
 TEST(ReliefTiersGl, StrayByTheirTolerance) {
   gl::Context context;
   QualitySetup setup;
