@@ -148,6 +148,8 @@ TEST_F(ReliefPartsGl, AutomaticPartsKeepToTheBudget) {
   // of the height and more are two a side.
   EXPECT_EQ(boxes("relief:map=32,capture=bind", 2 << 20), 8);
   EXPECT_EQ(boxes("relief:map=32,capture=bind,merge=0", 512 << 20), 1);
+  EXPECT_THROW(make(cast, "relief:map=32,capture=bind,part=0.27", 2 << 20), Error)
+      << "what is asked for is not changed";
   EXPECT_THROW(make(cast, "relief:part=-1"), Error);
   EXPECT_THROW(make(cast, "relief:bend=x"), Error);
 }
