@@ -48,11 +48,11 @@ struct ReliefBox {
 
 // Maps. A texel is covered when its centre is, so that silhouettes keep their size; beyond that, only as much as keeps
 // steep surfaces whole: where the intervals of two neighbours do not meet although one surface crosses the edge between
-// them, both are widened to where it crosses; and a texel whose centre is missed by a surface that no neighbour's
-// interval holds (a wall seen edge-on) holds that surface's own interval.
-// Axis a looks along unit coordinate a; its picture plane is (u, v) = the coordinates (a+1) mod 3 and (a+2) mod
-// 3, texel (i, j) at ((i+.5)/n, (j+.5)/n). The two faces of an axis share one unmirrored (u, v), so that front(high
-// face) = 1 - back(low face) holds by construction and three depth maps serve six faces.
+// them, both are widened to where it crosses; and a texel is widened to a surface in it that neither its own interval
+// nor a neighbour's holds (a wall seen edge-on, which its centre misses). Axis a looks along unit coordinate a; its
+// picture plane is (u, v) = the coordinates (a+1) mod 3 and (a+2) mod 3, texel (i, j) at ((i+.5)/n, (j+.5)/n). The two
+// faces of an axis share one unmirrored (u, v), so that front(high face) = 1 - back(low face) holds by construction and
+// three depth maps serve six faces.
 struct ReliefModel {
   std::vector<ReliefBox> boxes;
   // From texel 3 `first` on, [axis][v][u], two values each: least and greatest covered coordinate along the axis,
