@@ -6,14 +6,14 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "core/colour.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "renderers/emission.h"
+#include "renderers/parallel.h"
 #include "renderers/tiles/half_plane.h"
 #include "scene/pose.h"
 
@@ -569,15 +569,12 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   model.normal.resize(plan.texels * 6 * 4);
   if (model.emission_peak > 0) model.emission.resize(plan.texels * 6 * 4);
 
-  std::atomic<size_t> next{0};
-  const auto work = [&] {
-    for (size_t i = next++; i < model.boxes.size(); i = next++)
-      capture_box(source, plan.pieces[i], positions, normals, plan.matrices[i], plan.bounds[i], i, model);
-  };
-  std::vector<std::thread> threads;
-  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+  parallel_for(
+      model.boxes.size(), 0,
+      [&](size_t i) {
+        capture_box(source, plan.pieces[i], positions, normals, plan.matrices[i], plan.bounds[i], i, model);
+      },
+      [](size_t) { throw_if_interrupted(); });
   return model;
 }
 

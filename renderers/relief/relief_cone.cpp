@@ -6,10 +6,11 @@
 #include "renderers/relief/relief_cone.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
-#include <thread>
+
+#include "core/progress.h"
+#include "renderers/parallel.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -160,37 +161,33 @@ std::vector<TexelCones> derive_cones(const uint16_t* depth, size_t n) {
 std::vector<uint8_t> derive_cones(const ReliefModel& model, const AtlasPlan& plan, const Atlas& atlas) {
   const auto width = static_cast<size_t>(plan.width);
   std::vector<uint8_t> cones(atlas.depth.size() * 2);
-  std::atomic<size_t> next{0};
-  const auto work = [&] {
-    for (size_t job = next++; job < model.boxes.size() * 3; job = next++) {
-      const size_t box = job / 3;
-      const auto texels = static_cast<size_t>(model.boxes[box].texels);
-      for (uint32_t level = 0; level < atlas_levels(model.boxes[box].texels); ++level) {
-        const size_t n = texels >> level;
-        const AtlasPlace place = atlas_place(plan, box, texels, level);
-        const size_t first = place.top * width + place.left + job % 3 * texels;
-        std::vector<uint16_t> depth(n * n * 2);
-        for (size_t v = 0; v < n; ++v)
-          std::copy_n(atlas.depth.begin() + static_cast<std::ptrdiff_t>((first + v * width) * 2), n * 2,
-                      depth.begin() + static_cast<std::ptrdiff_t>(v * n * 2));
-        const std::vector<TexelCones> of = derive_cones(depth.data(), n);
-        for (size_t v = 0; v < n; ++v) {
-          for (size_t u = 0; u < n; ++u) {
-            const TexelCones& c = of[v * n + u];
-            uint8_t* to = cones.data() + (first + v * width + u) * 4;
-            to[0] = c.approach_up;
-            to[1] = c.leave_up;
-            to[2] = c.approach_down;
-            to[3] = c.leave_down;
+  parallel_for(
+      model.boxes.size() * 3, 0,
+      [&](size_t job) {
+        const size_t box = job / 3;
+        const auto texels = static_cast<size_t>(model.boxes[box].texels);
+        for (uint32_t level = 0; level < atlas_levels(model.boxes[box].texels); ++level) {
+          const size_t n = texels >> level;
+          const AtlasPlace place = atlas_place(plan, box, texels, level);
+          const size_t first = place.top * width + place.left + job % 3 * texels;
+          std::vector<uint16_t> depth(n * n * 2);
+          for (size_t v = 0; v < n; ++v)
+            std::copy_n(atlas.depth.begin() + static_cast<std::ptrdiff_t>((first + v * width) * 2), n * 2,
+                        depth.begin() + static_cast<std::ptrdiff_t>(v * n * 2));
+          const std::vector<TexelCones> of = derive_cones(depth.data(), n);
+          for (size_t v = 0; v < n; ++v) {
+            for (size_t u = 0; u < n; ++u) {
+              const TexelCones& c = of[v * n + u];
+              uint8_t* to = cones.data() + (first + v * width + u) * 4;
+              to[0] = c.approach_up;
+              to[1] = c.leave_up;
+              to[2] = c.approach_down;
+              to[3] = c.leave_down;
+            }
           }
         }
-      }
-    }
-  };
-  std::vector<std::thread> threads;
-  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+      },
+      [](size_t) { throw_if_interrupted(); });
   return cones;
 }
 

@@ -138,7 +138,7 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   JointMerger merger(character, bank, what.capture);
   what.by_area = true;
   for (size_t tier = 0; tier < kTiers.size(); ++tier) {
-    const double pixel = character.placement.height / kTiers[tier].pixels;  // metres
+    const double pixel = relief_height(character) / kTiers[tier].pixels;  // metres
     what.carriers = merger.merged(options.merge * pixel);
     what.texel = std::max(nearest.texel, kTiers[tier].texel * pixel);
     // Joints that were given texels have half of them, 64 at least.
@@ -281,14 +281,14 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
     what.pieces =
         bend_pieces(character, bank, what.capture, {what.rule, what.threshold, options.bend * height / kBendPixels});
   // Boxes in fewer parts, where the maps would take more than a character's share of the bake budget.
-  for (double part = options.part; part > 0; part = options.part_auto && part < 1 ? part * 1.25 : 0) {
-    what.longest = part * height;
-    if (!options.part_auto ||
-        maps_bytes(relief_texels(character, what), emission_peak(character), options) <= allowance.share)
-      break;
-    what.longest = 0;
+  what.longest = options.part * height;
+  size_t texels = relief_texels(character, what);
+  while (options.part_auto && what.longest > 0 &&
+         maps_bytes(texels, emission_peak(character), options) > allowance.share) {
+    what.longest = what.longest < height ? 1.25 * what.longest : 0;
+    texels = relief_texels(character, what);
   }
-  require_room(character, relief_texels(character, what), options, allowance);
+  require_room(character, texels, options, allowance);
   bake.models.push_back(bake_relief(character, what));
   // Under a budget the texels grow until the maps fit.
   while (options.budget > 0 && atlas_bytes(bake.models[0], options) > options.budget) {
@@ -299,8 +299,8 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
       what.texel = std::max(what.texel, texel) * 1.25;
     } else {
       what.map_size /= 2;
-      for (int& texels : what.texels_of_joint)
-        if (texels > 0) texels = std::max(16, texels / 2);
+      for (int& side : what.texels_of_joint)
+        if (side > 0) side = std::max(16, side / 2);
     }
     if (what.map_size < 16 || what.texel > 1e3)
       throw Error("relief: budget", fmt::format("{} does not fit in {} bytes", character.name, options.budget),

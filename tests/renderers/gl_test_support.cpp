@@ -160,6 +160,13 @@ std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string&
       parse_spec(spec));
 }
 
+double fact(const std::vector<std::pair<std::string, double>>& facts, const std::string& name) {
+  for (const auto& [key, value] : facts)
+    if (key == name) return value;
+  ADD_FAILURE() << "no fact " << name;
+  return 0;
+}
+
 scene::Frame frame_from(const scene::Cast& cast, const Viewpoint& view) {
   constexpr double kDegrees = std::numbers::pi / 180;
   const double azimuth = view.azimuth * kDegrees;

@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "renderers/capture.h"
 #include "renderers/gl/context.h"
@@ -41,6 +43,9 @@ struct MakeOptions {
   uint64_t budget = uint64_t{512} << 20;  // bytes
 };
 std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, const MakeOptions& how = {});
+
+// One of BakeInfo's or BakePart's facts; a failure when there is none of the name.
+double fact(const std::vector<std::pair<std::string, double>>& facts, const std::string& name);
 
 // A frame looking along -Z from (0, eye_height, distance), without agents.
 scene::Frame frame_of_one(double distance, double eye_height, int width, int height, double fov_y_deg = 40.0);

@@ -20,20 +20,11 @@ namespace {
 
 using testing::cast_of;
 using testing::context;
+using testing::fact;
 using testing::GlTest;
+using testing::make;
 
 class ReliefOptionsGl : public GlTest {};
-
-std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec) {
-  return make_representation({.context = context(), .cast = cast, .use_cache = false}, parse_spec(spec));
-}
-
-double number(const std::vector<std::pair<std::string, double>>& facts, const std::string& name) {
-  for (const auto& [key, value] : facts)
-    if (key == name) return value;
-  ADD_FAILURE() << "no fact " << name;
-  return 0;
-}
 
 // By name or by number, over what map and size say; the rest keep theirs.
 TEST_F(ReliefOptionsGl, ResolutionOfSingleJoints) {
@@ -41,7 +32,7 @@ TEST_F(ReliefOptionsGl, ResolutionOfSingleJoints) {
   const auto texels = [&](const std::string& options) {
     std::vector<double> out;
     for (const BakePart& part : make(cast, "relief:map=64,merge=0,capture=bind" + options)->bake_info().parts)
-      out.push_back(number(part.facts, "texels"));
+      out.push_back(fact(part.facts, "texels"));
     return out;
   };
   EXPECT_EQ(texels(""), (std::vector<double>{64, 64}));
@@ -51,9 +42,9 @@ TEST_F(ReliefOptionsGl, ResolutionOfSingleJoints) {
   // Finer maps on one joint are seen in the bytes: 4.5 n x n texels of 20.5 bytes each.
   const auto plain = make(cast, "relief:map=64,merge=0,capture=bind");
   const auto fine = make(cast, "relief:map=64,merge=0,capture=bind,resolution=upper@128");
-  EXPECT_EQ(number(fine->bake_info().parts[1].facts, "bytes"), 4.5 * 128 * 128 * 20.5);
-  EXPECT_EQ(number(plain->bake_info().parts[1].facts, "bytes"), 4.5 * 64 * 64 * 20.5);
-  EXPECT_GT(number(fine->bake_info().facts, "actual_bytes"), number(plain->bake_info().facts, "actual_bytes"));
+  EXPECT_EQ(fact(fine->bake_info().parts[1].facts, "bytes"), 4.5 * 128 * 128 * 20.5);
+  EXPECT_EQ(fact(plain->bake_info().parts[1].facts, "bytes"), 4.5 * 64 * 64 * 20.5);
+  EXPECT_GT(fact(fine->bake_info().facts, "actual_bytes"), fact(plain->bake_info().facts, "actual_bytes"));
 }
 
 // Under a budget all sizes are halved alike, so that what was worth more stays so.
@@ -61,9 +52,9 @@ TEST_F(ReliefOptionsGl, ABudgetKeepsTheProportions) {
   const scene::Cast cast = cast_of(testing::two_bones());
   const auto fits = make(cast, "relief:map=64,merge=0,capture=bind,resolution=upper@256,budget=2.2");
   // Whole: 4.5 x 20.5 x (64^2 + 256^2) = 6.4 MB and the shelf's rest; halved: a quarter.
-  EXPECT_EQ(number(fits->bake_info().parts[0].facts, "texels"), 32);
-  EXPECT_EQ(number(fits->bake_info().parts[1].facts, "texels"), 128);
-  EXPECT_LE(number(fits->bake_info().facts, "actual_bytes"), 2.2 * 1048576);
+  EXPECT_EQ(fact(fits->bake_info().parts[0].facts, "texels"), 32);
+  EXPECT_EQ(fact(fits->bake_info().parts[1].facts, "texels"), 128);
+  EXPECT_LE(fact(fits->bake_info().facts, "actual_bytes"), 2.2 * 1048576);
 }
 
 TEST_F(ReliefOptionsGl, WrongResolutionsAreNamed) {
@@ -91,10 +82,10 @@ TEST_F(ReliefOptionsGl, BytesByKindAddUp) {
     double sum = 0;
     for (const char* kind : {"depth_bytes", "colour_bytes", "normal_bytes", "bounds_bytes", "cone_bytes",
                              "emission_bytes", "merged_bytes"})
-      sum += number(facts, kind);
-    EXPECT_EQ(sum, number(facts, "actual_bytes")) << spec;
+      sum += fact(facts, kind);
+    EXPECT_EQ(sum, fact(facts, "actual_bytes")) << spec;
     EXPECT_EQ(sum, static_cast<double>(relief->footprint().texture_bytes)) << spec;
-    EXPECT_LT(number(facts, "level_bytes"), sum);
+    EXPECT_LT(fact(facts, "level_bytes"), sum);
   }
 }
 
@@ -107,10 +98,10 @@ TEST_F(ReliefOptionsGl, NominalBytesOfFortyJoints) {
   }
   const scene::Cast cast = cast_of(std::move(c));
   const auto relief = make(cast, "relief:map=64,merge=0,capture=bind");
-  EXPECT_EQ(number(relief->bake_info().facts, "nominal_bytes"), 7'864'320);
-  EXPECT_EQ(number(relief->bake_info().facts, "boxes"), 1) << "joints without triangles have none";
+  EXPECT_EQ(fact(relief->bake_info().facts, "nominal_bytes"), 7'864'320);
+  EXPECT_EQ(fact(relief->bake_info().facts, "boxes"), 1) << "joints without triangles have none";
   EXPECT_EQ(relief->bake_info().parts.size(), 40U);
-  EXPECT_EQ(number(relief->bake_info().parts[39].facts, "bytes"), 0);
+  EXPECT_EQ(fact(relief->bake_info().parts[39].facts, "bytes"), 0);
 }
 
 // ---- triangle rules

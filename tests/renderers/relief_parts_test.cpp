@@ -20,19 +20,9 @@ namespace {
 
 using testing::cast_of;
 using testing::context;
+using testing::fact;
 using testing::GlTest;
-
-std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, uint64_t budget = 512 << 20) {
-  return make_representation({.context = context(), .cast = cast, .bake_budget = budget, .use_cache = false},
-                             parse_spec(spec));
-}
-
-double number(const std::vector<std::pair<std::string, double>>& facts, const std::string& name) {
-  for (const auto& [key, value] : facts)
-    if (key == name) return value;
-  ADD_FAILURE() << "no fact " << name;
-  return 0;
-}
+using testing::make;
 
 // Pixels around which the mesh covers all of 5 x 5 and the picture does not.
 int holes(const Capture& mesh, const Capture& picture) {
@@ -111,8 +101,8 @@ TEST_F(ReliefPartsGl, ASphereInPartsIsWhole) {
   const auto parts = make(cast, "relief:map=32,merge=0,capture=bind,part=0.3");
   // 4 x 4 x 4 cells of a quarter, of which the surface meets all but the eight in the middle, whose
   // farthest corners lie at 0.43 m.
-  EXPECT_EQ(number(whole->bake_info().facts, "boxes"), 1);
-  EXPECT_EQ(number(parts->bake_info().facts, "boxes"), 56);
+  EXPECT_EQ(fact(whole->bake_info().facts, "boxes"), 1);
+  EXPECT_EQ(fact(parts->bake_info().facts, "boxes"), 56);
   Renderer renderer(context(), cast);
   double sum_whole = 0;
   double sum_parts = 0;
@@ -141,14 +131,14 @@ TEST_F(ReliefPartsGl, AutomaticPartsKeepToTheBudget) {
   ball.placement.height = 1;
   const scene::Cast cast = cast_of(std::move(ball));
   const auto boxes = [&](const std::string& spec, uint64_t budget) {
-    return number(make(cast, spec, budget)->bake_info().facts, "boxes");
+    return fact(make(cast, spec, {.budget = budget})->bake_info().facts, "boxes");
   };
   EXPECT_EQ(boxes("relief:map=32,capture=bind", 512 << 20), 56);
   // 2 MiB: 92160 bytes a box of 32 (60 bytes a texel of one map and its levels' half): 22 boxes; cells of 0.27 x 1.25^3
   // of the height and more are two a side.
   EXPECT_EQ(boxes("relief:map=32,capture=bind", 2 << 20), 8);
   EXPECT_EQ(boxes("relief:map=32,capture=bind,merge=0", 512 << 20), 1);
-  EXPECT_THROW(make(cast, "relief:map=32,capture=bind,part=0.27", 2 << 20), Error)
+  EXPECT_THROW(make(cast, "relief:map=32,capture=bind,part=0.27", {.budget = 2 << 20}), Error)
       << "what is asked for is not changed";
   EXPECT_THROW(make(cast, "relief:part=-1"), Error);
   EXPECT_THROW(make(cast, "relief:bend=x"), Error);

@@ -27,14 +27,12 @@ namespace {
 using testing::add_agent;
 using testing::cast_of;
 using testing::context;
+using testing::fact;
 using testing::frame_of_one;
 using testing::GlTest;
+using testing::make;
 
 class ReliefGl : public GlTest {};
-
-std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec) {
-  return make_representation({.context = context(), .cast = cast, .use_cache = false}, parse_spec(spec));
-}
 
 struct Difference {
   double iou = 0;
@@ -102,13 +100,6 @@ Difference against_mesh(const scene::Cast& cast, const scene::Frame& frame, cons
                 name ? name : "-", spec.c_str(), d.iou, d.mean_depth, d.worst_depth, d.mean_colour, d.pixels, d.holes,
                 d.strays);
   return d;
-}
-
-double fact(const Representation& representation, const std::string& name) {
-  for (const auto& [key, value] : representation.bake_info().facts)
-    if (key == name) return value;
-  ADD_FAILURE() << "no fact " << name;
-  return 0;
 }
 
 // One agent at the origin, turned by nothing.
@@ -446,8 +437,8 @@ TEST_F(ReliefGl, LargeSharedBoxesHaveFineTexels) {
   Renderer renderer(context(), cast);
   const auto mesh = make(cast, "mesh");
   const auto relief = make(cast, "relief:capture=bind,part=0");
-  EXPECT_EQ(fact(*relief, "boxes"), 2);
-  EXPECT_EQ(fact(*relief, "boxes_below_100_px"), 1);
+  EXPECT_EQ(fact(relief->bake_info().facts, "boxes"), 2);
+  EXPECT_EQ(fact(relief->bake_info().facts, "boxes_below_100_px"), 1);
   int differ = 0;
   int outline = 0;
   for (int i = 0; i < 8; ++i) {
@@ -494,14 +485,17 @@ TEST_F(ReliefGl, SizeByAreaAndBudget) {
   const scene::Cast cast = cast_of(std::move(c));
   const auto uniform = make(cast, "relief:map=64,merge=0");
   const auto by_area = make(cast, "relief:map=64,merge=0,size=by_area");
-  EXPECT_EQ(fact(*uniform, "nominal_bytes"), fact(*by_area, "nominal_bytes")) << "the source's accounting";
-  EXPECT_LT(fact(*by_area, "actual_bytes"), fact(*uniform, "actual_bytes"));
-  EXPECT_EQ(fact(*by_area, "texel_mm"), fact(*uniform, "texel_mm")) << "the largest box keeps its texels";
+  EXPECT_EQ(fact(uniform->bake_info().facts, "nominal_bytes"), fact(by_area->bake_info().facts, "nominal_bytes"))
+      << "the source's accounting";
+  EXPECT_LT(fact(by_area->bake_info().facts, "actual_bytes"), fact(uniform->bake_info().facts, "actual_bytes"));
+  EXPECT_EQ(fact(by_area->bake_info().facts, "texel_mm"), fact(uniform->bake_info().facts, "texel_mm"))
+      << "the largest box keeps its texels";
   // 0.5 MiB: less than 64 texels need for two boxes (2 x 64 x 64 x 4.5 x 20.5 bytes = 0.7 MiB), more than 32 do.
   const auto tight = make(cast, "relief:map=64,merge=0,budget=0.5");
-  EXPECT_LE(fact(*tight, "actual_bytes"), 0.5 * 1048576);
-  EXPECT_GT(fact(*uniform, "actual_bytes"), 0.5 * 1048576);
-  EXPECT_NEAR(fact(*tight, "texel_mm"), 2 * fact(*uniform, "texel_mm"), 0.05 * fact(*uniform, "texel_mm"));
+  EXPECT_LE(fact(tight->bake_info().facts, "actual_bytes"), 0.5 * 1048576);
+  EXPECT_GT(fact(uniform->bake_info().facts, "actual_bytes"), 0.5 * 1048576);
+  EXPECT_NEAR(fact(tight->bake_info().facts, "texel_mm"), 2 * fact(uniform->bake_info().facts, "texel_mm"),
+              0.05 * fact(uniform->bake_info().facts, "texel_mm"));
   EXPECT_THROW(make(cast, "relief:map=64,budget=0.001"), Error);
 }
 
@@ -514,8 +508,8 @@ TEST_F(ReliefGl, BestCaptureIsNoWorseThanBind) {
   for (const CaptureScore& s : scores) least = std::min(least, s.silhouette_error);
   EXPECT_LE(best.silhouette_error, 1.02 * least);
   const auto chosen = make(cast, "relief:map=32");
-  EXPECT_EQ(fact(*chosen, "capture_clip"), best.pose.clip);
-  EXPECT_EQ(fact(*chosen, "capture_phase"), best.pose.phase);
+  EXPECT_EQ(fact(chosen->bake_info().facts, "capture_clip"), best.pose.clip);
+  EXPECT_EQ(fact(chosen->bake_info().facts, "capture_phase"), best.pose.phase);
 }
 
 // ---- search=cone
