@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <new>
 
-#include "bench/commands.h"
+#include "bench/commands/commands.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/version.h"

@@ -125,7 +125,7 @@ class Parser {
         else if (!spec.options.empty())
           fail("a part follows an option");
         else
-          spec.parts.push_back(parse_part(depth + 1));
+          spec.components.push_back(parse_part(depth + 1));
       } while (take(','));
       if (!take(')')) fail("a ')' is missing");
     } else if (take(':')) {
@@ -141,10 +141,10 @@ class Parser {
         parse_option(spec, type);
       }
     }
-    if (spec.parts.size() != type.parts)
-      fail(type.parts == 0
-               ? fmt::format("'{}' takes no parts in brackets", type.name)
-               : fmt::format("'{}' takes {} parts in brackets, {} given", type.name, type.parts, spec.parts.size()));
+    if (spec.components.size() != type.components)
+      fail(type.components == 0 ? fmt::format("'{}' takes no parts in brackets", type.name)
+                                : fmt::format("'{}' takes {} parts in brackets, {} given", type.name, type.components,
+                                              spec.components.size()));
     return spec;
   }
 
@@ -167,16 +167,16 @@ std::string canonical_text(const Spec& spec, const std::vector<RepresentationTyp
   for (const std::string& key : option_keys(type))
     for (const auto& [k, value] : spec.options)
       if (k == key && value != find_option(type, key)->default_value) options.push_back(key + "=" + value);
-  if (spec.parts.empty()) {
+  if (spec.components.empty()) {
     std::string out = spec.name;
     for (size_t i = 0; i < options.size(); ++i) out += (i == 0 ? ":" : ",") + options[i];
     return out;
   }
   std::string out = spec.name + "(";
-  for (size_t i = 0; i < spec.parts.size(); ++i) {
-    const std::string part = canonical_text(spec.parts[i], types);
+  for (size_t i = 0; i < spec.components.size(); ++i) {
+    const std::string part = canonical_text(spec.components[i], types);
     // Brackets keep a part's options its own.
-    const bool brackets = part.find(':') != std::string::npos && spec.parts[i].parts.empty();
+    const bool brackets = part.find(':') != std::string::npos && spec.components[i].components.empty();
     out += (i == 0 ? "" : ",") + (brackets ? "(" + part + ")" : part);
   }
   for (const std::string& o : options) out += "," + o;
@@ -198,7 +198,7 @@ std::vector<OptionDoc> option_docs(const RepresentationType& type) {
 namespace {
 // Debug views that a type, or one of the parts, offers.
 void add_debug_views(const Spec& spec, std::vector<std::string>& views) {
-  for (const Spec& part : spec.parts) add_debug_views(part, views);
+  for (const Spec& part : spec.components) add_debug_views(part, views);
   const OptionDoc* option = find_option(representation_type(spec.name), "debug");
   if (!option) return;
   for (size_t at = 0; at <= option->values.size();) {
@@ -210,9 +210,9 @@ void add_debug_views(const Spec& spec, std::vector<std::string>& views) {
 }
 
 void set_where_known(Spec& spec, const std::string& view) {
-  for (Spec& part : spec.parts) set_where_known(part, view);
+  for (Spec& part : spec.components) set_where_known(part, view);
   Spec alone = spec;
-  alone.parts.clear();
+  alone.components.clear();
   std::vector<std::string> views;
   add_debug_views(alone, views);
   if (std::find(views.begin(), views.end(), view) == views.end()) return;

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "scene/character.h"
-#include "scene/crowd.h"
-#include "scene/frame.h"
-#include "scene/pose_bank.h"
+#include "scene/character/character.h"
+#include "scene/crowd/crowd.h"
+#include "scene/frame/frame.h"
+#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::gl {
 class Context;
@@ -31,7 +31,7 @@ class FrameResources;  // frame_resources.h: the frame's uniforms, agents, outfi
 struct Spec {
   std::string name;
   std::vector<std::pair<std::string, std::string>> options;  // in the order given; keys are unique
-  std::vector<Spec> parts;                                   // hybrid: near, far
+  std::vector<Spec> components;                              // hybrid: near, far
   // The canonical text: options in the order of the type's table, defaults left out; parses to the same Spec but for
   // the order of options and defaults.
   std::string text() const;
@@ -69,7 +69,7 @@ struct Footprint {
 };
 
 // One of the parts that a bake consists of, a joint's box for example.
-struct BakePart {
+struct BakeItem {
   std::string name;
   std::vector<std::pair<std::string, double>> facts;  // ("texels", 256), ...; the same ones for every part
 };
@@ -81,7 +81,7 @@ struct BakeInfo {
       cache_key;  // SHA-256 over character, options, bake version, GL renderer and version; empty: nothing baked
   // What the bake holds, for people and JSON: ("views", 136), ("tiles", 1360), ("texel_mm", 14.5), ...
   std::vector<std::pair<std::string, double>> facts;
-  std::vector<BakePart> parts;  // of the only character; none where there are several
+  std::vector<BakeItem> items;  // of the only character; none where there are several
 };
 
 // agents[c]: indices into frame.agents[c], ascending.
@@ -134,13 +134,13 @@ class Representation {
 
 // How one agent is seen at one tick: the eye in the agent's model space (metres at scale 1, from its pivot), and its
 // pose.
-struct Sighting {
+struct ViewSample {
   glm::vec3 eye{0.0F};
   int bank_clip = 0;
   float phase = 0;
 };
-// Shows every sighting of one character that a scenario will give.
-using VisitSightings = std::function<void(size_t character, const std::function<void(const Sighting&)>& see)>;
+// Shows every view_sample of one character that a scenario will give.
+using VisitViewSamples = std::function<void(size_t character, const std::function<void(const ViewSample&)>& see)>;
 
 struct MakeContext {
   gl::Context& context;
@@ -149,8 +149,8 @@ struct MakeContext {
   bool use_cache = true;
   bool rebake = false;  // bake anew although the cache has it, and replace that
   bool progress = true;
-  // Set: representations that store views bake and load only what these sightings show, and show nothing elsewhere.
-  VisitSightings required_by = {};
+  // Set: representations that store views bake and load only what these view samples show, and show nothing elsewhere.
+  VisitViewSamples required_by = {};
 };
 
 struct RepresentationType {
@@ -159,7 +159,7 @@ struct RepresentationType {
   std::vector<OptionDoc>
       options;  // "floor" is common to all: 1 draws the representation's floor (spec'd in its README)
   std::function<std::unique_ptr<Representation>(const MakeContext&, const Spec&)> make;
-  size_t parts = 0;  // how many representations it is made of, given in brackets: 2 for hybrid(near,far)
+  size_t components = 0;  // how many representations it is made of, given in brackets: 2 for hybrid(near,far)
 };
 
 const std::vector<RepresentationType>& representation_types();           // registry.cpp

@@ -7,15 +7,16 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "bench/audit.h"
-#include "bench/commands.h"
-#include "bench/contenders.h"
-#include "bench/required.h"
+#include "bench/commands/commands.h"
+#include "bench/experiments/audit.h"
+#include "bench/stage/view_samples.h"
+#include "bench/timing/timed_representation.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
-#include "scene/crowd.h"
-#include "scene/gltf.h"
+#include "scene/crowd/crowd.h"
+#include "scene/gltf/gltf.h"
+#include "scene/scenario/scenario_toml.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -121,7 +122,7 @@ int run_bake(const Options& options) {
     solved = solve_scene(context, scenario, cast);
     ticks = required_ticks(solved.scenario);
     make.required_by =
-        sightings_of(solved.scenario, cast, solved.crowd, scenario.occupancy ? &solved.camera : nullptr, ticks);
+        view_samples_of(solved.scenario, cast, solved.crowd, scenario.occupancy ? &solved.camera : nullptr, ticks);
   }
   const auto start = std::chrono::steady_clock::now();
   const auto representation = renderers::make_representation(make, spec);
@@ -150,9 +151,9 @@ int run_bake(const Options& options) {
     for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
     if (options.report)
       for (const auto& [name, value] : bake.facts) out[name] = number(value);
-    if (options.report && !bake.parts.empty()) {
+    if (options.report && !bake.items.empty()) {
       out["parts"] = ordered_json::array();
-      for (const renderers::BakePart& part : bake.parts) {
+      for (const renderers::BakeItem& part : bake.items) {
         out["parts"].push_back({{"name", part.name}});
         for (const auto& [name, value] : part.facts) out["parts"].back()[name] = number(value);
       }
@@ -189,7 +190,7 @@ int run_bake(const Options& options) {
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
   if (options.report)
-    for (const renderers::BakePart& part : bake.parts) {
+    for (const renderers::BakeItem& part : bake.items) {
       fmt::print("  {:<28}", printable(part.name));
       for (const auto& [name, value] : part.facts) fmt::print("  {} {:g}", name, value);
       fmt::print("\n");

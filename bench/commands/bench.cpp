@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/bench_run.h"
-#include "bench/commands.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/experiments/bench_run.h"
 #include "core/error.h"
 #include "core/progress.h"
-#include "reports/exports.h"
+#include "reports/exports/exports.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -58,7 +59,7 @@ int run_bench(const Options& options) {
   const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);
   gl::Context& context = *opened;
-  const TimingMeans means = choose_timing(context);
+  const TimingMethod method = choose_timing_method(context);
   if (context.is_software())
     fmt::print(stderr,
                "a software rasteriser draws: CPU times compare representations, they say nothing about a GPU\n");
@@ -66,14 +67,14 @@ int run_bench(const Options& options) {
   std::string arguments = "bench";
   if (!options.scene.file.empty()) arguments += " " + options.scene.file;
   for (const renderers::Spec& spec : request.representations) arguments += " " + spec.text();
-  RunRow run = describe_run(context, means, request.scenario, "bench", arguments);
+  RunRow run = describe_run(context, method, request.scenario, "bench", arguments);
   run.id = store.write(run);
   SweepSummary summary;
   {
     Progress progress("bench", 0);
     try {
       summary =
-          run_sweep(context, cast, means, run, request, store, [&](const std::string& now) { progress.note(now); });
+          run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
     } catch (const Interrupted&) {
       progress.note("");
       fmt::print(stderr, "crowdbench: stopped; finished points are in {}, the same command goes on from there\n",

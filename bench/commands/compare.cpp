@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-#include "bench/commands.h"
+#include "bench/commands/commands.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "metrics/agents.h"

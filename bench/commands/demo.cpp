@@ -4,17 +4,18 @@
 #include <chrono>
 #include <cmath>
 
-#include "bench/bench_run.h"
-#include "bench/commands.h"
-#include "bench/quality.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/experiments/bench_run.h"
+#include "bench/experiments/quality.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
 #include "core/progress.h"
 #include "metrics/pseudocolour.h"
-#include "reports/page.h"
-#include "studies/pair.h"
+#include "reports/page/page.h"
+#include "scene/cast/cast.h"
+#include "studies/stimuli/pair.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -177,7 +178,7 @@ int run_demo(const Options& options) {
   StoreWriter store(results);
   const std::unique_ptr<gl::Context> opened = open_context(options.device);
   gl::Context& context = *opened;
-  const TimingMeans means = choose_timing(context);
+  const TimingMethod method = choose_timing_method(context);
   Steps steps(characters.size() * (options.no_clip ? 3 : 4) + 1);
   int status = 0;
   for (const std::string& character : characters) {
@@ -185,7 +186,7 @@ int run_demo(const Options& options) {
     const scene::Cast cast = scene::load_cast(scenario);
     std::string arguments = "demo";
     for (const std::string& name : options.characters) arguments += " " + name;
-    RunRow run = describe_run(context, means, scenario, "demo", arguments);
+    RunRow run = describe_run(context, method, scenario, "demo", arguments);
     run.id = store.write(run);
 
     steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));
@@ -208,7 +209,7 @@ int run_demo(const Options& options) {
         request.occupancies = {occupancy};
         request.agents = agents;
         const SweepSummary part =
-            run_sweep(context, cast, means, run, request, store, [&](const std::string& now) { progress.note(now); });
+            run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
         summary.invalid += part.invalid;
         summary.remarks.insert(summary.remarks.end(), part.remarks.begin(), part.remarks.end());
       }

@@ -4,8 +4,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
 #include "core/version.h"
 #include "renderers/gl/counters.h"
 #include "renderers/representation.h"
@@ -21,7 +21,7 @@ Json representations_json() {
     Json options = Json::array();
     for (const renderers::OptionDoc& o : renderers::option_docs(type))
       options.push_back({{"key", o.key}, {"values", o.values}, {"default", o.default_value}, {"meaning", o.meaning}});
-    out.push_back({{"name", type.name}, {"summary", type.summary}, {"parts", type.parts}, {"options", options}});
+    out.push_back({{"name", type.name}, {"summary", type.summary}, {"parts", type.components}, {"options", options}});
   }
   return out;
 }

@@ -7,10 +7,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.h"
+#include "bench/commands/commands.h"
 #include "core/error.h"
-#include "scene/gltf.h"
-#include "scene/pose.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::bench {
 namespace {

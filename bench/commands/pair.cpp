@@ -1,4 +1,4 @@
-#include "studies/pair.h"
+#include "studies/stimuli/pair.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,12 @@
 #include <cmath>
 #include <memory>
 
-#include "bench/commands.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/stage/stage_scenario.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {

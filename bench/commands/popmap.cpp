@@ -7,9 +7,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.h"
-#include "bench/pop_map.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/experiments/pop_map.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
@@ -18,8 +18,9 @@
 #include "metrics/heat_map.h"
 #include "metrics/pseudocolour.h"
 #include "renderers/gl/context.h"
-#include "reports/pop_page.h"
-#include "scene/gltf.h"
+#include "reports/page/pop_page.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -67,7 +68,7 @@ struct Way {
   const char* key;
   const char* text;
 };
-constexpr Way kWays[] = {{false, false, "own_cut", "own pose, cut"},
+constexpr Way kSwitchKinds[] = {{false, false, "own_cut", "own pose, cut"},
                          {false, true, "own_fade", "own pose, fade step"},
                          {true, false, "matched_cut", "matched pose, cut"},
                          {true, true, "matched_fade", "matched pose, fade step"}};
@@ -89,7 +90,7 @@ std::string size_text(const PopCell& cell) {
 
 Json statistics_json(const std::vector<PopCell>& cells) {
   Json out = Json::object();
-  for (const Way& way : kWays)
+  for (const Way& way : kSwitchKinds)
     for (const auto& [measure, name] :
          {std::pair(PopMeasure::mae, "mae"), std::pair(PopMeasure::ssim_union, "ssim_union")}) {
       const auto s = summarise_pops(cells, measure, way.matched, way.fade);
@@ -135,7 +136,7 @@ Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& reques
   std::sort(elevations.rbegin(), elevations.rend());
   for (const std::vector<PopCell>& size : by_size(cells)) {
     std::vector<metrics::HeatPanel> row;
-    for (const Way& way : kWays) {
+    for (const Way& way : kSwitchKinds) {
       if (way.fade) continue;
       metrics::HeatPanel panel;
       panel.title = fmt::format("{}: {}", size_text(size.front()), way.text);
@@ -202,9 +203,9 @@ reports::PopPicture picture_of(const Image8& image, const metrics::Box& box, con
 
 reports::PopPoint point_of(const PopCell& cell) {
   reports::PopPoint point{cell.ratio, cell.height_px, cell.azimuth_deg, cell.elevation_deg, cell.phase, {}, {}};
-  for (size_t w = 0; w < std::size(kWays); ++w) {
-    const PopScores& scores = kWays[w].matched ? cell.matched : cell.own;
-    const PopScore& score = kWays[w].fade ? scores.fade_step : scores.cut;
+  for (size_t w = 0; w < std::size(kSwitchKinds); ++w) {
+    const PopScores& scores = kSwitchKinds[w].matched ? cell.matched : cell.own;
+    const PopScore& score = kSwitchKinds[w].fade ? scores.fade_step : scores.cut;
     point.mae[w] = score.mae;
     point.ssim_union[w] = score.ssim_union;
   }
@@ -212,13 +213,13 @@ reports::PopPoint point_of(const PopCell& cell) {
 }
 
 reports::PopSize page_size(const std::vector<PopCell>& cells, const PopPictures* pictures, int fade) {
-  static_assert(std::size(kWays) == reports::kPopWays);
+  static_assert(std::size(kSwitchKinds) == reports::kPopSwitchKinds);
   reports::PopSize size;
   for (const PopCell& cell : cells) size.points.push_back(point_of(cell));
-  for (size_t w = 0; w < std::size(kWays); ++w)
+  for (size_t w = 0; w < std::size(kSwitchKinds); ++w)
     for (const auto& [measure, to] :
          {std::pair(PopMeasure::mae, &size.mae), std::pair(PopMeasure::ssim_union, &size.ssim_union)})
-      if (const auto s = summarise_pops(cells, measure, kWays[w].matched, kWays[w].fade))
+      if (const auto s = summarise_pops(cells, measure, kSwitchKinds[w].matched, kSwitchKinds[w].fade))
         (*to)[w] = reports::PopSummary{s->mean, s->tail, s->worst, size.points[s->worst_cell]};
   if (pictures == nullptr) return size;
   const auto box = metrics::crop_box(metrics::mask_of(pictures->mesh.ids), metrics::mask_of(pictures->impostor.ids));
@@ -314,7 +315,7 @@ int run_popmap(const Options& options) {
   for (const auto& size : by_size(cells)) {
     fmt::print("{}\n  {:<26}{:>8}{:>8}{:>8}   {:>8}{:>8}{:>8}   worst at (MAE)\n", size_text(size.front()), "", "MAE",
                "p95", "worst", "SSIM", "p05", "worst");
-    for (const Way& way : kWays) {
+    for (const Way& way : kSwitchKinds) {
       const auto mae = summarise_pops(size, PopMeasure::mae, way.matched, way.fade);
       const auto ssim = summarise_pops(size, PopMeasure::ssim_union, way.matched, way.fade);
       if (!mae) {

@@ -1,4 +1,4 @@
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.h"
+#include "bench/commands/commands.h"
 #include "core/error.h"
-#include "scene/gltf.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
 
 namespace crowdbench::bench {
 namespace {

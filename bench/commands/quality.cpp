@@ -1,4 +1,4 @@
-#include "bench/quality.h"
+#include "bench/experiments/quality.h"
 
 #include <fmt/format.h>
 
@@ -10,15 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include "bench/commands.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/progress.h"
 #include "metrics/pseudocolour.h"
 #include "metrics/temporal.h"
 #include "renderers/gl/context.h"
-#include "scene/gltf.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
 
 namespace crowdbench::bench {
 namespace {

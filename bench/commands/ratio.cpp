@@ -1,13 +1,14 @@
-#include "bench/ratio.h"
+#include "bench/experiments/ratio.h"
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
 #include "core/error.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -6,18 +6,20 @@
 #include <filesystem>
 #include <memory>
 
-#include "bench/commands.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/stage/stage_scenario.h"
 #include "core/colour.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/portable_math.h"
 #include "core/progress.h"
 #include "core/version.h"
-#include "renderers/capture.h"
+#include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
-#include "scene/crowd.h"
-#include "scene/pose.h"
+#include "scene/cast/open_character.h"
+#include "scene/crowd/crowd.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -3,12 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "bench/commands.h"
+#include "bench/commands/commands.h"
 #include "core/error.h"
 #include "core/files.h"
-#include "core/store.h"
-#include "reports/exports.h"
-#include "reports/page.h"
+#include "reports/exports/exports.h"
+#include "reports/page/page.h"
+#include "store/store.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -3,8 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "bench/commands.h"
-#include "scene/scenario.h"
+#include "bench/commands/commands.h"
+#include "scene/scenario/scenario.h"
+#include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::bench {
 

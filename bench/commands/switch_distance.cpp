@@ -1,15 +1,16 @@
-#include "bench/switch_distance.h"
+#include "bench/experiments/switch_distance.h"
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.h"
-#include "bench/quality.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/experiments/quality.h"
 #include "core/error.h"
-#include "scene/gltf.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
 
 namespace crowdbench::bench {
 namespace {

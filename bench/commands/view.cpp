@@ -5,14 +5,16 @@
 #include <memory>
 #include <optional>
 
-#include "bench/commands.h"
-#include "bench/scene_options.h"
-#include "bench/viewer.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/commands/viewer.h"
+#include "bench/stage/stage_scenario.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/progress.h"
-#include "renderers/capture.h"
+#include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -43,9 +45,9 @@ std::vector<renderers::Spec> offered(const std::vector<std::string>& asked, cons
 }
 
 // Makes representations when they are first asked for.
-class Cabinet {
+class RepresentationPool {
  public:
-  Cabinet(gl::Context& context, const scene::Cast& cast, const std::vector<renderers::Spec>& specs)
+  RepresentationPool(gl::Context& context, const scene::Cast& cast, const std::vector<renderers::Spec>& specs)
       : context_(context), cast_(cast), specs_(specs), made_(specs.size()) {}
   bool holds(size_t index) const { return made_[index] != nullptr; }
   size_t first_held() const {
@@ -85,7 +87,7 @@ int run_view(const Options& options) {
   const scene::Scenario& scenario = staged.scenario;
   const scene::Camera start = scenario.camera.at(0);
 
-  Cabinet cabinet(context, cast, specs);
+  RepresentationPool pool(context, cast, specs);
   renderers::Renderer renderer(context, cast);
   std::optional<renderers::Target> target;
   ViewerState state;
@@ -101,7 +103,7 @@ int run_view(const Options& options) {
     }
     scene::Frame frame = scene::make_frame(scenario, cast, staged.crowd, camera_of(state.orbit, start), state.tick);
     frame.width = width;
-    renderer.draw(frame, cabinet.get(which), *target);
+    renderer.draw(frame, pool.get(which), *target);
     return target->read().colour;
   };
 
@@ -116,14 +118,14 @@ int run_view(const Options& options) {
       state.tick = shown;  // no clock: frame n shows tick n
     }
     for (size_t* which : {&state.current, &state.beside}) {
-      if (cabinet.holds(*which) || (which == &state.beside && !state.side_by_side)) continue;
+      if (pool.holds(*which) || (which == &state.beside && !state.side_by_side)) continue;
       window.set_title(fmt::format("crowdbench: making {} ...", names[*which]));
       try {
-        cabinet.get(*which);
+        pool.get(*which);
       } catch (const Error& error) {
-        if (!cabinet.holds_any()) throw;
+        if (!pool.holds_any()) throw;
         fmt::print(stderr, "{}: {}\n", names[*which], error.what());
-        *which = cabinet.first_held();
+        *which = pool.first_held();
       }
       before = Clock::now();
     }

@@ -13,13 +13,13 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "renderers/bake_cache.h"
-#include "renderers/emission.h"
+#include "core/parallel.h"
+#include "renderers/bake/bake_cache.h"
+#include "renderers/bake/emission.h"
 #include "renderers/gl/objects.h"
-#include "renderers/parallel.h"
-#include "renderers/tiles/block_compression.h"
-#include "renderers/tiles/outline.h"
-#include "renderers/tiles/packing.h"
+#include "renderers/impostor/tiles/block_compression.h"
+#include "renderers/impostor/tiles/outline.h"
+#include "renderers/impostor/tiles/packing.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -361,11 +361,11 @@ NominalFrame nominal_frame(const ViewGrid& grid, int texels) {
 
 std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                                   const FlatBakeOptions& options, bool blend,
-                                  const std::function<void(const std::function<void(const Sighting&)>&)>& visit) {
+                                  const std::function<void(const std::function<void(const ViewSample&)>&)>& visit) {
   const Plan plan = make_plan(character, bank, options);
   const auto views = static_cast<size_t>(options.grid.size());
   std::vector<uint8_t> needed(plan.frames.size() * views);
-  visit([&](const Sighting& seen) {
+  visit([&](const ViewSample& seen) {
     const StoredClip& clip = plan.frames.clips[static_cast<size_t>(seen.bank_clip)];
     const glm::dvec3 d = glm::dvec3(seen.eye) - plan.sphere.centre;
     // The GPU picks in single precision: what lies this near to a border may fall to either side of it.

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "renderers/impostor/tiles/plane.h"
+#include "renderers/impostor/tiles/stored_frames.h"
+#include "renderers/impostor/tiles/tile.h"
+#include "renderers/impostor/views/view_grid.h"
 #include "renderers/representation.h"
-#include "renderers/tiles/plane.h"
-#include "renderers/tiles/stored_frames.h"
-#include "renderers/tiles/tile.h"
-#include "renderers/views/view_grid.h"
 
 namespace crowdbench::renderers {
 
@@ -24,9 +24,9 @@ struct FlatBakeOptions {
   bool fitted = true;       // planes fitted to the posed body; false: through the capture centre, facing the view
   bool trimmed = true;      // false: every tile is the whole square, as the source has it
   int corners = 8;          // of the outlines of the finer levels, 4..8; coarser ones are triangles
-  bool compressed = false;  // blocks (renderers/tiles/block_compression.h) instead of RGBA8 texels; tiles lie at
-                            // multiples of four, so that none shares a block
-  bool depth = true;        // of a compressed bake: with the depth map, which only nailboards read
+  bool compressed = false;  // blocks (renderers/impostor/tiles/block_compression.h) instead of RGBA8 texels; tiles lie
+                            // at multiples of four, so that none shares a block
+  bool depth = true;  // of a compressed bake: with the depth map, which only nailboards read
   // Frames x views, frame-major: the tiles to bake; empty: all of them. Those that are baked are the same texels at the
   // same place of a layer whatever else is, so that pictures do not change by a bit; layers without any are left out.
   std::vector<uint8_t> needed;
@@ -49,10 +49,11 @@ struct FlatTile {
   float low_x = 0, low_y = 0, high_x = 0, high_y = 0;  // what holds the tile without its gutter, lattice coordinates
 };
 
-// One level: layers of width x height texels, row 0 lowest. An albedo and a surface map (renderers/tiles/tile.h) of
-// RGBA8 texels; of a compressed bake albedo as BC3 blocks, and in place of the surface map BC5 normals, BC4 depths
-// where they are wanted, and material ids of FlatBake::part_bits, rows of width * part_bits / 8 bytes. Where the
-// character glows there is an emission map besides (renderers/emission.h): RGBA8 texels or BC1 blocks.
+// One level: layers of width x height texels, row 0 lowest. An albedo and a surface map
+// (renderers/impostor/tiles/tile.h) of RGBA8 texels; of a compressed bake albedo as BC3 blocks, and in place of the
+// surface map BC5 normals, BC4 depths where they are wanted, and material ids of FlatBake::part_bits, rows of width *
+// part_bits / 8 bytes. Where the character glows there is an emission map besides (renderers/bake/emission.h): RGBA8
+// texels or BC1 blocks.
 struct FlatLevel {
   int width = 0, height = 0, layers = 0;
   int corners = 4;                             // 3: triangles that reach beyond the tiles (tile_triangle)
@@ -110,11 +111,11 @@ struct NominalFrame {
 };
 NominalFrame nominal_frame(const ViewGrid& grid, int texels);
 
-// FlatBakeOptions::needed for sightings: `visit` shows them one after the other. blend: the views of ViewGrid::blend
+// FlatBakeOptions::needed for view samples: `visit` shows them one after the other. blend: the views of ViewGrid::blend
 // instead of the nearest. What lies within rounding of another view or frame counts for both.
 std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                                   const FlatBakeOptions& options, bool blend,
-                                  const std::function<void(const std::function<void(const Sighting&)>&)>& visit);
+                                  const std::function<void(const std::function<void(const ViewSample&)>&)>& visit);
 
 std::vector<uint8_t> serialise(const FlatBake& bake);
 // std::nullopt when the bytes are not a bake (a stale format that a checksum cannot see).

@@ -1,5 +1,5 @@
-// The maps of the tiles (renderers/tiles/tile.h), as texels or, with CB_PART_BITS, as compressed blocks
-// (renderers/tiles/block_compression.h). With CB_EMISSIVE there is light given off.
+// The maps of the tiles (renderers/impostor/tiles/tile.h), as texels or, with CB_PART_BITS, as compressed blocks
+// (renderers/impostor/tiles/block_compression.h). With CB_EMISSIVE there is light given off.
 #include "renderers/flat/flat.shared.h"
 
 layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered

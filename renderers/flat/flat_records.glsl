@@ -1,7 +1,7 @@
 // The bake of the character being drawn and the agents, as the vertex shaders read them.
 #include "renderers/shaders/frame.glsl"
 #include "renderers/flat/flat_table.glsl"
-#include "renderers/views/view_grid.glsl"
+#include "renderers/impostor/views/view_grid.glsl"
 
 layout(binding = CB_TEXTURE_TILES) uniform samplerBuffer tile_texels;        // three a tile: FlatTile
 layout(binding = CB_TEXTURE_OUTLINES) uniform samplerBuffer outline_texels;  // one a corner

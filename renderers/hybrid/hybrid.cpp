@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "renderers/frame_resources.h"
+#include "renderers/frame/frame_resources.h"
 
 namespace crowdbench::renderers {
 
@@ -132,8 +132,8 @@ const RepresentationType hybrid_type = {
       policy.fade = static_cast<int>(reader.integer("fade", 0, 60));
       policy.match = reader.number("match", 0, 1);
 
-      Spec near = spec.parts[0];
-      Spec far = spec.parts[1];
+      Spec near = spec.components[0];
+      Spec far = spec.components[1];
       if (reader.flag("floor"))
         for (Spec* part : {&near, &far})
           if (std::none_of(part->options.begin(), part->options.end(),

@@ -1,6 +1,6 @@
 #include "renderers/mesh/mesh.h"
 
-#include "renderers/frame_resources.h"
+#include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
 
 namespace crowdbench::renderers {

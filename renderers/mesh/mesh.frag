@@ -2,7 +2,7 @@
 #include "renderers/shaders/shading.glsl"
 #ifdef CB_CAPTURE
 #define CB_CAPTURE_OUTPUTS
-#include "renderers/tiles/capture.glsl"
+#include "renderers/impostor/tiles/capture.glsl"
 #else
 #include "renderers/shaders/output.glsl"
 #endif

@@ -21,7 +21,7 @@ layout(location = 4) out vec2 v_emissive_uv;
 #endif
 layout(location = CB_ATTRIBUTE_AGENT) in uint in_agent;
 #ifdef CB_CAPTURE
-#include "renderers/tiles/capture.glsl"
+#include "renderers/impostor/tiles/capture.glsl"
 #endif
 
 layout(location = 0) out vec4 v_normal_u;  // world normal, not unit; u. Few outputs: each costs every triangle's set-up

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/character.h"
-#include "scene/pose_bank.h"
+#include "scene/character/character.h"
+#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::renderers {
 

@@ -3,7 +3,7 @@
 // command that draws its polygons.
 #include "renderers/shaders/frame.glsl"
 #include "renderers/polypostor/polypostor.shared.h"
-#include "renderers/views/view_grid.glsl"
+#include "renderers/impostor/views/view_grid.glsl"
 
 layout(local_size_x = CB_POLYPOSTOR_GROUP) in;
 layout(location = CB_LOCATION_COUNT) uniform uint count;

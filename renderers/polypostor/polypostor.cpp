@@ -12,16 +12,16 @@
 #include <tuple>
 
 #include "core/error.h"
-#include "renderers/bake_loader.h"
-#include "renderers/frame_resources.h"
+#include "renderers/bake/bake_loader.h"
+#include "renderers/frame/frame_resources.h"
 #include "renderers/gl/objects.h"
 #include "renderers/gl/program.h"
+#include "renderers/impostor/tiles/level_order.h"
+#include "renderers/impostor/tiles/tile_textures.h"
+#include "renderers/impostor/views/view_options.h"
 #include "renderers/polypostor/polypostor.shared.h"
 #include "renderers/polypostor/polypostor_bake.h"
 #include "renderers/shaders/bindings.shared.h"
-#include "renderers/tiles/level_order.h"
-#include "renderers/tiles/tile_textures.h"
-#include "renderers/views/view_options.h"
 
 namespace crowdbench::renderers {
 namespace {

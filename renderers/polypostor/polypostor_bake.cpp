@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "renderers/bake_cache.h"
-#include "renderers/parallel.h"
+#include "core/parallel.h"
+#include "renderers/bake/bake_cache.h"
 #include "renderers/polypostor/polypostor_images.h"
 #include "renderers/polypostor/polypostor_plan.h"
 #include "renderers/polypostor/polypostor_view.h"

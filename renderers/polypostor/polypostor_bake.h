@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "renderers/tiles/stored_frames.h"
-#include "renderers/views/view_grid.h"
-#include "scene/character.h"
-#include "scene/pose_bank.h"
+#include "renderers/impostor/tiles/stored_frames.h"
+#include "renderers/impostor/views/view_grid.h"
+#include "scene/character/character.h"
+#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::gl {
 class Context;
@@ -66,9 +66,9 @@ struct PolypostorBake {
   uint32_t ranges_by_frame = 0;  // 1: a set has a range for each frame (two keys); 0: one for all
   std::vector<StoredClip> clips;
   int width = 0, height = 0, layers = 0;  // of the pages; row 0 lowest
-  // renderers/tiles/tile.h: albedo RGBA8; x and y of the normal RG8; material id R8.
+  // renderers/impostor/tiles/tile.h: albedo RGBA8; x and y of the normal RG8; material id R8.
   std::vector<uint8_t> albedo, normals, materials;
-  float emission_peak = 0;          // linear light, of all materials (renderers/emission.h)
+  float emission_peak = 0;          // linear light, of all materials (renderers/bake/emission.h)
   std::vector<uint8_t> emission;    // RGBA8; empty where the peak is 0
   std::vector<PolypostorSet> sets;  // levels x clips x views
   std::vector<PolypostorRange> ranges;

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "renderers/tiles/half_plane.h"
+#include "renderers/impostor/tiles/half_plane.h"
 
 namespace crowdbench::renderers {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "renderers/parallel.h"
-#include "renderers/tiles/tile_capture.h"
+#include "core/parallel.h"
+#include "renderers/impostor/tiles/tile_capture.h"
 
 namespace crowdbench::renderers {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "renderers/impostor/tiles/packing.h"
+#include "renderers/impostor/tiles/tile.h"
 #include "renderers/polypostor/polypostor_view.h"
-#include "renderers/tiles/packing.h"
-#include "renderers/tiles/tile.h"
 
 namespace crowdbench::renderers {
 

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "core/error.h"
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::renderers {
 namespace {

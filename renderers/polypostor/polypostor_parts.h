@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/character.h"
+#include "scene/character/character.h"
 
 namespace crowdbench::renderers {
 

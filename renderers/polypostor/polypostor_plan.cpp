@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "renderers/emission.h"
+#include "renderers/bake/emission.h"
 #include "renderers/polypostor/polypostor_key.h"
 
 namespace crowdbench::renderers {

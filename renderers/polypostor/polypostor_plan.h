@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include "renderers/impostor/tiles/plane.h"
+#include "renderers/impostor/tiles/stored_frames.h"
 #include "renderers/polypostor/polypostor_bake.h"
 #include "renderers/polypostor/polypostor_fit.h"
 #include "renderers/polypostor/polypostor_parts.h"
-#include "renderers/tiles/plane.h"
-#include "renderers/tiles/stored_frames.h"
 
 namespace crowdbench::renderers {
 
@@ -30,7 +30,7 @@ struct PolypostorPlan {
   CaptureSphere sphere;
   double texel = 0;                                  // metres, of level 0
   double quantum = 0;                                // texels: the unit of stored positions
-  float emission_peak = 0;                           // of the whole character (renderers/emission.h)
+  float emission_peak = 0;                           // of the whole character (renderers/bake/emission.h)
   std::vector<std::vector<scene::Mat3x4>> palettes;  // by frame
   std::vector<PolypostorTier> tiers;
 };

@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "renderers/impostor/tiles/plane.h"
+#include "renderers/impostor/tiles/tile.h"
+#include "renderers/impostor/views/view_grid.h"
 #include "renderers/polypostor/polypostor_plan.h"
-#include "renderers/tiles/plane.h"
-#include "renderers/tiles/tile.h"
-#include "renderers/views/view_grid.h"
 
 namespace crowdbench::renderers {
 

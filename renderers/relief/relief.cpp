@@ -14,8 +14,8 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "renderers/bake_cache.h"
-#include "renderers/frame_resources.h"
+#include "renderers/bake/bake_cache.h"
+#include "renderers/frame/frame_resources.h"
 #include "renderers/gl/objects.h"
 #include "renderers/gl/program.h"
 #include "renderers/relief/relief.shared.h"
@@ -86,7 +86,7 @@ struct Tier {
 struct Baked {
   std::vector<Tier> tiers;
   std::vector<double> pixels;  // of tiers 1, ...
-  std::vector<BakePart> parts;
+  std::vector<BakeItem> items;
   uint64_t full_texels = 0;  // of the nearest tier's depth picture, those of level 0
   double height = 0;         // metres at scale 1
   std::string key;
@@ -171,7 +171,7 @@ class Relief final : public Representation {
     info.cache_key = baked_.size() == 1 ? baked_[0].key : keys.hex();
     info.facts = {{"nominal_bytes", static_cast<double>(nominal)}, {"actual_bytes", static_cast<double>(actual)}};
     if (baked_.size() == 1) {
-      info.parts = baked_[0].parts;
+      info.items = baked_[0].items;
       const Tier& nearest = baked_[0].tiers[0];
       const auto bytes = [](uint64_t n) { return static_cast<double>(n); };
       const uint64_t full = nearest.texture_bytes();
@@ -229,7 +229,7 @@ class Relief final : public Representation {
     for (const ReliefBox& box : bake->models[0].boxes)
       baked.texel = std::max(baked.texel, std::max({box.size.x, box.size.y, box.size.z}) / box.texels);
     baked.full_texels = 3 * bake->models[0].texels();
-    baked.parts = parts_of(character, bake->models[0]);
+    baked.items = items_of(character, bake->models[0]);
     for (size_t i = 0; i < bake->models.size(); ++i) {
       baked.tiers.push_back(upload(character, *bake, i));
       const Tier& tier = baked.tiers.back();
@@ -239,13 +239,13 @@ class Relief final : public Representation {
 
   // Every joint, with all boxes that stand along its axes; those without triangles have none. A triangle counts in
   // every box that holds it.
-  std::vector<BakePart> parts_of(const scene::Character& character, const ReliefModel& model) const {
-    std::vector<BakePart> parts;
+  std::vector<BakeItem> items_of(const scene::Character& character, const ReliefModel& model) const {
+    std::vector<BakeItem> items;
     for (const scene::Joint& joint : character.skeleton.joints)
-      parts.push_back({joint.name, {{"texels", 0}, {"triangles", 0}, {"longest_m", 0}, {"bytes", 0}, {"boxes", 0}}});
+      items.push_back({joint.name, {{"texels", 0}, {"triangles", 0}, {"longest_m", 0}, {"bytes", 0}, {"boxes", 0}}});
     for (size_t i = 0; i < model.boxes.size(); ++i) {
       const ReliefBox& box = model.boxes[i];
-      auto& facts = parts[static_cast<size_t>(box.joints[0])].facts;
+      auto& facts = items[static_cast<size_t>(box.joints[0])].facts;
       facts[0].second = std::max<double>(facts[0].second, box.texels);
       facts[1].second += model.triangles_of_box[i];
       facts[2].second = std::max({facts[2].second, box.size.x, box.size.y, box.size.z});
@@ -255,7 +255,7 @@ class Relief final : public Representation {
       facts[3].second += static_cast<double>(bytes);
       facts[4].second += 1;
     }
-    return parts;
+    return items;
   }
 
   Tier upload(const scene::Character& character, const ReliefTiers& bake, size_t index) {

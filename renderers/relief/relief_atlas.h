@@ -32,7 +32,7 @@ struct Atlas {
   std::vector<uint16_t> depth;  // width x height x 2
   std::vector<uint8_t> colour;  // 2 width x height x 4; six columns a box
   std::vector<uint8_t> normal;
-  std::vector<uint8_t> emission;  // as colour (renderers/emission.h); empty where nothing glows
+  std::vector<uint8_t> emission;  // as colour (renderers/bake/emission.h); empty where nothing glows
   // width/2 x height/2 x 2: one texel for two by two of the depth picture's, level by level. Least and greatest depth
   // of anything that touches these texels or, on the level's own scale, the texels next to them, rounded outward: what
   // lies outside, in any of the three axes' maps, is air.

@@ -11,11 +11,11 @@
 
 #include "core/colour.h"
 #include "core/error.h"
+#include "core/parallel.h"
 #include "core/progress.h"
-#include "renderers/emission.h"
-#include "renderers/parallel.h"
-#include "renderers/tiles/half_plane.h"
-#include "scene/pose.h"
+#include "renderers/bake/emission.h"
+#include "renderers/impostor/tiles/half_plane.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::renderers {
 namespace {

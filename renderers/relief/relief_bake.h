@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "renderers/relief/relief_pieces.h"
-#include "scene/character.h"
+#include "scene/character/character.h"
 
 namespace crowdbench::renderers {
 
@@ -66,7 +66,7 @@ struct ReliefModel {
   std::vector<uint8_t> colour;
   // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is the part id.
   std::vector<uint8_t> normal;
-  // The same for the light given off (renderers/emission.h), the fourth unused; empty where the peak is 0.
+  // The same for the light given off (renderers/bake/emission.h), the fourth unused; empty where the peak is 0.
   std::vector<uint8_t> emission;
   float emission_peak = 0;
   std::vector<int> triangles_of_box;

@@ -11,7 +11,7 @@
 #include <map>
 #include <utility>
 
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::renderers {
 namespace {

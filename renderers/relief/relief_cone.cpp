@@ -9,8 +9,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/parallel.h"
 #include "core/progress.h"
-#include "renderers/parallel.h"
 
 namespace crowdbench::renderers {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <optional>
 
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::renderers {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/character.h"
-#include "scene/pose_bank.h"
+#include "scene/character/character.h"
+#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::renderers {
 

@@ -12,8 +12,8 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "renderers/bake_cache.h"
-#include "renderers/emission.h"
+#include "renderers/bake/bake_cache.h"
+#include "renderers/bake/emission.h"
 #include "renderers/relief/relief_atlas.h"
 #include "renderers/relief/relief_bends.h"
 #include "renderers/relief/relief_cone.h"

@@ -8,8 +8,8 @@
 
 #include "renderers/relief/relief_bake.h"
 #include "renderers/relief/relief_pieces.h"
-#include "scene/character.h"
-#include "scene/pose_bank.h"
+#include "scene/character/character.h"
+#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::renderers {
 

@@ -8,8 +8,9 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "renderers/frame_resources.h"
+#include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::renderers {
 namespace {

@@ -24,7 +24,7 @@
 // Buffers as texels: where many lanes read different places, llvmpipe fetches a texel several times faster than a
 // storage block's element, and GPUs do not mind.
 #define CB_TEXTURE_AGENTS 13   // AGENTS, four RGBA32F texels an agent
-#define CB_TEXTURE_OUTFITS 14  // kParts RGBA32F texels an outfit
+#define CB_TEXTURE_OUTFITS 14  // kOutfitSlots RGBA32F texels an outfit
 #define CB_TEXTURE_PALETTE 15  // PALETTE, three RGBA32F texels a joint
 
 // Uniform locations.
@@ -42,8 +42,8 @@
 #define CB_ATTRIBUTE_EMISSIVE_UV 6
 #define CB_ATTRIBUTE_AGENT 7  // uint, one an instance: the agent's position in AGENTS, from LIST
 
-// Body parts that an outfit colours (scene::kParts).
-#define CB_PARTS 16
+// Body parts that an outfit colours (scene::kOutfitSlots).
+#define CB_OUTFIT_SLOTS 16
 
 // Flags of a material (mesh.frag).
 #define CB_MATERIAL_UNLIT 1u

@@ -4,9 +4,9 @@
 
 layout(binding = CB_TEXTURE_OUTFITS) uniform samplerBuffer outfits;
 
-// The outfit's colour factor for a body part; parts beyond CB_PARTS keep their own colour.
+// The outfit's colour factor for a body part; parts beyond CB_OUTFIT_SLOTS keep their own colour.
 vec3 outfit_colour(uint part, uint outfit) {
-  return part < uint(CB_PARTS) ? texelFetch(outfits, int(outfit) * CB_PARTS + int(part)).rgb : vec3(1.0);
+  return part < uint(CB_OUTFIT_SLOTS) ? texelFetch(outfits, int(outfit) * CB_OUTFIT_SLOTS + int(part)).rgb : vec3(1.0);
 }
 
 // albedo: linear, before the outfit. lambert: cosine between the normal and the light, 0 where the light is behind.

@@ -1,10 +1,10 @@
-#include "bench/audit.h"
+#include "bench/experiments/audit.h"
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "renderers/gl/context.h"
-#include "scene/mannequin.h"
+#include "scene/mannequin/mannequin.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -1,11 +1,12 @@
-#include "bench/bench_run.h"
+#include "bench/experiments/bench_run.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "bench/ratio.h"
+#include "bench/experiments/ratio.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -34,10 +35,10 @@ class SweepGl : public testing::Test {
   }
   SweepSummary sweep() {
     StoreWriter store(file_);
-    const TimingMeans means{Metric::cpu, false, "not asked"};
-    RunRow run = describe_run(*context_, means, request_.scenario, "bench", "test");
+    const TimingMethod method{Metric::cpu, false, "not asked"};
+    RunRow run = describe_run(*context_, method, request_.scenario, "bench", "test");
     run.id = store.write(run);
-    return run_sweep(*context_, cast_, means, run, request_, store, [&](const std::string& now) {
+    return run_sweep(*context_, cast_, method, run, request_, store, [&](const std::string& now) {
       if (!stop_at_.empty() && now.starts_with(stop_at_)) throw Interrupted{};
     });
   }
@@ -129,8 +130,8 @@ TEST_F(SweepGl, AnImpostorTouchesMoreThanItCovers) {
   const scene::Solved solved = solve_scene(*context_, scenario, cast_);
   Stage stage(*context_, cast_);
   stage.show(solved.scenario, solved.crowd, solved.camera);
-  Contender flat(stage, renderers::parse_spec("flat:views=sphere-8x3,texels=32,frames=2"), scenario.width,
-                 scenario.height, uint64_t{64} << 20);
+  TimedRepresentation flat(stage, renderers::parse_spec("flat:views=sphere-8x3,texels=32,frames=2"), scenario.width,
+                           scenario.height, uint64_t{64} << 20);
   const ImageCheck check = check_pictures(flat.capture(0), flat.capture(15), false, std::nullopt);
   EXPECT_GT(flat.touched_px(0), check.covered_px * 11 / 10);
   EXPECT_LT(flat.touched_px(0), check.covered_px * 4);

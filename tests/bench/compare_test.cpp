@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/commands.h"
+#include "bench/commands/commands.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"

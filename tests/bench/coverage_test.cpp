@@ -1,9 +1,10 @@
-#include "bench/coverage.h"
+#include "bench/stage/coverage.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "renderers/capture.h"
+#include "renderers/frame/capture.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -7,8 +7,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "scene/gltf.h"
-#include "scene/pose.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
+#include "scene/pose/pose.h"
 #include "tests/support/driver.h"
 #include "tests/support/scratch_folder.h"
 

@@ -1,4 +1,4 @@
-#include "bench/pop_map.h"
+#include "bench/experiments/pop_map.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "metrics/heat_map.h"
 #include "metrics/pseudocolour.h"
 #include "renderers/gl/context.h"
-#include "scene/mannequin.h"
+#include "scene/mannequin/mannequin.h"
 #include "tests/support/driver.h"
 #include "tests/support/scratch_folder.h"
 

@@ -1,4 +1,4 @@
-#include "bench/quality.h"
+#include "bench/experiments/quality.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "renderers/gl/context.h"
-#include "scene/mannequin.h"
+#include "scene/mannequin/mannequin.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -1,9 +1,10 @@
 // Joints that share boxes at a distance: their pictures against the mesh, at the sizes at which they are used.
 #include <gtest/gtest.h>
 
-#include "bench/quality.h"
+#include "bench/experiments/quality.h"
 #include "renderers/gl/context.h"
-#include "scene/gltf.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -5,8 +5,9 @@
 #include <set>
 
 #include "renderers/representation.h"
-#include "scene/crowd.h"
-#include "scene/scenario.h"
+#include "scene/crowd/crowd.h"
+#include "scene/scenario/scenario.h"
+#include "scene/scenario/scenario_toml.h"
 
 namespace crowdbench::bench {
 namespace {

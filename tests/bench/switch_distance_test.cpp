@@ -1,4 +1,4 @@
-#include "bench/switch_distance.h"
+#include "bench/experiments/switch_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "scene/mannequin.h"
+#include "scene/mannequin/mannequin.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -7,13 +7,15 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "bench/commands.h"
-#include "bench/scene_options.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/scene_options.h"
+#include "bench/stage/stage_scenario.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
-#include "renderers/capture.h"
+#include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
+#include "scene/cast/cast.h"
 #include "tests/support/xvfb.h"
 
 namespace crowdbench::bench {

@@ -1,4 +1,4 @@
-#include "bench/viewer.h"
+#include "bench/commands/viewer.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "scene/gltf.h"
-#include "scene/pose.h"
+#include "scene/gltf/gltf.h"
+#include "scene/pose/pose.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "renderers/bake_cache.h"
+#include "renderers/bake/bake_cache.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "renderers/tiles/block_compression.h"
+#include "renderers/impostor/tiles/block_compression.h"
 
 #include <gtest/gtest.h>
 

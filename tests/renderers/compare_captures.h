@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "renderers/capture.h"
+#include "renderers/frame/capture.h"
 
 namespace crowdbench::renderers::testing {
 

@@ -9,9 +9,10 @@
 #include <set>
 
 #include "gl_test_support.h"
-#include "renderers/frame_resources.h"
+#include "renderers/frame/frame_resources.h"
 #include "renderers/shaders/dither.shared.h"
-#include "scene/mannequin.h"
+#include "scene/cast/cast.h"
+#include "scene/mannequin/mannequin.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -23,14 +24,14 @@ using testing::frame_of_one;
 
 // How a type is asked for: with its defaults, and made of mesh and flat where it is made of two.
 std::string spec_of(const RepresentationType& type) {
-  return type.parts == 0 ? type.name : type.name + "(mesh,flat,distance=9)";
+  return type.components == 0 ? type.name : type.name + "(mesh,flat,distance=9)";
 }
 
 std::vector<std::string> specs() {
   std::vector<std::string> out;
   for (const RepresentationType& type : representation_types()) {
     out.push_back(spec_of(type));
-    if (type.parts == 0) out.push_back(type.name + ":floor=1");
+    if (type.components == 0) out.push_back(type.name + ":floor=1");
   }
   return out;
 }

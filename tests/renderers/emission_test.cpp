@@ -1,5 +1,5 @@
 // Light that a character gives off: every representation shows it as the mesh does.
-#include "renderers/emission.h"
+#include "renderers/bake/emission.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,7 @@
 
 #include "core/colour.h"
 #include "gl_test_support.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -128,7 +129,7 @@ struct Asked {
 std::vector<Asked> asked() {
   std::vector<Asked> out;
   for (const RepresentationType& type : representation_types())
-    out.push_back({type.parts == 0 ? type.name : type.name + "(mesh,flat,distance=9)"});
+    out.push_back({type.components == 0 ? type.name : type.name + "(mesh,flat,distance=9)"});
   for (const char* how : {"blend=3", "depth=nailboard", "quad=square", "layers=1"})
     out.push_back({"flat:views=sphere-4x2," + std::string(how)});
   // Colours of five bits, and of two codes between those that a block has.

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "renderers/bake_cache.h"
+#include "renderers/bake/bake_cache.h"
 #include "renderers/flat/flat.h"
 #include "renderers/gl/objects.h"
 #include "tests/renderers/gl_test_support.h"

@@ -10,8 +10,9 @@
 #include "renderers/flat/flat.h"
 #include "renderers/flat/flat_bake.h"
 #include "renderers/gl/objects.h"
-#include "renderers/tiles/block_compression.h"
-#include "scene/mannequin.h"
+#include "renderers/impostor/tiles/block_compression.h"
+#include "scene/cast/cast.h"
+#include "scene/mannequin/mannequin.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 

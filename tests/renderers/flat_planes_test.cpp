@@ -7,9 +7,10 @@
 #include <numbers>
 #include <tuple>
 
-#include "renderers/tiles/plane.h"
-#include "renderers/tiles/tile_capture.h"
-#include "renderers/views/view_grid.h"
+#include "renderers/impostor/tiles/plane.h"
+#include "renderers/impostor/tiles/tile_capture.h"
+#include "renderers/impostor/views/view_grid.h"
+#include "scene/cast/cast.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 

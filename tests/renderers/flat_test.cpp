@@ -7,6 +7,7 @@
 #include <initializer_list>
 
 #include "core/error.h"
+#include "scene/cast/cast.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 

@@ -4,7 +4,8 @@
 #include <numbers>
 
 #include "core/portable_math.h"
-#include "scene/mannequin.h"
+#include "scene/cast/cast.h"
+#include "scene/mannequin/mannequin.h"
 
 namespace crowdbench::renderers::testing {
 namespace {

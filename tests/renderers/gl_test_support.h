@@ -8,9 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "renderers/capture.h"
+#include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
+#include "scene/cast/cast.h"
 
 namespace crowdbench::renderers::testing {
 
@@ -44,7 +45,7 @@ struct MakeOptions {
 };
 std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, const MakeOptions& how = {});
 
-// One of BakeInfo's or BakePart's facts; a failure when there is none of the name.
+// One of BakeInfo's or BakeItem's facts; a failure when there is none of the name.
 double fact(const std::vector<std::pair<std::string, double>>& facts, const std::string& name);
 
 // A frame looking along -Z from (0, eye_height, distance), without agents.

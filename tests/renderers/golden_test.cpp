@@ -19,7 +19,8 @@
 #include <numbers>
 
 #include "core/image_io.h"
-#include "scene/mannequin.h"
+#include "scene/cast/cast.h"
+#include "scene/mannequin/mannequin.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {

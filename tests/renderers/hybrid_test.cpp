@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "renderers/shaders/dither.shared.h"
+#include "scene/cast/cast.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {

@@ -9,13 +9,14 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "gl_test_support.h"
-#include "renderers/frame_resources.h"
+#include "renderers/frame/frame_resources.h"
 #include "renderers/gl/counters.h"
 #include "renderers/gl/program.h"
 #include "renderers/mesh/mesh_data.h"
 #include "renderers/shaders/bindings.shared.h"
-#include "scene/mannequin.h"
-#include "scene/pose.h"
+#include "scene/cast/cast.h"
+#include "scene/mannequin/mannequin.h"
+#include "scene/pose/pose.h"
 #include "tests/renderers/compare_captures.h"
 
 namespace crowdbench::renderers {

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "core/error.h"
-#include "scene/gltf.h"
-#include "scene/mannequin.h"
+#include "scene/gltf/gltf.h"
+#include "scene/mannequin/mannequin.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {

@@ -11,6 +11,8 @@
 
 #include "core/error.h"
 #include "renderers/polypostor/polypostor_bake.h"
+#include "scene/cast/cast.h"
+#include "scene/pose/normalise.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 #include "tests/support/cache_folder.h"

@@ -10,7 +10,8 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "gl_test_support.h"
-#include "scene/gltf.h"
+#include "scene/cast/cast.h"
+#include "scene/gltf/gltf.h"
 
 namespace crowdbench::renderers {
 namespace {

@@ -12,7 +12,9 @@
 #include "core/image_io.h"
 #include "gl_test_support.h"
 #include "renderers/relief/relief_pieces.h"
-#include "scene/gltf.h"
+#include "scene/cast/cast.h"
+#include "scene/cast/open_character.h"
+#include "scene/gltf/gltf.h"
 #include "solids.h"
 
 namespace crowdbench::renderers {
@@ -31,7 +33,7 @@ TEST_F(ReliefOptionsGl, ResolutionOfSingleJoints) {
   const scene::Cast cast = cast_of(testing::two_bones());  // joints "lower" and "upper"
   const auto texels = [&](const std::string& options) {
     std::vector<double> out;
-    for (const BakePart& part : make(cast, "relief:map=64,merge=0,capture=bind" + options)->bake_info().parts)
+    for (const BakeItem& part : make(cast, "relief:map=64,merge=0,capture=bind" + options)->bake_info().items)
       out.push_back(fact(part.facts, "texels"));
     return out;
   };
@@ -42,8 +44,8 @@ TEST_F(ReliefOptionsGl, ResolutionOfSingleJoints) {
   // Finer maps on one joint are seen in the bytes: 4.5 n x n texels of 20.5 bytes each.
   const auto plain = make(cast, "relief:map=64,merge=0,capture=bind");
   const auto fine = make(cast, "relief:map=64,merge=0,capture=bind,resolution=upper@128");
-  EXPECT_EQ(fact(fine->bake_info().parts[1].facts, "bytes"), 4.5 * 128 * 128 * 20.5);
-  EXPECT_EQ(fact(plain->bake_info().parts[1].facts, "bytes"), 4.5 * 64 * 64 * 20.5);
+  EXPECT_EQ(fact(fine->bake_info().items[1].facts, "bytes"), 4.5 * 128 * 128 * 20.5);
+  EXPECT_EQ(fact(plain->bake_info().items[1].facts, "bytes"), 4.5 * 64 * 64 * 20.5);
   EXPECT_GT(fact(fine->bake_info().facts, "actual_bytes"), fact(plain->bake_info().facts, "actual_bytes"));
 }
 
@@ -52,8 +54,8 @@ TEST_F(ReliefOptionsGl, ABudgetKeepsTheProportions) {
   const scene::Cast cast = cast_of(testing::two_bones());
   const auto fits = make(cast, "relief:map=64,merge=0,capture=bind,resolution=upper@256,budget=2.2");
   // Whole: 4.5 x 20.5 x (64^2 + 256^2) = 6.4 MB and the shelf's rest; halved: a quarter.
-  EXPECT_EQ(fact(fits->bake_info().parts[0].facts, "texels"), 32);
-  EXPECT_EQ(fact(fits->bake_info().parts[1].facts, "texels"), 128);
+  EXPECT_EQ(fact(fits->bake_info().items[0].facts, "texels"), 32);
+  EXPECT_EQ(fact(fits->bake_info().items[1].facts, "texels"), 128);
   EXPECT_LE(fact(fits->bake_info().facts, "actual_bytes"), 2.2 * 1048576);
 }
 
@@ -100,8 +102,8 @@ TEST_F(ReliefOptionsGl, NominalBytesOfFortyJoints) {
   const auto relief = make(cast, "relief:map=64,merge=0,capture=bind");
   EXPECT_EQ(fact(relief->bake_info().facts, "nominal_bytes"), 7'864'320);
   EXPECT_EQ(fact(relief->bake_info().facts, "boxes"), 1) << "joints without triangles have none";
-  EXPECT_EQ(relief->bake_info().parts.size(), 40U);
-  EXPECT_EQ(fact(relief->bake_info().parts[39].facts, "bytes"), 0);
+  EXPECT_EQ(relief->bake_info().items.size(), 40U);
+  EXPECT_EQ(fact(relief->bake_info().items[39].facts, "bytes"), 0);
 }
 
 // ---- triangle rules

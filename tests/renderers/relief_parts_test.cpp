@@ -12,7 +12,8 @@
 #include "gl_test_support.h"
 #include "renderers/relief/relief_bake.h"
 #include "renderers/relief/relief_bends.h"
-#include "scene/pose.h"
+#include "scene/cast/cast.h"
+#include "scene/pose/pose.h"
 #include "solids.h"
 
 namespace crowdbench::renderers {

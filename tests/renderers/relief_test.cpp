@@ -15,9 +15,10 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "gl_test_support.h"
-#include "renderers/bake_cache.h"
+#include "renderers/bake/bake_cache.h"
 #include "renderers/relief/relief_pieces.h"
-#include "scene/mannequin.h"
+#include "scene/cast/cast.h"
+#include "scene/mannequin/mannequin.h"
 #include "solids.h"
 #include "tests/support/scratch_folder.h"
 

@@ -6,7 +6,8 @@
 
 #include "core/error.h"
 #include "renderers/mesh/mesh_draw.h"
-#include "scene/mannequin.h"
+#include "scene/cast/cast.h"
+#include "scene/mannequin/mannequin.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {

@@ -3,7 +3,7 @@
 #include <glm/glm.hpp>
 
 #include "core/portable_math.h"
-#include "scene/character.h"
+#include "scene/character/character.h"
 
 namespace crowdbench::renderers::testing {
 

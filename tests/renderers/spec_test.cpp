@@ -53,10 +53,10 @@ TEST(Spec, CanonicalText) {
 TEST(Spec, OptionsAreKeptInOrder) {
   const Spec spec = parse_spec("hybrid(mesh,relief:steps=8+5,search=cone,distance=9)", table());
   EXPECT_EQ(spec.name, "hybrid");
-  ASSERT_EQ(spec.parts.size(), 2U);
-  EXPECT_EQ(spec.parts[0].name, "mesh");
+  ASSERT_EQ(spec.components.size(), 2U);
+  EXPECT_EQ(spec.components[0].name, "mesh");
   const std::vector<std::pair<std::string, std::string>> relief = {{"steps", "8+5"}, {"search", "cone"}};
-  EXPECT_EQ(spec.parts[1].options, relief);
+  EXPECT_EQ(spec.components[1].options, relief);
   const std::vector<std::pair<std::string, std::string>> own = {{"distance", "9"}};
   EXPECT_EQ(spec.options, own);
 }

@@ -6,9 +6,9 @@
 
 #include "core/colour.h"
 #include "core/random.h"
-#include "renderers/tiles/outline.h"
-#include "renderers/tiles/packing.h"
-#include "renderers/tiles/tile.h"
+#include "renderers/impostor/tiles/outline.h"
+#include "renderers/impostor/tiles/packing.h"
+#include "renderers/impostor/tiles/tile.h"
 
 namespace crowdbench::renderers {
 namespace {

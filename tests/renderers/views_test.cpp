@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
-#include "renderers/views/view_grid.h"
+#include "renderers/impostor/views/view_grid.h"
 
 namespace crowdbench::renderers {
 namespace {

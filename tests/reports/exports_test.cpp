@@ -1,4 +1,4 @@
-#include "reports/exports.h"
+#include "reports/exports/exports.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "reports/page.h"
+#include "reports/page/page.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <regex>
 
 #include "core/error.h"
-#include "reports/charts.h"
-#include "reports/libraries.h"
+#include "reports/charts/charts.h"
+#include "reports/page/libraries.h"
 #include "tests/reports/rows.h"
 
 namespace crowdbench::reports {

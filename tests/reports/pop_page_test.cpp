@@ -1,4 +1,4 @@
-#include "reports/pop_page.h"
+#include "reports/page/pop_page.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "reports/libraries.h"
+#include "reports/page/libraries.h"
+#include "reports/charts/charts.h"
 
 namespace crowdbench::reports {
 namespace {
@@ -28,7 +29,7 @@ PopSize made_up_size(double ratio) {
     point.ssim_union = {0.5, 0.75, 0.625, std::nullopt};
     size.points.push_back(point);
   }
-  for (size_t w = 0; w < kPopWays; ++w)
+  for (size_t w = 0; w < kPopSwitchKinds; ++w)
     size.mae[w] =
         PopSummary{*size.points[1].mae[w], *size.points[3].mae[w] - 0.5, *size.points[3].mae[w], size.points[3]};
   size.ssim_union[0] = PopSummary{0.5, 0.45, 0.25, size.points[3]};
@@ -40,11 +41,11 @@ PopSize made_up_size(double ratio) {
 TEST(PopChart, HoldsEveryCellAndAllWaysOnOneScale) {
   const auto chart = nlohmann::json::parse(pop_chart(made_up_size(1), 40));
   const auto& values = chart.at("data").at("values");
-  ASSERT_EQ(values.size(), 4U * kPopWays);
+  ASSERT_EQ(values.size(), 4U * kPopSwitchKinds);
   double sum = 0;
   for (const auto& value : values) sum += value.at("mae").get<double>();
   EXPECT_DOUBLE_EQ(sum, 100 * (1 + 0.2 + 0.5 + 0.1));
-  ASSERT_EQ(chart.at("vconcat").size(), kPopWays);
+  ASSERT_EQ(chart.at("vconcat").size(), kPopSwitchKinds);
   for (const auto& way : chart.at("vconcat"))
     EXPECT_EQ(way.at("spec").at("encoding").at("color").at("scale").at("domain").dump(), "[0,40.0]");
   // A cell without a score is a hole, not a zero.

@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 
-#include "core/store.h"
+#include "store/store.h"
 
 namespace crowdbench::reports {
 

@@ -1,4 +1,4 @@
-#include "reports/summary.h"
+#include "reports/model/summary.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "scene/camera.h"
+#include "scene/frame/camera.h"
 
 #include <gtest/gtest.h>
 

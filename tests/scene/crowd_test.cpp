@@ -1,4 +1,4 @@
-#include "scene/crowd.h"
+#include "scene/crowd/crowd.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "pillar_cast.h"
-#include "scene/crowd_stage.h"
+#include "scene/crowd/crowd_stage.h"
 
 namespace crowdbench::scene {
 namespace {

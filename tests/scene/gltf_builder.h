@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/image_io.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 
 namespace crowdbench::scene::test {
 

@@ -12,7 +12,7 @@
 #include "core/files.h"
 #include "core/random.h"
 #include "gltf_builder.h"
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
 namespace {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "scene/gltf.h"
-#include "scene/pose.h"
+#include "scene/gltf/gltf.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
 namespace {

@@ -8,7 +8,8 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "gltf_builder.h"
-#include "scene/pose.h"
+#include "scene/cast/open_character.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/mannequin.h"
+#include "scene/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
 namespace {

@@ -1,9 +1,11 @@
+#include "scene/pose/normalise.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/error.h"
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 #include "tests/scene/tiny_character.h"
 
 namespace crowdbench::scene {

@@ -1,4 +1,4 @@
-#include "scene/occupancy.h"
+#include "scene/crowd/occupancy.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,6 +7,9 @@
 #include <cmath>
 
 #include "pillar_cast.h"
+#include "scene/cast/cast.h"
+#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::scene {
 namespace {

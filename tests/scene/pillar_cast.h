@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-#include "scene/crowd.h"
+#include "scene/crowd/crowd.h"
 
 namespace crowdbench::scene {
 

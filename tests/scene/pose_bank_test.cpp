@@ -1,11 +1,12 @@
-#include "scene/pose_bank.h"
+#include "scene/pose/pose_bank.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "scene/mannequin.h"
-#include "scene/pose.h"
+#include "scene/mannequin/mannequin.h"
+#include "scene/pose/normalise.h"
+#include "scene/pose/pose.h"
 #include "tests/scene/tiny_character.h"
 
 namespace crowdbench::scene {

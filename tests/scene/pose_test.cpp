@@ -1,4 +1,4 @@
-#include "scene/pose.h"
+#include "scene/pose/pose.h"
 
 #include <gtest/gtest.h>
 

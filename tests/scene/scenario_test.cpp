@@ -1,4 +1,4 @@
-#include "scene/scenario.h"
+#include "scene/scenario/scenario.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,9 @@
 
 #include "core/error.h"
 #include "core/random.h"
-#include "scene/scenario_keys.h"
+#include "scene/scenario/scenario_keys.h"
+#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::scene {
 namespace {

@@ -1,8 +1,8 @@
-#include "scene/simplify.h"
+#include "scene/character/simplify.h"
 
 #include <gtest/gtest.h>
 
-#include "scene/mannequin.h"
+#include "scene/mannequin/mannequin.h"
 
 namespace crowdbench::scene {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "scene/character.h"
+#include "scene/character/character.h"
 
 namespace crowdbench::scene {
 

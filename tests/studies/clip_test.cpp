@@ -1,4 +1,4 @@
-#include "studies/clip.h"
+#include "studies/stimuli/clip.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "studies/pair.h"
+#include "studies/stimuli/pair.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,7 +7,9 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "renderers/capture.h"
+#include "renderers/frame/capture.h"
+#include "scene/cast/cast.h"
+#include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::studies {
 namespace {

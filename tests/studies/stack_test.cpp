@@ -1,4 +1,4 @@
-#include "studies/stack.h"
+#include "studies/stimuli/stack.h"
 
 #include <gtest/gtest.h>
 

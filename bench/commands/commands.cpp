@@ -1,0 +1,32 @@
+#include "bench/commands/commands.h"
+
+namespace crowdbench::bench {
+
+// In the order that --help lists them.
+
+void add_all_commands(CLI::App& app, Run& run) {
+  // One a line, so that two additions do not meet.
+  // clang-format off
+  const std::initializer_list<AddCommand> commands = {
+      add_info,
+      add_inspect,
+      add_render,
+      add_bake,
+      add_pose,
+      add_compare,
+      add_quality,
+      add_switch_distance,
+      add_popmap,
+      add_ratio,
+      add_bench,
+      add_pair,
+      add_view,
+      add_report,
+      add_demo,
+      add_schema,
+  };
+  // clang-format on
+  for (const AddCommand add : commands) add(app, run);
+}
+
+}  // namespace crowdbench::bench

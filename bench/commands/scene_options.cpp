@@ -1,0 +1,127 @@
+#include "bench/commands/scene_options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "core/error.h"
+#include "core/version.h"
+#include "renderers/gl/context.h"
+#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/scenario_writer.h"
+
+namespace crowdbench::bench {
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("scenario", options.file, "scenario file (TOML); see crowdbench schema")->type_name("SCENARIO");
+  command.add_option("--agents", options.agents, "number of agents")->type_name("N");
+  command.add_option("--seed", options.seed, "seed of the crowd")->type_name("S");
+  command.add_option("--occupancy", options.occupancy, "fraction of the picture that the crowd covers, solved for")
+      ->type_name("F");
+  command.add_option("--size", options.size, "size of the picture in pixels")->type_name("WxH");
+  command.add_option("--character", options.character, "mannequin[:triangles=N,joints=N] or a glTF file")
+      ->type_name("C");
+  add_device_option(command, options.device);
+}
+
+void add_device_option(CLI::App& command, std::string& device) {
+  command
+      .add_option("--device", device,
+                  "EGL device: its index, software, or surfaceless (default: $CROWDBENCH_DEVICE, else the first GPU)")
+      ->type_name("D");
+}
+
+PictureSize parse_size(const std::string& text, const std::string& option) {
+  PictureSize size;
+  const char* end = text.data() + text.size();
+  const auto [cross, fault] = std::from_chars(text.data(), end, size.width);
+  bool fine = fault == std::errc{} && cross < end && *cross == 'x';
+  if (fine) {
+    const auto [last, second_fault] = std::from_chars(cross + 1, end, size.height);
+    fine = second_fault == std::errc{} && last == end;
+  }
+  const auto in_range = [](int side) { return side >= 1 && side <= 16384; };
+  if (!fine || !in_range(size.width) || !in_range(size.height)) {
+    throw Error(option, fmt::format("'{}' is no size", printable(text)), "write it as 640x480, sides 1 to 16384");
+  }
+  return size;
+}
+
+ChosenScenario read_scenario(const SceneOptions& options) {
+  ChosenScenario chosen;
+  if (!options.file.empty()) {
+    chosen.scenario = scene::load_scenario(options.file);
+    chosen.folder = std::filesystem::path(options.file).parent_path();
+  }
+  scene::Scenario& scenario = chosen.scenario;
+  if (options.agents) {
+    if (*options.agents > 1'000'000) throw Error("--agents", fmt::format("{} is more than 1000000", *options.agents));
+    scenario.crowd.agents = *options.agents;
+  }
+  if (options.seed) scenario.seed = *options.seed;
+  if (options.occupancy) {
+    if (!(*options.occupancy > 0 && *options.occupancy <= 1)) {
+      throw Error("--occupancy", fmt::format("{} is not above 0 and at most 1", *options.occupancy),
+                  "0.15 is 15 % of the picture");
+    }
+    scenario.occupancy = options.occupancy;
+  }
+  if (!options.size.empty()) {
+    const PictureSize size = parse_size(options.size);
+    scenario.width = size.width;
+    scenario.height = size.height;
+  }
+  if (!options.character.empty()) {
+    scene::CharacterEntry entry;
+    entry.source = options.character;
+    scenario.characters = {entry};
+    chosen.folder.clear();  // a path on the command line is relative to where the user is
+  }
+  return chosen;
+}
+
+glm::dvec3 parse_vector(const std::string& text, const std::string& option) {
+  glm::dvec3 out(0.0);
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  bool fine = true;
+  for (int i = 0; fine && i < 3; ++i) {
+    const auto [next, fault] = std::from_chars(at, end, out[i]);
+    fine = fault == std::errc{} && std::isfinite(out[i]) && (i == 2 ? next == end : next < end && *next == ',');
+    at = fine && i < 2 ? next + 1 : next;
+  }
+  if (!fine) throw Error(option, fmt::format("'{}' is no point", printable(text)), "write x,y,z: 0,1.5,4");
+  return out;
+}
+
+glm::u8vec3 parse_colour(const std::string& text, const std::string& option) {
+  glm::u8vec3 out(0);
+  bool fine = text.size() == 7 && text[0] == '#';
+  for (int i = 0; fine && i < 3; ++i) {
+    const char* at = text.data() + 1 + static_cast<std::ptrdiff_t>(2) * i;
+    uint8_t value = 0;
+    const auto [end, fault] = std::from_chars(at, at + 2, value, 16);
+    fine = fault == std::errc{} && end == at + 2;
+    out[i] = value;
+  }
+  if (!fine) throw Error(option, fmt::format("'{}' is no colour", printable(text)), "write '#rrggbb' in hexadecimal");
+  return out;
+}
+
+std::unique_ptr<gl::Context> open_context(const std::string& device) {
+  auto context = std::make_unique<gl::Context>(gl::ContextOptions{.device = device});
+  for (const std::string& warning : context->warnings()) fmt::print(stderr, "crowdbench: warning: {}\n", warning);
+  fmt::print(stderr, "crowdbench: drawing on {} ({}, {})\n", context->renderer(), context->version(),
+             context->platform());
+  return context;
+}
+
+ImageMetadata picture_metadata(const scene::Scenario& scenario, const std::string& representation) {
+  return {{"scenario", scene::to_toml(scenario)},
+          {"seed", std::to_string(scenario.seed)},
+          {"backend", representation},
+          {"version", std::string(version())}};
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,66 @@
+// What every command that draws a scenario has in common: [SCENARIO], the options that override its keys, and the way
+// from there to a crowd in front of a camera.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/image_io.h"
+#include "scene/crowd/crowd.h"
+#include "scene/crowd/occupancy.h"
+#include "scene/scenario/scenario.h"
+
+namespace CLI {
+class App;
+}
+namespace crowdbench::gl {
+class Context;
+}
+
+namespace crowdbench::bench {
+
+// What the user gave; empty or nullopt leaves the scenario's own value.
+struct SceneOptions {
+  std::string file;  // the scenario; empty: every key at its default
+  std::optional<uint32_t> agents;
+  std::optional<uint64_t> seed;
+  std::optional<double> occupancy;
+  std::string size;       // "WxH"
+  std::string character;  // replaces the scenario's characters by this one
+  std::string device;     // gl::ContextOptions::device
+};
+
+// [SCENARIO] --agents --seed --occupancy --size --character --device. `options` must outlive `command`.
+void add_scene_options(CLI::App& command, SceneOptions& options);
+// --device alone, for commands that draw no scene.
+void add_device_option(CLI::App& command, std::string& device);
+
+// The scenario with the overrides in it, and the folder that its characters' paths are relative to.
+struct ChosenScenario {
+  scene::Scenario scenario;
+  std::filesystem::path folder;
+};
+// Throws Error.
+ChosenScenario read_scenario(const SceneOptions& options);
+
+// "640x480" taken apart, each side 1..16384. Throws Error naming `option`.
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+PictureSize parse_size(const std::string& text, const std::string& option = "--size");
+
+// "x,y,z" taken apart, finite. Throws Error naming `option`.
+glm::dvec3 parse_vector(const std::string& text, const std::string& option);
+// "#rrggbb" to sRGB-encoded bytes. Throws Error naming `option`.
+glm::u8vec3 parse_colour(const std::string& text, const std::string& option);
+
+// Opens the context that --device names and says its renderer, and every warning, on stderr.
+std::unique_ptr<gl::Context> open_context(const std::string& device);
+
+// What every picture file carries: scenario (TOML), seed, backend (the canonical representation), version.
+ImageMetadata picture_metadata(const scene::Scenario& scenario, const std::string& representation);
+
+}  // namespace crowdbench::bench

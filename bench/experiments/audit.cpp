@@ -1,0 +1,151 @@
+#include "bench/experiments/audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "bench/experiments/quality.h"
+#include "core/error.h"
+#include "metrics/temporal.h"
+#include "renderers/flat/flat.h"
+#include "scene/pose/pose.h"
+
+namespace crowdbench::bench {
+namespace {
+
+constexpr double kDegrees = std::numbers::pi / 180;
+constexpr int kDirections = 30;
+
+AuditError mean_of(std::span<const QualityRow> rows) {
+  AuditError out;
+  out.views = rows.size();
+  const auto n = static_cast<double>(std::max<size_t>(rows.size(), 1));
+  for (const QualityRow& r : rows) {
+    out.silhouette_iou += r.scores.silhouette_iou.value_or(0) / n;
+    out.ssim += r.scores.ssim.value_or(0) / n;
+    out.psnr += std::min(r.scores.psnr.value_or(0), 100.0) / n;
+  }
+  return out;
+}
+
+// The same grid without mirroring: the steps of its half turn, all around.
+renderers::Spec unmirrored(const renderers::Spec& spec, const renderers::ViewGrid& grid) {
+  renderers::ViewGrid full = grid;
+  full.mirrored = false;
+  full.azimuths = 2 * (grid.azimuths - 1);
+  renderers::Spec out = spec;
+  std::erase_if(out.options, [](const auto& o) { return o.first == "views"; });
+  out.options.emplace_back("views", full.text());
+  return out;
+}
+
+// The middle of every figure's picture, so that an orbit's pictures fit in memory.
+metrics::Box middle(const Image8& image) {
+  const int side = std::min({image.width, image.height, 240});
+  return {(image.width - side) / 2, (image.height - side) / 2, side, side};
+}
+
+}  // namespace
+
+ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
+                      const renderers::Spec& spec, uint64_t bake_budget, bool use_cache) {
+  if (spec.name != "flat")
+    throw Error("--audit", fmt::format("'{}' has no grid of stored views to audit", spec.name), "audit flat");
+  const renderers::FlatBakeOptions options = renderers::flat_bake_options(spec);
+  const int clip = character->placement.default_clip;
+  const auto bank = std::make_shared<const scene::PoseBank>(*character, std::vector<int>{clip});
+
+  ViewAudit out;
+  out.representation = spec.text();
+  out.grid = options.grid.text();
+  for (int v = 0; v < options.grid.size(); ++v) out.views += options.grid.reachable(v) ? 1 : 0;
+  const renderers::ViewSteps steps = compute_view_steps(options.grid);
+  out.step_deg_mean = steps.mean / kDegrees;
+  out.step_deg_max = steps.largest / kDegrees;
+  const renderers::ViewErrors errors = compute_view_errors(options.grid);
+  out.error_deg_mean = errors.mean / kDegrees;
+  out.error_deg_max = errors.largest / kDegrees;
+  const double cycle = clip < 0 ? 0.0 : scene::cycle_seconds(*character, clip);
+  out.frames = cycle > 0 ? options.frames : 1;
+  out.pose_step_seconds = cycle > 0 ? cycle / options.frames : 0.0;
+  const renderers::FlatForecast forecast = forecast_flat(*character, bank, options);
+  out.pose_step_mm_mean = forecast.pose_step_mean * 1000;
+  out.pose_step_mm_max = forecast.pose_step_largest * 1000;
+  out.texel_mm = forecast.texel * 1000;
+  out.bytes = forecast.texture_bytes;
+  out.meets_limit = out.step_deg_max <= kSmoothViewStepDeg * (1 + 1e-9);
+  renderers::FlatBakeOptions limit = options;
+  if (!out.meets_limit) limit.grid = grid_for_step(options.grid, kSmoothViewStepDeg * kDegrees);
+  out.limit_grid = limit.grid.text();
+  for (int v = 0; v < limit.grid.size(); ++v) out.limit_views += limit.grid.reachable(v) ? 1 : 0;
+  out.limit_bytes = out.meets_limit ? out.bytes : forecast_flat(*character, bank, limit).texture_bytes;
+
+  QualitySetup setup;
+  setup.character = character;
+  setup.bake_budget = bake_budget;
+  setup.use_cache = use_cache;
+  QualityView view;
+  view.clip = clip;
+  view.time = clip < 0 ? 0.0 : character->clips[static_cast<size_t>(clip)].start;
+  std::vector<QualityView> directions;
+  for (int i = 0; i < kDirections; ++i) {
+    view.azimuth_deg = std::fmod(i * 137.50776405, 360.0);
+    view.elevation_deg = 2 + 38.0 * i / (kDirections - 1);
+    directions.push_back(view);
+  }
+  // Stored views nearest to the horizon, evenly taken.
+  std::vector<QualityView> stored;
+  for (int i = 0; i < 12; ++i) {
+    const double azimuth = i * 30 * kDegrees;
+    const double low = options.grid.el_min;
+    const renderers::ViewPick pick =
+        options.grid.pick({std::sin(azimuth) * std::cos(low), std::sin(low), std::cos(azimuth) * std::cos(low)});
+    const glm::dvec3 d = options.grid.basis(pick.view).to_eye;
+    view.azimuth_deg = std::atan2(pick.mirrored ? -d.x : d.x, d.z) / kDegrees;
+    view.elevation_deg = std::asin(std::clamp(d.y, -1.0, 1.0)) / kDegrees;
+    stored.push_back(view);
+  }
+
+  std::vector<QualityView> late = directions;
+  for (QualityView& v : late) v.time += out.pose_step_seconds / 2;
+  std::vector<QualityView> orbit;
+  view.elevation_deg = 12;
+  for (int i = 0; i < 90; ++i) {
+    view.azimuth_deg = i;
+    orbit.push_back(view);
+  }
+
+  // One call, so that the views are baked or read once.
+  for (const auto* views : {&directions, &late, &stored, &orbit})
+    setup.views.insert(setup.views.end(), views->begin(), views->end());
+  setup.representations = {spec.text()};
+  const size_t first_of_orbit = setup.views.size() - orbit.size();
+  std::vector<Image8> reference;
+  std::vector<Image8> test;
+  std::vector<metrics::Mask> silhouettes;
+  size_t seen = 0;
+  const std::vector<QualityRow> rows =
+      compute_quality(context, setup, [&](const QualityRow&, const QualityPictures& p) {
+        if (seen++ < first_of_orbit) return;
+        const metrics::Box box = middle(p.reference.colour);
+        reference.push_back(metrics::crop(p.reference.colour, box));
+        test.push_back(metrics::crop(p.test.colour, box));
+        silhouettes.push_back(
+            metrics::crop(metrics::union_of(metrics::mask_of(p.reference.ids), metrics::mask_of(p.test.ids)), box));
+      });
+  const std::span all(rows);
+  out.between = mean_of(all.subspan(0, directions.size()));
+  out.between_frames = mean_of(all.subspan(directions.size(), late.size()));
+  out.stored = mean_of(all.subspan(directions.size() + late.size(), stored.size()));
+  out.orbit_flicker = metrics::flicker(reference, test, silhouettes).value_or(0);
+
+  if (options.grid.mirrored) {
+    setup.representations = {unmirrored(spec, options.grid).text()};
+    setup.views = directions;
+    out.unmirrored = mean_of(compute_quality(context, setup));
+  }
+  return out;
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,59 @@
+// Audit of an impostor's view sampling: how coarse the stored views and frames are, what the published limit would
+// cost, and what the coarseness was measured to cost in the picture.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderers/representation.h"
+#include "scene/character/character.h"
+
+namespace crowdbench::gl {
+class Context;
+}
+
+namespace crowdbench::bench {
+
+// Views of a figure that turn by more than this at once are seen to jump: 5.9 degrees near and 6.5 far in Almqvist and
+// Vickstroem 2020, of which the middle is taken.
+inline constexpr double kSmoothViewStepDeg = 6;
+
+// Means over views of one figure, 120 pixels tall, against the mesh at the identical camera.
+struct AuditError {
+  size_t views = 0;
+  double silhouette_iou = 0;
+  double ssim = 0;
+  double psnr = 0;
+};
+
+struct ViewAudit {
+  std::string representation;  // canonical text
+  std::string grid;
+  int views = 0;                                       // captured
+  double step_deg_mean = 0, step_deg_max = 0;          // between neighbouring views
+  double error_deg_mean = 0, error_deg_max = 0;        // between a direction and the view that stands in for it
+  int frames = 0;                                      // a clip
+  double pose_step_seconds = 0;                        // of the default clip; 0 for a still pose
+  double pose_step_mm_mean = 0, pose_step_mm_max = 0;  // of the vertex that moves farthest
+  double texel_mm = 0;
+  uint64_t bytes = 0;      // of textures, by the tiles' bounds
+  std::string limit_grid;  // the smallest of the same kind that meets kSmoothViewStepDeg
+  int limit_views = 0;
+  uint64_t limit_bytes = 0;  // the same, of that grid
+  bool meets_limit = false;
+  AuditError stored;                     // at stored views of the lowest row, frame 0
+  AuditError between;                    // in 30 directions that no grid favours, elevations 2 to 40 degrees, frame 0
+  AuditError between_frames;             // in the same directions, half-way between two stored frames
+  std::optional<AuditError> unmirrored;  // a mirrored grid: `between`, of the full turn with the same steps
+  // Code values of luma by which the picture changes and the mesh's does not, over a quarter of a turn in steps of a
+  // degree at 12 degrees of elevation, mean over the silhouettes (metrics::flicker).
+  double orbit_flicker = 0;
+};
+
+// spec: of "flat"; Error for others. The views are baked (or read from the cache).
+ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
+                      const renderers::Spec& spec, uint64_t bake_budget, bool use_cache);
+
+}  // namespace crowdbench::bench

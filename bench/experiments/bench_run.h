@@ -1,0 +1,60 @@
+// `bench`: frame times of several representations against the number of agents, written to a result store.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/timing/timed_representation.h"
+#include "scene/cast/cast.h"
+#include "store/store.h"
+
+namespace crowdbench::bench {
+
+struct SweepRequest {
+  scene::Scenario scenario;  // agents and occupancy are replaced by the axes below
+  // Drawn beside the reference, which is always the mesh and need not be named. Canonical texts are unique.
+  std::vector<renderers::Spec> representations;
+  std::vector<uint32_t> agents{1, 10, 100, 250, 500, 1000, 2000, 5000, 10000};  // ascending, each at least 1
+  std::vector<double> occupancies{0.15, 0.9};                                   // 0: the scenario's own camera
+  double budget_ms = 1000;  // wall time a frame: a curve ends with the first point beyond it
+  int rounds = 24;  // timed turns a point, fewer when they take longer than time_limit_s, never below least_rounds
+  int least_rounds = 10;
+  double time_limit_s = 10;
+  bool floors = true;             // also time each representation's floor
+  uint32_t picture_agents = 250;  // pictures are kept of the largest measured crowd up to this, at each occupancy
+  uint64_t bake_budget = uint64_t{512} << 20;
+};
+
+// "mesh,flat:views=64,frames=8,hybrid(mesh,flat,distance=10)" to three representations: a comma separates where the
+// next piece does not read key=value, and never within brackets. Throws Error.
+std::vector<renderers::Spec> parse_specs(const std::string& text);
+
+struct SweepSummary {
+  size_t measured = 0;               // points timed now
+  size_t held = 0;                   // points that the file already had
+  size_t invalid = 0;                // of those timed now: the image check failed
+  std::vector<std::string> remarks;  // where and why a curve stopped, what was skipped: one line each
+};
+
+// What is known of this process and machine before anything is measured. `started` is the wall clock's time of day.
+RunRow describe_run(gl::Context& context, const TimingMethod& method, const scene::Scenario& scenario,
+                    const std::string& command, const std::string& arguments);
+
+// Measures point by point: at each occupancy the numbers of agents ascend; all representations whose curve still goes
+// on take turns; each point is one transaction. Points that the store holds for the same scenario, revision and
+// renderer are not measured again. run: its id is that of the row that the caller wrote. Throws Error and Interrupted;
+// what was finished before is kept. progress: called with what is going on now.
+SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
+                       const SweepRequest& request, StoreWriter& store,
+                       const std::function<void(const std::string&)>& progress);
+
+// The latest rows of this run's scenario as a table for a terminal, curve by curve.
+std::string sweep_table(const StoreContents& contents, const RunRow& run);
+
+// Whole-frame scores of a representation's picture against the reference's (same view, ids for the silhouettes).
+std::vector<ScoreRow> score_crowd(const renderers::Capture& reference, const renderers::Capture& test);
+// The pictures of one comparison: reference, test, pseudocolour difference, with its colour bar where `bar`.
+void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,
+                    const std::string& reference_name, const std::string& test_name, bool bar = true);
+
+}  // namespace crowdbench::bench

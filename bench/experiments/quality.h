@@ -1,0 +1,76 @@
+// Quality: one agent drawn by a representation against the mesh at the identical view, scored.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "metrics/silhouette.h"
+#include "renderers/frame/capture.h"
+#include "scene/character/character.h"
+
+namespace crowdbench::bench {
+
+// Where the camera stands. The agent's capture centre (the middle of the clip's posed bounds) is in the middle of the
+// picture. Vertical field of view 30 degrees, light and background the frame's defaults (background sRGB 128).
+struct QualityView {
+  double height_px = 120;    // the character's height projected at the capture centre's depth
+  double azimuth_deg = 0;    // 0 = from the front, positive turns the camera towards the character's left
+  double elevation_deg = 0;  // positive = from above, -90..90
+  int clip = -1;             // into Character::clips; -1: the bind pose
+  double time = 0;           // the file's own seconds
+};
+
+// What a score owes to each kind of wrong pixel: `ssim` had the pixels of that kind been the mesh's own.
+struct QualityCauses {
+  std::optional<double> silhouette;  // covered by one of the two only
+  std::optional<double> surface;  // covered by both, at depths that differ by more than 1 % of the character's height
+  std::optional<double> shading;  // covered by both, at the same depth
+};
+
+struct QualityRow {
+  std::string representation;  // canonical text
+  QualityView view;
+  double phase = 0;     // of the clip at that time, as the agent carries it
+  double distance = 0;  // metres, eye to capture centre
+  metrics::FigureScores scores;
+  QualityCauses causes;  // only when asked for
+};
+
+struct QualityPictures {
+  renderers::Capture reference, test;
+};
+
+struct QualitySetup {
+  std::shared_ptr<const scene::Character> character;
+  std::vector<std::string> representations;
+  std::vector<QualityView> views;
+  int rows = 480;           // of the picture, 4:3; taller figures get a picture of 1.5 times their height
+  double pose_rate = 30;    // Hz, of the bank that the representation draws from; the mesh has the exact time
+  bool exact_pose = false;  // give the representation the exact time too, so that only its drawing is judged
+  uint64_t bake_budget = uint64_t{512} << 20;
+  bool use_cache = true;
+  bool causes = false;  // fill QualityRow::causes
+};
+
+// The picture's size for a figure of that height.
+struct QualitySize {
+  int width = 640;
+  int height = 480;
+};
+QualitySize quality_size(const QualitySetup& setup, double height_px);
+// height: the character's, metres. centre: metres, world.
+scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, double height, int rows);
+
+// One row a representation and view, in that order; `seen` is shown every pair of pictures as it is made. Throws Error.
+std::vector<QualityRow> compute_quality(
+    gl::Context& context, const QualitySetup& setup,
+    const std::function<void(const QualityRow&, const QualityPictures&)>& seen = {});
+
+// "30,60,120" and "first:last:step" (last included where a step meets it), several joined by commas; at most 10,000
+// values. Throws Error naming `option`.
+std::vector<double> parse_numbers(const std::string& text, const std::string& option, double low, double high);
+
+}  // namespace crowdbench::bench

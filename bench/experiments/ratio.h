@@ -1,0 +1,57 @@
+// `ratio`: how many times as fast as another one representation is, drawn in turns on one scene.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/timing/timed_representation.h"
+#include "scene/cast/cast.h"
+
+namespace crowdbench::bench {
+
+constexpr int kLeastPairs = 20;
+// The mesh is the yardstick: above this many times its own floor (the same draw with a static pose) no figure stands.
+constexpr double kMeshFloorBound = 1.4;
+
+struct RatioRequest {
+  renderers::Spec of;
+  renderers::Spec to;
+  scene::Scenario scenario;  // with the occupancy to solve for, where one is wanted
+  int pairs = 24;            // >= kLeastPairs
+  uint64_t bake_budget = uint64_t{512} << 20;
+};
+
+struct RatioReport {
+  std::string of, to;
+  std::string headline;  // "cpu", "wall" or "gpu"
+  // t(to) / t(of): above 1 `of` is the faster.
+  std::optional<MedianRatio> cpu, wall, gpu;
+  MedianRatio headline_ratio;
+  MedianRatio mesh_floor;  // t(mesh) / t(mesh:floor=1), headline metric
+  bool is_void = false;    // mesh_floor above its bound
+  std::string void_reason;
+  MedianRatio to_low_polygon;  // t(500-triangle mannequin mesh) / t(of), headline metric
+  uint64_t low_polygon_triangles = 0;
+  ImageCheck of_check, to_check, mesh_check;
+  bool valid = true;
+  std::vector<std::string> faults;              // of the image checks
+  uint64_t triangles = 0;                       // of the characters' meshes, one agent of each
+  uint64_t of_triangles = 0, to_triangles = 0;  // submitted for one agent of each character
+  scene::Solved solved;                         // without scenario and crowd
+  struct Median {
+    std::string name;
+    double cpu_ns = 0, wall_ns = 0;
+    std::optional<double> gpu_ns;
+  };
+  std::vector<Median> medians;  // of every representation timed
+  int warmup_frames = 0;
+  bool settled = true;
+  std::string renderer;
+  bool software = false;
+};
+
+// Solves the scene with the mesh, checks the pictures, warms up and times. Progress on a terminal. Throws Error
+// (unknown representation, fewer pairs than kLeastPairs, a bake over its budget) and Interrupted.
+RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const RatioRequest& request);
+
+}  // namespace crowdbench::bench

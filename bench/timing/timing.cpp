@@ -1,0 +1,180 @@
+#include "bench/timing/timing.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <ctime>
+
+namespace crowdbench::bench {
+namespace {
+
+int64_t read_clock(clockid_t id) {
+  timespec now{};
+  clock_gettime(id, &now);
+  return int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+// The clocks are read in the order cpu, main, wall | wall, main, cpu, so that none of the reads counts as wall time.
+SampleRow time_frame(const Variant& variant, const Clocks& clocks, const std::optional<GpuTimer>& gpu) {
+  SampleRow sample;
+  if (gpu) gpu->begin();
+  const int64_t cpu = clocks.cpu();
+  const int64_t main_cpu = clocks.main_cpu();
+  const int64_t wall = clocks.wall();
+  variant.draw();
+  sample.frame_ns = clocks.wall() - wall;
+  sample.main_cpu_ns = clocks.main_cpu() - main_cpu;
+  sample.cpu_ns = clocks.cpu() - cpu;
+  if (gpu) sample.gpu_ns = gpu->end();
+  return sample;
+}
+
+double metric_of(const SampleRow& sample, Metric metric) {
+  switch (metric) {
+    case Metric::cpu: return static_cast<double>(sample.cpu_ns);
+    case Metric::wall: return static_cast<double>(sample.frame_ns);
+    case Metric::gpu: return static_cast<double>(sample.gpu_ns.value_or(0));
+  }
+  return 0;
+}
+
+}  // namespace
+
+Clocks system_clocks() {
+  return {[] { return read_clock(CLOCK_MONOTONIC); }, [] { return read_clock(CLOCK_PROCESS_CPUTIME_ID); },
+          [] { return read_clock(CLOCK_THREAD_CPUTIME_ID); }};
+}
+
+double timer_cost_ns(const Clocks& clocks, int readings) {
+  std::vector<double> costs;
+  costs.reserve(static_cast<size_t>(readings));
+  const Variant nothing{"", {}, [] {}};
+  for (int i = 0; i < readings; ++i) {
+    const int64_t before = clocks.wall();
+    time_frame(nothing, clocks, {});
+    costs.push_back(static_cast<double>(clocks.wall() - before));
+  }
+  return median(costs);
+}
+
+const char* metric_name(Metric metric) {
+  switch (metric) {
+    case Metric::cpu: return "cpu";
+    case Metric::wall: return "wall";
+    case Metric::gpu: return "gpu";
+  }
+  return "cpu";
+}
+
+bool has_settled(std::span<const double> frames, double fraction) {
+  if (frames.size() < 3) return false;
+  const double before = median(frames.subspan(1, frames.size() - 2));
+  const double now = median(frames.subspan(1));
+  return std::abs(now - before) <= fraction * before;
+}
+
+std::vector<VariantTimes> time_interleaved(std::span<const Variant> variants, const TimingPlan& plan,
+                                           const Clocks& clocks, const std::optional<GpuTimer>& gpu,
+                                           const std::function<void()>& after_round) {
+  assert(plan.least_warmup >= 2 && plan.most_warmup >= plan.least_warmup && plan.rounds >= plan.least_rounds);
+  std::vector<VariantTimes> results(variants.size());
+  std::vector<std::vector<double>> warm(variants.size());
+  uint64_t tick = plan.first_tick;
+  const auto out_of_time = [&](int64_t since) {
+    return plan.time_limit_ns > 0 && clocks.wall() - since > plan.time_limit_ns;
+  };
+
+  // The warm-up takes turns too: what one variant leaves in caches and clocks is part of the state of the next.
+  const int64_t warmup_start = clocks.wall();
+  for (int frame = 0; frame < plan.most_warmup; ++frame, ++tick) {
+    bool all_settled = true;
+    for (size_t v = 0; v < variants.size(); ++v) {
+      VariantTimes& result = results[v];
+      if (result.dropped) continue;
+      if (variants[v].prepare) variants[v].prepare(tick);
+      const int64_t last = result.warmup_frame_ns;
+      const SampleRow sample = time_frame(variants[v], clocks, gpu);
+      result.warmup_frame_ns = sample.frame_ns;
+      ++result.warmup_frames;
+      warm[v].push_back(metric_of(sample, plan.metric));
+      // Once may be shader compilation or a first touch of memory; twice in a row is the frame.
+      result.dropped = plan.drop_above_ns > 0 && result.warmup_frames >= 2 && sample.frame_ns > plan.drop_above_ns &&
+                       last > plan.drop_above_ns;
+      result.settled = has_settled(warm[v], plan.settled);
+      all_settled = all_settled && (result.settled || result.dropped);
+    }
+    if (after_round) after_round();
+    if (frame + 1 >= plan.least_warmup && (all_settled || out_of_time(warmup_start))) {
+      ++tick;
+      break;
+    }
+  }
+
+  const int64_t start = clocks.wall();
+  for (int round = 0; round < plan.rounds; ++round, ++tick) {
+    if (round >= plan.least_rounds && out_of_time(start)) break;
+    for (size_t v = 0; v < variants.size(); ++v) {
+      if (results[v].dropped) continue;
+      if (variants[v].prepare) variants[v].prepare(tick);
+      SampleRow sample = time_frame(variants[v], clocks, gpu);
+      sample.round = round;
+      sample.tick = tick;
+      results[v].samples.push_back(sample);
+    }
+    if (after_round) after_round();
+  }
+  return results;
+}
+
+std::vector<double> values_of(std::span<const SampleRow> samples, Metric metric) {
+  std::vector<double> values;
+  values.reserve(samples.size());
+  for (const SampleRow& sample : samples) {
+    if (metric == Metric::gpu && !sample.gpu_ns) return {};
+    values.push_back(metric_of(sample, metric));
+  }
+  return values;
+}
+
+TimeSummary summarise_times(std::span<const double> times_ns, uint64_t seed) {
+  const Interval interval = bootstrap_median(times_ns, seed);
+  return {median(times_ns),        interval.low, interval.high, quantile(times_ns, 0.05), quantile(times_ns, 0.95),
+          quantile(times_ns, 0.99)};
+}
+
+std::optional<MedianRatio> paired_ratio(std::span<const SampleRow> numerator, std::span<const SampleRow> denominator,
+                                        Metric metric, uint64_t seed) {
+  const size_t pairs = std::min(numerator.size(), denominator.size());
+  std::vector<double> above;
+  std::vector<double> below;
+  for (size_t i = 0; i < pairs; ++i) {
+    assert(numerator[i].round == denominator[i].round);
+    if (metric == Metric::gpu && (!numerator[i].gpu_ns || !denominator[i].gpu_ns)) return std::nullopt;
+    const double a = metric_of(numerator[i], metric);
+    const double b = metric_of(denominator[i], metric);
+    if (a <= 0 || b <= 0) continue;
+    above.push_back(a);
+    below.push_back(b);
+  }
+  if (above.empty()) return std::nullopt;
+  return median_of_ratios(above, below, seed);
+}
+
+void put_times(MeasurementRow& row, const VariantTimes& times, uint64_t seed) {
+  row.samples = times.samples;
+  row.rounds = static_cast<int>(times.samples.size());
+  row.warmup_frames = times.warmup_frames;
+  row.settled = times.settled;
+  if (times.samples.empty()) return;
+  const std::vector<double> wall = values_of(times.samples, Metric::wall);
+  row.frame_ns = summarise_times(wall, seed);
+  if (*std::min_element(wall.begin(), wall.end()) > 0) row.low_1_percent_fps = summarise(wall).low_1_percent_fps;
+  row.cpu_ns = summarise_times(values_of(times.samples, Metric::cpu), seed);
+  std::vector<double> main_cpu;
+  for (const SampleRow& sample : times.samples) main_cpu.push_back(static_cast<double>(sample.main_cpu_ns));
+  row.main_cpu_ns = summarise_times(main_cpu, seed);
+  const std::vector<double> gpu = values_of(times.samples, Metric::gpu);
+  if (!gpu.empty()) row.gpu_ns = summarise_times(gpu, seed);
+}
+
+}  // namespace crowdbench::bench

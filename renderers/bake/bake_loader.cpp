@@ -1,0 +1,69 @@
+#include "renderers/bake/bake_loader.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "core/progress.h"
+
+namespace crowdbench::renderers {
+
+BakeInfo bake_info_of(std::span<const BakeRecord> records) {
+  BakeInfo info;
+  info.cached = !records.empty();
+  Sha256 keys;
+  for (const BakeRecord& r : records) {
+    info.cached = info.cached && r.cached;
+    keys.text(r.cache_key);
+  }
+  info.cache_key = records.size() == 1 ? records[0].cache_key : keys.hex();
+  return info;
+}
+
+uint64_t disk_bytes_of(std::span<const BakeRecord> records) {
+  uint64_t bytes = 0;
+  for (const BakeRecord& r : records) bytes += r.disk_bytes;
+  return bytes;
+}
+
+BakeLoader::BakeLoader(const MakeContext& make, BakeMessages messages)
+    : make_(make),
+      messages_(std::move(messages)),
+      cache_(cache_directory() / "bakes", make.use_cache),
+      left_(make.bake_budget) {}
+
+std::optional<std::vector<uint8_t>> BakeLoader::stored(const std::string& key) const {
+  if (make_.rebake) return std::nullopt;
+  return cache_.load(messages_.kind, key);
+}
+
+BakeProgress BakeLoader::progress(const std::string& character) const {
+  if (!make_.progress) return [](size_t, size_t) { throw_if_interrupted(); };
+  struct Shown {
+    std::optional<Progress> line;
+    size_t done = 0;
+  };
+  const auto shown = std::make_shared<Shown>();
+  const std::string label = fmt::format("baking {} of {}", messages_.what, character);
+  return [shown, label](size_t done, size_t total) {
+    throw_if_interrupted();
+    if (!shown->line) shown->line.emplace(label, total);
+    shown->line->advance(done - std::min(shown->done, done));
+    shown->done = std::max(shown->done, done);
+  };
+}
+
+void BakeLoader::take(const std::string& character, const std::string& key, bool cached, uint64_t texture_bytes) {
+  if (texture_bytes > left_)
+    throw Error(fmt::format("{} bake of {}", messages_.kind, character),
+                fmt::format("{:.0f} MiB of {} are more than what is left of the budget, {:.0f}",
+                            static_cast<double>(texture_bytes) / (1 << 20), messages_.stored,
+                            static_cast<double>(left_) / (1 << 20)),
+                messages_.advice);
+  left_ -= texture_bytes;
+  records_.push_back({key, cached, cache_.enabled() ? cache_.disk_bytes(messages_.kind, key) : 0});
+}
+
+}  // namespace crowdbench::renderers

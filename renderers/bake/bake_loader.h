@@ -1,0 +1,70 @@
+// The bakes of a cast: from the cache where they are there, else made and kept there, all within one budget.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "renderers/bake/bake_cache.h"
+#include "renderers/representation.h"
+
+namespace crowdbench::renderers {
+
+using BakeProgress = std::function<void(size_t done, size_t total)>;
+
+// What became of one character's bake.
+struct BakeRecord {
+  std::string cache_key;
+  bool cached = false;      // it came from the cache
+  uint64_t disk_bytes = 0;  // of the cache entry, 0 when not cached
+};
+// BakeInfo but for the seconds and the facts.
+BakeInfo bake_info_of(std::span<const BakeRecord> records);
+uint64_t disk_bytes_of(std::span<const BakeRecord> records);
+
+class BakeLoader {
+ public:
+  struct BakeMessages {
+    std::string kind;    // of the cache's entries, and of errors: "flat"
+    std::string what;    // on the progress line: "flat impostors"
+    std::string stored;  // what the budget pays for: "tiles"
+    std::string advice;  // to whoever lacks budget
+  };
+  BakeLoader(const MakeContext& make, BakeMessages messages);
+
+  // One character's bake. deserialise: std::nullopt when the bytes are no sound bake; make(budget, progress): bakes;
+  // serialise(bake) and bake.texture_bytes() are the bake's own. Throws Error when its textures are more than what is
+  // left of the budget, and what `make` throws; make's progress throws Interrupted after Ctrl-C.
+  template <typename Bake>
+  Bake load(const std::string& character, const std::string& key,
+            std::optional<Bake> (*deserialise)(std::span<const uint8_t>),
+            const std::function<Bake(uint64_t budget, const BakeProgress& progress)>& make) {
+    std::optional<Bake> bake;
+    if (const auto bytes = stored(key)) bake = deserialise(*bytes);
+    const bool cached = bake.has_value();
+    if (!bake) {
+      bake = make(left_, progress(character));
+      cache_.store(messages_.kind, key, serialise(*bake));
+    }
+    take(character, key, cached, bake->texture_bytes());
+    return std::move(*bake);
+  }
+  // One a bake loaded.
+  const std::vector<BakeRecord>& records() const { return records_; }
+
+ private:
+  std::optional<std::vector<uint8_t>> stored(const std::string& key) const;
+  BakeProgress progress(const std::string& character) const;
+  void take(const std::string& character, const std::string& key, bool cached, uint64_t texture_bytes);
+
+  const MakeContext& make_;
+  BakeMessages messages_;
+  BakeCache cache_;
+  uint64_t left_;
+  std::vector<BakeRecord> records_;
+};
+
+}  // namespace crowdbench::renderers

@@ -1,0 +1,69 @@
+// Tile capture: orthographic images of a posed character, drawn by the mesh's own code.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "renderers/impostor/tiles/tile.h"
+#include "renderers/impostor/views/view_grid.h"
+#include "scene/character/character.h"
+#include "scene/pose/pose_bank.h"
+
+namespace crowdbench::gl {
+class Context;
+}
+
+namespace crowdbench::renderers {
+
+// The sphere around a character in all its captured poses: the point that impostors' planes go through, metres, model
+// space.
+struct CaptureSphere {
+  glm::dvec3 centre{0.0};
+  double radius = 0;
+};
+
+// Positions of every vertex posed by a palette, model space, metres.
+std::vector<glm::vec3> posed_positions(const scene::Mesh& mesh, const std::vector<scene::Mat3x4>& palette);
+// A sphere that holds all the points, within about one percent of the smallest one. Points: any number of sets.
+CaptureSphere enclosing_sphere(const std::vector<std::vector<glm::vec3>>& sets);
+// The whole texels of level 0 that hold the projection of the points onto a view's plane. Triangles lie between their
+// vertices, so this bounds the silhouette exactly.
+TileRect tile_bounds(const std::vector<glm::vec3>& points, const glm::dvec3& centre, const ViewBasis& basis,
+                     double texel);
+
+// One tile to capture. pose: into the capture's bank.
+struct CaptureTile {
+  scene::PoseSample pose;
+  ViewBasis basis;
+  TileRect rect;
+  // False: it only keeps its place, so that what others look like does not depend, by the rounding of a place, on which
+  // tiles are wanted.
+  bool wanted = true;
+};
+
+class TileCapture {
+ public:
+  // texel: metres. range: metres that the depth code's ends stand for. Poses come from `bank`. peak: of the light that
+  // the whole character gives off (renderers/bake/emission.h); 0: none is captured.
+  TileCapture(gl::Context& context, std::shared_ptr<const scene::Character> character,
+              std::shared_ptr<const scene::PoseBank> bank, const glm::dvec3& centre, double texel, double range,
+              float peak);
+  ~TileCapture();
+  TileCapture(const TileCapture&) = delete;
+  TileCapture& operator=(const TileCapture&) = delete;
+
+  // Draws every tile with 3 x 3 samples a texel, page by page. `done(page, texels)` is called from this thread for each
+  // page: indices into `tiles`, and the texels of each in the form that build_tile_levels takes. Tiles without a
+  // rectangle and tiles that are not wanted are left out. Throws Error when a tile is larger than this driver's
+  // targets.
+  using Done = std::function<void(std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels)>;
+  void capture(std::span<const CaptureTile> tiles, const Done& done);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace crowdbench::renderers

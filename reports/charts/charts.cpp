@@ -1,0 +1,419 @@
+#include "reports/charts/charts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace crowdbench::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "https://vega.github.io/schema/vega-lite/v6.json";  // a name; nothing loads it
+constexpr const char* kInk = "#1f2933";
+constexpr const char* kGrid = "#e4e7eb";
+
+Json frame(int height) {
+  return {{"$schema", kSchema},
+          {"width", "container"},
+          {"height", height},
+          {"autosize", {{"type", "fit-x"}, {"contains", "padding"}}},
+          {"config",
+           {{"background", "transparent"},
+            {"font", "inherit"},
+            {"view", {{"stroke", nullptr}}},
+            {"axis",
+             {{"labelFontSize", 12},
+              {"titleFontSize", 12},
+              {"titleFontWeight", 600},
+              {"titlePadding", 10},
+              {"labelColor", kInk},
+              {"titleColor", kInk},
+              {"gridColor", kGrid},
+              {"domainColor", "#9aa5b1"},
+              {"tickColor", "#9aa5b1"}}},
+            {"legend",
+             {{"labelFontSize", 12},
+              {"titleFontSize", 12},
+              {"labelColor", kInk},
+              {"titleColor", kInk},
+              {"orient", "top"},
+              {"title", nullptr}}}}}};
+}
+
+Json colour_of(const Scene& scene, bool legend) {
+  return {
+      {"field", "representation"},
+      {"type", "nominal"},
+      {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
+      {"legend", legend ? Json({{"title", nullptr}}) : Json(nullptr)}};
+}
+
+// 1, 2, 5, 10, 20, 50, ... within a factor of the data.
+std::vector<double> nice_ticks(double least, double greatest) {
+  std::vector<double> ticks;
+  for (int power = -6; power < 10; ++power)
+    for (const double step : {1.0, 2.0, 5.0}) {
+      const double tick = step * std::pow(10.0, power);
+      if (tick >= least * 0.999 && tick <= greatest * 1.001) ticks.push_back(tick);
+    }
+  return ticks;
+}
+
+Json log_axis(const std::string& title, const std::vector<double>& ticks) {
+  // "~r" writes 0.05, 20 and 1000 as they are.
+  return {{"title", title}, {"values", ticks},          {"format", ",~r"},
+          {"grid", true},   {"labelOverlap", "greedy"}, {"minExtent", 38}};
+}
+
+Json agents_x(const Scene& scene) {
+  std::vector<double> ticks;
+  for (const uint32_t agents : scene.agents)
+    if (agents > 0) ticks.push_back(agents);
+  const double least = ticks.empty() ? 1 : ticks.front();
+  const double greatest = ticks.empty() ? 10 : ticks.back();
+  return {
+      {"field", "agents"},
+      {"type", "quantitative"},
+      // Room on the right for the names at the lines' ends.
+      {"scale", {{"type", "log"}, {"domain", {least / 1.15, std::max(greatest * 2.2, least * 4)}}, {"nice", false}}},
+      {"axis", log_axis("agents", ticks)}};
+}
+
+struct Range {
+  double least = INFINITY;
+  double greatest = -INFINITY;
+  void take(double value) {
+    if (!std::isfinite(value) || value <= 0) return;
+    least = std::min(least, value);
+    greatest = std::max(greatest, value);
+  }
+};
+
+// The name of each line at its end, instead of a legend; names that would overlap are moved apart.
+Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, const char* y, double height) {
+  std::sort(ends.begin(), ends.end(), [&](const Json& a, const Json& b) { return a.at(y) < b.at(y); });
+  const double decades = std::log10(range.greatest / range.least);
+  const double gap = decades * 15.0 / height;  // 15 pixels in decades
+  double below = -INFINITY;
+  for (Json& end : ends) {
+    const double at = std::max(std::log10(end.at(y).get<double>()), below + gap);
+    end["label_y"] = std::pow(10.0, at);
+    below = at;
+  }
+  return {{"data", {{"values", ends}}},
+          {"mark", {{"type", "text"}, {"align", "left"}, {"dx", 9}, {"fontSize", 12}, {"fontWeight", 600}}},
+          {"encoding",
+           {{"x", {{"field", "agents"}, {"type", "quantitative"}}},
+            {"y", {{"field", "label_y"}, {"type", "quantitative"}}},
+            {"text", {{"field", "label"}}},
+            {"color", colour_of(scene, false)}}}};
+}
+
+Json tooltip(std::initializer_list<std::pair<const char*, const char*>> fields) {
+  Json list = Json::array();
+  for (const auto& [field, title] : fields) list.push_back({{"field", field}, {"type", "nominal"}, {"title", title}});
+  return list;
+}
+
+}  // namespace
+
+std::vector<std::string> representation_colours(size_t count) {
+  static const std::vector<std::string> set = {"#334155", "#d55e00", "#0072b2", "#009e73",
+                                               "#cc79a7", "#b58900", "#56b4e9", "#7b4fa3"};
+  std::vector<std::string> colours;
+  for (size_t i = 0; i < count; ++i) colours.push_back(set[i % set.size()]);
+  return colours;
+}
+
+std::string time_chart(const Scene& scene, double occupancy) {
+  const std::string& metric = scene.run->headline;
+  constexpr int kHeight = 330;
+  Json values = Json::array();
+  std::vector<Json> ends;
+  Range range;
+  // One scale for every occupancy, so that the charts beside each other compare.
+  for (const MeasurementRow* row : scene.rows)
+    if (is_timed(*row) && time_of(*row, metric)) {
+      range.take(time_of(*row, metric)->low / 1e6);
+      range.take(time_of(*row, metric)->high / 1e6);
+    }
+  for (const std::string& name : scene.representations) {
+    Json last;
+    for (const uint32_t agents : scene.agents) {
+      const MeasurementRow* row = scene.find(name, agents, occupancy);
+      if (row == nullptr || !is_timed(*row) || !time_of(*row, metric) || agents == 0) continue;
+      const TimeSummary& time = *time_of(*row, metric);
+      Json point = {{"representation", name},
+                    {"agents", agents},
+                    {"ms", time.median / 1e6},
+                    {"low", time.low / 1e6},
+                    {"high", time.high / 1e6},
+                    {"crowd", count_text(agents)},
+                    {"median", time_text(time.median)},
+                    {"interval", fmt::format("{} to {}", time_text(time.low), time_text(time.high))},
+                    {"wall", row->frame_ns ? time_text(row->frame_ns->median) : ""},
+                    {"covers", row->achieved_occupancy ? percent_text(*row->achieved_occupancy) : ""},
+                    {"rounds", row->rounds}};
+      if (const RatioRow* ratio = scene.ratio("speed", name, agents, occupancy, metric); ratio != nullptr)
+        point["speed"] = fmt::format("{}\u00d7 [{}, {}]", factor_text(ratio->ratio), factor_text(ratio->low),
+                                     factor_text(ratio->high));
+      else
+        point["speed"] = "\u2013";
+      values.push_back(point);
+      last = {{"representation", name}, {"agents", agents}, {"ms", time.median / 1e6}, {"label", name}};
+    }
+    if (!last.is_null()) ends.push_back(last);
+  }
+  if (values.empty()) return {};
+  Json crossings = Json::array();
+  for (const CrossoverLine& line : crossovers_of(scene, metric))
+    if (line.occupancy == occupancy && line.agents && (line.first == scene.reference || line.second == scene.reference))
+      crossings.push_back({{"agents", *line.agents},
+                           {"ms", line.time_ns / 1e6},
+                           {"pair", line.first + " and " + line.second},
+                           {"at", fmt::format("{:.0f} agents", *line.agents)},
+                           {"beyond", line.cheaper_beyond + " is cheaper"}});
+
+  const double least = range.least / 1.3;
+  const double greatest = range.greatest * 1.3;
+  Json spec = frame(kHeight);
+  const Json x = agents_x(scene);
+  Json y = {
+      {"field", "ms"},
+      {"type", "quantitative"},
+      {"scale", {{"type", "log"}, {"domain", {least, greatest}}, {"nice", false}}},
+      {"axis", log_axis(fmt::format("median {} a frame (ms)", metric_title(metric)), nice_ticks(least, greatest))}};
+  Json interval_y = y;
+  interval_y["field"] = "low";
+  const Json tips = tooltip({{"representation", "representation"},
+                             {"crowd", "agents"},
+                             {"median", "median a frame"},
+                             {"interval", "95 % interval"},
+                             {"speed", "times as fast as the reference"},
+                             {"wall", "wall clock"},
+                             {"covers", "occupancy"},
+                             {"rounds", "timed frames"}});
+  spec["data"] = {{"values", values}};
+  spec["layer"] = Json::array(
+      {{{"mark", {{"type", "line"}, {"strokeWidth", 2.5}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, false)}}}},
+       {{"mark", {{"type", "rule"}, {"strokeWidth", 2}}},
+        {"encoding", {{"x", x}, {"y", interval_y}, {"y2", {{"field", "high"}}}, {"color", colour_of(scene, false)}}}},
+       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 70}, {"opacity", 1}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, false)}}}},
+       {{"data", {{"values", crossings}}},
+        {"mark", {{"type", "rule"}, {"strokeDash", {4, 4}}, {"color", "#7b8794"}}},
+        {"encoding", {{"x", {{"field", "agents"}, {"type", "quantitative"}}}}}},
+       {{"data", {{"values", crossings}}},
+        {"mark",
+         {{"type", "text"}, {"align", "left"}, {"dx", 5}, {"baseline", "top"}, {"fontSize", 11}, {"color", "#52606d"}}},
+        {"encoding",
+         {{"x", {{"field", "agents"}, {"type", "quantitative"}}},
+          {"y", {{"value", 2}}},
+          {"text", {{"field", "at"}}},
+          {"tooltip", tooltip({{"pair", "crossing of"}, {"at", "at"}, {"beyond", "beyond it"}})}}}},
+       end_labels(scene, ends, {least, greatest}, "ms", kHeight),
+       // Invisible and large, so that a tooltip is easily hit.
+       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
+        {"encoding", {{"x", x}, {"y", y}, {"tooltip", tips}}}}});
+  return spec.dump();
+}
+
+std::string speed_chart(const Scene& scene) {
+  const std::string& metric = scene.run->headline;
+  constexpr int kHeight = 300;
+  Json values = Json::array();
+  std::vector<Json> ends;
+  Range range;
+  range.take(1);
+  for (const std::string& name : scene.representations) {
+    if (name == scene.reference) continue;
+    for (const double occupancy : scene.occupancies) {
+      Json last;
+      const std::string covers = occupancy > 0 ? percent_text(occupancy) : "the scenario's view";
+      for (const uint32_t agents : scene.agents) {
+        const MeasurementRow* row = scene.find(name, agents, occupancy);
+        const RatioRow* ratio = scene.ratio("speed", name, agents, occupancy, metric);
+        if (row == nullptr || ratio == nullptr || !is_timed(*row) || agents == 0) continue;
+        range.take(ratio->low);
+        range.take(ratio->high);
+        values.push_back({{"representation", name},
+                          {"series", name + " at " + covers},
+                          {"occupancy", covers},
+                          {"agents", agents},
+                          {"ratio", ratio->ratio},
+                          {"low", ratio->low},
+                          {"high", ratio->high},
+                          {"crowd", count_text(agents)},
+                          {"times", fmt::format("{}\u00d7", factor_text(ratio->ratio))},
+                          {"interval", fmt::format("{} to {}", factor_text(ratio->low), factor_text(ratio->high))},
+                          {"pairs", ratio->pairs}});
+        last = {{"representation", name}, {"agents", agents}, {"ratio", ratio->ratio}, {"label", name + ", " + covers}};
+      }
+      if (!last.is_null()) ends.push_back(last);
+    }
+  }
+  if (values.empty()) return {};
+  const double least = range.least / 1.3;
+  const double greatest = range.greatest * 1.3;
+  Json spec = frame(kHeight);
+  const Json x = agents_x(scene);
+  const Json y = {{"field", "ratio"},
+                  {"type", "quantitative"},
+                  {"scale", {{"type", "log"}, {"domain", {least, greatest}}, {"nice", false}}},
+                  {"axis", log_axis("times as fast as " + scene.reference, nice_ticks(least, greatest))}};
+  Json low = y;
+  low["field"] = "low";
+  const Json dash = {{"field", "occupancy"}, {"type", "nominal"}, {"legend", nullptr}};
+  spec["data"] = {{"values", values}};
+  spec["layer"] =
+      Json::array({{{"data", {{"values", Json::array({{{"ratio", 1}}})}}},
+                    {"mark", {{"type", "rule"}, {"strokeWidth", 1.5}, {"color", representation_colours(1)[0]}}},
+                    {"encoding", {{"y", y}}}},
+                   {{"mark", {{"type", "area"}, {"opacity", 0.18}}},
+                    {"encoding",
+                     {{"x", x},
+                      {"y", low},
+                      {"y2", {{"field", "high"}}},
+                      {"detail", {{"field", "series"}}},
+                      {"color", colour_of(scene, false)}}}},
+                   {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}}},
+                    {"encoding",
+                     {{"x", x},
+                      {"y", y},
+                      {"detail", {{"field", "series"}}},
+                      {"strokeDash", dash},
+                      {"color", colour_of(scene, false)}}}},
+                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}}},
+                    {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, false)}}}},
+                   end_labels(scene, ends, {least, greatest}, "ratio", kHeight),
+                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
+                    {"encoding",
+                     {{"x", x},
+                      {"y", y},
+                      {"tooltip", tooltip({{"representation", "representation"},
+                                           {"crowd", "agents"},
+                                           {"occupancy", "occupancy"},
+                                           {"times", "times as fast as the reference"},
+                                           {"interval", "95 % interval"},
+                                           {"pairs", "interleaved pairs"}})}}}}});
+  return spec.dump();
+}
+
+std::string score_chart(const Scene& scene, const std::string& score, const std::string& title) {
+  const std::vector<ScoreByHeight> points = scores_by_height(scene, score);
+  if (points.empty()) return {};
+  Json values = Json::array();
+  std::vector<double> heights;
+  for (const ScoreByHeight& point : points) {
+    values.push_back({{"representation", point.representation},
+                      {"height", point.height_px},
+                      {"mean", point.mean},
+                      {"least", point.least},
+                      {"greatest", point.greatest},
+                      {"pixels", fmt::format("{:.0f}", point.height_px)},
+                      {"value", fmt::format("{:.3f}", point.mean)},
+                      {"range", fmt::format("{:.3f} to {:.3f}", point.least, point.greatest)},
+                      {"views", point.views}});
+    heights.push_back(point.height_px);
+  }
+  std::sort(heights.begin(), heights.end());
+  heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+  Json spec = frame(240);
+  const Json x = {
+      {"field", "height"},
+      {"type", "quantitative"},
+      {"scale", {{"type", "log"}, {"domain", {heights.front() / 1.15, heights.back() * 1.15}}, {"nice", false}}},
+      {"axis", log_axis("height of the figure (pixels)", heights)}};
+  const Json y = {{"field", "mean"},
+                  {"type", "quantitative"},
+                  {"scale", {{"zero", false}, {"nice", true}}},
+                  {"axis", {{"title", title}, {"tickCount", 5}}}};
+  Json least = y;
+  least["field"] = "least";
+  spec["data"] = {{"values", values}};
+  spec["layer"] = Json::array(
+      {{{"mark", {{"type", "area"}, {"opacity", 0.15}}},
+        {"encoding", {{"x", x}, {"y", least}, {"y2", {{"field", "greatest"}}}, {"color", colour_of(scene, false)}}}},
+       {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}, {"point", {{"size", 60}, {"filled", true}}}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, true)}}}},
+       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
+        {"encoding",
+         {{"x", x},
+          {"y", y},
+          {"tooltip", tooltip({{"representation", "representation"},
+                               {"pixels", "height in pixels"},
+                               {"value", "mean over the views"},
+                               {"range", "least to greatest"},
+                               {"views", "views"}})}}}}});
+  return spec.dump();
+}
+
+std::string pop_chart(const PopSize& size, double high) {
+  Json values = Json::array();
+  for (size_t w = 0; w < kPopSwitchKinds; ++w)
+    for (const PopPoint& point : size.points) {
+      if (!point.mae[w]) continue;
+      values.push_back({{"switch", kPopSwitchTitles[w]},
+                        {"phase", fmt::format("phase {:g}", point.phase)},
+                        {"azimuth", point.azimuth_deg},
+                        {"elevation", point.elevation_deg},
+                        {"mae", *point.mae[w]},
+                        {"value", fmt::format("{:.2f}", *point.mae[w])},
+                        {"ssim", point.ssim_union[w] ? fmt::format("{:.3f}", *point.ssim_union[w]) : "too small"}});
+    }
+  if (values.empty()) return {};
+  Json spec = frame(0);
+  for (const char* key : {"width", "height", "autosize"}) spec.erase(key);
+  const auto tip = [](const char* field, const char* title) {
+    return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
+  };
+  spec["config"]["header"] = {{"labelFontSize", 12}, {"labelColor", kInk}, {"labelPadding", 4}};
+  spec["config"]["title"] = {{"anchor", "start"}, {"fontSize", 12}, {"fontWeight", 600}, {"color", kInk}};
+  spec["data"] = {{"values", values}};
+  spec["spacing"] = 12;
+  spec["vconcat"] = Json::array();
+  for (size_t w = 0; w < kPopSwitchKinds; ++w) {
+    const bool first = w == 0;
+    const bool last = w + 1 == kPopSwitchKinds;
+    Json legend = nullptr;
+    if (first) legend = {{"title", "MAE over the figure, code values"}, {"gradientLength", 240}};
+    Json encoding;
+    encoding["x"] = {{"field", "azimuth"},
+                     {"type", "ordinal"},
+                     {"axis",
+                      {{"title", last ? Json("azimuth, degrees") : Json(nullptr)},
+                       {"labels", last},
+                       {"ticks", last},
+                       {"labelOverlap", "greedy"},
+                       {"labelSeparation", 8},
+                       {"labelAngle", 0},
+                       {"format", "~r"}}}};
+    encoding["y"] = {{"field", "elevation"},
+                     {"type", "ordinal"},
+                     {"sort", "descending"},
+                     {"axis", {{"title", "elevation"}, {"labelOverlap", "greedy"}}}};
+    encoding["color"] = {{"field", "mae"},
+                         {"type", "quantitative"},
+                         {"scale", {{"scheme", "viridis"}, {"domain", {0, high}}}},
+                         {"legend", legend}};
+    encoding["tooltip"] =
+        Json::array({tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"), tip("elevation", "elevation"),
+                     tip("value", "MAE"), tip("ssim", "SSIM in the figure")});
+    Json column = {{"field", "phase"}, {"type", "nominal"}, {"sort", nullptr}};
+    column["header"] = {{"title", nullptr}, {"labels", first}};
+    Json row;
+    row["title"] = kPopSwitchTitles[w];
+    row["transform"] = Json::array({Json{{"filter", {{"field", "switch"}, {"equal", kPopSwitchTitles[w]}}}}});
+    row["spacing"] = 10;
+    row["facet"]["column"] = column;
+    row["spec"] = {{"width", 236}, {"height", 76}, {"mark", "rect"}, {"encoding", encoding}};
+    spec["vconcat"].push_back(row);
+  }
+  return spec.dump();
+}
+
+}  // namespace crowdbench::reports

@@ -1,0 +1,25 @@
+// Charts as Vega-Lite specifications (JSON text) with their data inside.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "reports/model/pop_model.h"
+#include "reports/model/summary.h"
+
+namespace crowdbench::reports {
+
+// A colour for each representation of a scene, in its order: the reference dark, the others from Okabe and Ito's set
+// that colour-blind readers can tell apart.
+std::vector<std::string> representation_colours(size_t count);
+
+// Time a frame against agents, log-log, one line a representation with the interval of each median, crossings marked.
+std::string time_chart(const Scene& scene, double occupancy);
+// How many times as fast as the reference, log-log, one line a representation and occupancy.
+std::string speed_chart(const Scene& scene);
+// A score of single agents against their height in pixels; empty text when no agent was compared.
+std::string score_chart(const Scene& scene, const std::string& score, const std::string& title);
+
+// Azimuth by elevation, a panel a clip phase and kind of switch; colours from 0 to `high` code values, the same in every chart.
+std::string pop_chart(const PopSize& size, double high);
+
+}  // namespace crowdbench::reports

@@ -1,0 +1,22 @@
+// The page of a pop map: what a switch from the mesh to another representation would show, over views, phases and
+// sizes.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "reports/model/pop_model.h"
+
+namespace crowdbench::reports {
+
+struct PopPage {
+  std::string representation, character, clip, renderer, program;  // program: name, version and revision
+  bool software = false;                                           // drawn by a software rasteriser
+  int fade = 0;                                                    // ticks
+  std::vector<PopSize> sizes;
+};
+
+// One self-contained HTML page that opens without a network. Throws Error when the program was built without the chart
+// library.
+std::string pop_page(const PopPage& page);
+
+}  // namespace crowdbench::reports

@@ -1,0 +1,22 @@
+// Cast: the characters of a scenario, loaded, with the banks that pose them.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "scene/character/character.h"
+#include "scene/pose/pose_bank.h"
+#include "scene/scenario/scenario.h"
+
+namespace crowdbench::scene {
+
+// A scenario's characters, loaded, with the banks that pose them.
+struct Cast {
+  std::vector<std::shared_ptr<const Character>> characters;
+  std::vector<std::shared_ptr<const PoseBank>> banks;
+  std::vector<double> shares;  // sum 1
+};
+// Loads every character of the scenario; `folder` resolves relative paths. Throws Error.
+Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder = {});
+
+}  // namespace crowdbench::scene

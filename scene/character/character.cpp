@@ -1,0 +1,35 @@
+#include "scene/character/character.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/error.h"
+
+namespace crowdbench::scene {
+
+std::optional<int> find_clip(const Character& character, std::string_view name_or_index) {
+  for (size_t i = 0; i < character.clips.size(); ++i) {
+    if (character.clips[i].name == name_or_index) return static_cast<int>(i);
+  }
+  if (name_or_index.empty() || name_or_index.size() > 9 ||
+      !std::ranges::all_of(name_or_index, [](char c) { return c >= '0' && c <= '9'; })) {
+    return std::nullopt;
+  }
+  const int index = std::stoi(std::string(name_or_index));
+  if (static_cast<size_t>(index) >= character.clips.size()) return std::nullopt;
+  return index;
+}
+
+int require_clip(const Character& character, std::string_view name_or_index) {
+  if (const auto clip = find_clip(character, name_or_index)) return *clip;
+  std::string names;
+  for (size_t i = 0; i < character.clips.size(); ++i) {
+    const std::string& name = character.clips[i].name;
+    names += fmt::format("{}{}", i == 0 ? "" : ", ", name.empty() ? fmt::format("{} (unnamed)", i) : name);
+  }
+  throw Error(printable(character.source), fmt::format("there is no clip '{}'", printable(name_or_index)),
+              character.clips.empty() ? "this character has no clips"
+                                      : fmt::format("give a name or an index; it has {}", printable(names, 400)));
+}
+
+}  // namespace crowdbench::scene

@@ -1,0 +1,51 @@
+// A checked glTF asset and the character that is made of it: what the steps of loading share. Internal to the loader.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/character/character.h"
+#include "scene/gltf/gltf.h"
+#include "scene/gltf/gltf_accessor.h"
+#include "scene/gltf/gltf_validate.h"
+
+namespace tinygltf {
+class Model;
+}
+
+namespace crowdbench::scene {
+
+// An index from the file, checked by the validation.
+inline size_t index_of(int i) { return static_cast<size_t>(i); }
+
+class GltfAsset {
+ public:
+  // Parses the plan's document; its warnings become the character's. source and options must outlive this. Throws
+  // Error.
+  GltfAsset(GltfSource& source, GltfPlan plan, const LoadOptions& options);
+  ~GltfAsset();
+  GltfAsset(const GltfAsset&) = delete;
+  GltfAsset& operator=(const GltfAsset&) = delete;
+
+  [[noreturn]] void fail(const std::string& path, const std::string& wrong, const std::string& advice = {}) const {
+    source.fail(path, wrong, advice);
+  }
+  void warn(std::string text) { character.warnings.push_back(std::move(text)); }
+
+  // An accessor, its sparse indices checked.
+  AccessorView view_of(int accessor) const;
+  // A component of an element: finite and within GltfLimits::magnitude, else Error.
+  double finite(const AccessorView& view, size_t i, int c) const;
+  glm::vec3 finite3(const AccessorView& view, size_t i) const;
+
+  GltfSource& source;
+  GltfPlan plan;
+  const LoadOptions& options;
+  const GltfLimits& limits;
+  std::unique_ptr<tinygltf::Model> model;
+  Character character;       // what is made
+  std::vector<int> node_of;  // index into Skeleton::nodes, by file index
+};
+
+}  // namespace crowdbench::scene

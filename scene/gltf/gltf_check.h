@@ -1,0 +1,59 @@
+// What the parts of the validation of a glTF document share, and the parts. Internal to the loader.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_validate.h"
+
+namespace crowdbench::scene {
+
+class GltfData;  // gltf_data.h
+
+// The document as it is read and the two things that are made of it. Every part reads lists of the document's root,
+// throws Error at the first fault, and adds what it read to both.
+class GltfCheck : public GltfDocument {
+ public:
+  // The arguments must outlive this.
+  GltfCheck(GltfSource& source, const GltfLimits& limits);
+  ~GltfCheck();
+
+  void warn(std::string text) { plan.warnings.push_back(std::move(text)); }
+  // "path: what", of all places where `what` (which must be a literal) holds the first alone.
+  void warn_once(const std::string& path, std::string_view what);
+
+  GltfSource& source;
+  const GltfLimits& limits;
+  GltfPlan plan;
+  std::unique_ptr<json> pruned;  // GltfPlan::json
+  // Appends to a list of the pruned document.
+  void keep(const char* list, json element);
+
+ private:
+  std::set<std::string_view> warned_;
+};
+inline constexpr std::string_view kMorphTargets = "morph targets are ignored";
+
+// Images, samplers, textures and materials.
+void check_materials(GltfCheck& check, const GltfData& data);
+
+// What drawing a mesh once takes.
+struct GltfMeshSize {
+  size_t primitives = 0;  // all modes
+  size_t vertices = 0;    // of triangles
+  size_t triangles = 0;
+};
+// One a mesh.
+std::vector<GltfMeshSize> check_meshes(GltfCheck& check, const GltfData& data);
+
+// Skins, the hierarchy of nodes, the scene that is shown and whether it keeps the limits. After check_meshes.
+void check_nodes(GltfCheck& check, const GltfData& data, const std::vector<GltfMeshSize>& meshes);
+
+void check_animations(GltfCheck& check, const GltfData& data);
+
+}  // namespace crowdbench::scene

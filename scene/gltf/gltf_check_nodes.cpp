@@ -1,0 +1,226 @@
+// What a glTF document says of skins, nodes and scenes, and how much the scene that is shown adds up to.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "core/error.h"
+#include "scene/gltf/gltf_check.h"
+#include "scene/gltf/gltf_data.h"
+
+namespace crowdbench::scene {
+namespace {
+
+using nlohmann::json;
+
+class NodeCheck {
+ public:
+  NodeCheck(GltfCheck& check, const GltfData& data, const std::vector<GltfMeshSize>& meshes)
+      : check_(check), data_(data), meshes_(meshes) {}
+
+  void run() {
+    if (check_.count_of("nodes") > check_.limits.nodes)
+      check_.fail("/nodes", fmt::format("has {} nodes, more than the limit of {}", check_.count_of("nodes"),
+                                        check_.limits.nodes));
+    check_skins();
+    check_hierarchy();
+    check_scene();
+    check_totals();
+  }
+
+ private:
+  void check_skins() {
+    check_.each("skins", [&](const json& skin, const std::string& path) {
+      json clean = json::object();
+      check_.copy_name(skin, path, clean);
+      const json* joints = check_.member(skin, "joints");
+      if (!joints || !joints->is_array() || joints->empty()) check_.fail(path, "has no joints");
+      if (joints->size() > check_.limits.joints)
+        check_.fail(path + "/joints",
+                    fmt::format("has {} joints, more than the limit of {}", joints->size(), check_.limits.joints));
+      std::set<int> seen;
+      for (size_t i = 0; i < joints->size(); ++i) {
+        const std::string where = check_.item(path + "/joints", i);
+        const int node = check_.index((*joints)[i], where, "nodes");
+        if (!seen.insert(node).second) check_.fail(where, fmt::format("names node {} twice", node));
+        clean["joints"].push_back(node);
+      }
+      if (const auto bind = check_.index_or_none(skin, path, "inverseBindMatrices", "accessors")) {
+        const std::string where = path + "/inverseBindMatrices";
+        data_.require_format(*bind, where, {16}, {{kF32, 0}});
+        if (data_.accessor(*bind).count < joints->size())
+          check_.fail(where, fmt::format("has {} matrices for {} joints", data_.accessor(*bind).count, joints->size()));
+        clean["inverseBindMatrices"] = *bind;
+      }
+      if (const auto root = check_.index_or_none(skin, path, "skeleton", "nodes")) clean["skeleton"] = *root;
+      check_.keep("skins", std::move(clean));
+    });
+  }
+
+  void check_hierarchy() {
+    const size_t nodes = check_.count_of("nodes");
+    check_.plan.node_parent.assign(nodes, -1);
+    children_.resize(nodes);
+    size_t node = 0;
+    check_.each("nodes", [&](const json& object, const std::string& path) { check_node(object, path, node++); });
+    order_nodes();
+  }
+
+  void check_node(const json& node, const std::string& path, size_t self) {
+    json clean = json::object();
+    check_.copy_name(node, path, clean);
+    const auto copy = [&](const char* key, size_t count) {
+      const json* value = check_.member(node, key);
+      if (!value) return false;
+      clean[key] = check_.numbers(*value, path + "/" + key, count);
+      return true;
+    };
+    const bool matrix = copy("matrix", 16);
+    const bool moved = copy("translation", 3);
+    const bool scaled = copy("scale", 3);
+    const bool turned = copy("rotation", 4);
+    if (matrix && (moved || scaled || turned))
+      check_.fail(path, "has both a matrix and a translation, rotation or scale");
+    if (matrix) {
+      const json& m = clean["matrix"];
+      if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0) check_.fail(path + "/matrix", "is not affine");
+    }
+    if (turned) {
+      double square = 0;
+      for (const json& c : clean["rotation"]) square += c.get<double>() * c.get<double>();
+      if (square < 1e-12) check_.fail(path + "/rotation", "is a quaternion of length zero");
+    }
+    if (const json* children = check_.member(node, "children")) {
+      const std::string where = path + "/children";
+      if (!children->is_array()) check_.fail(where, fmt::format("is {}, not an array", children->type_name()));
+      for (size_t i = 0; i < children->size(); ++i) {
+        const int child = check_.index((*children)[i], check_.item(where, i), "nodes");
+        int& parent = check_.plan.node_parent[static_cast<size_t>(child)];
+        if (static_cast<size_t>(child) == self)
+          check_.fail(check_.item(where, i), fmt::format("makes node {} its own child", child));
+        if (parent >= 0)
+          check_.fail(check_.item(where, i),
+                      fmt::format("node {} has two parents, nodes {} and {}", child, parent, self));
+        parent = static_cast<int>(self);
+        children_[self].push_back(child);
+      }
+    }
+    const auto mesh = check_.index_or_none(node, path, "mesh", "meshes");
+    const auto skin = check_.index_or_none(node, path, "skin", "skins");
+    if (mesh) clean["mesh"] = *mesh;
+    if (mesh && skin) clean["skin"] = *skin;
+    node_mesh_.push_back(mesh.value_or(-1));
+    node_skin_.push_back(mesh && skin ? *skin : -1);
+    if (mesh && skin) check_skinned(*mesh, path);
+    check_.keep("nodes", std::move(clean));
+  }
+
+  void check_skinned(int mesh, const std::string& path) {
+    if (!skinned_checked_.insert(mesh).second) return;
+    const json& primitives = (*check_.pruned)["meshes"][static_cast<size_t>(mesh)]["primitives"];
+    for (size_t i = 0; i < primitives.size(); ++i)
+      if (primitives[i]["mode"].get<int>() >= 4 && !primitives[i]["attributes"].contains("JOINTS_0"))
+        check_.fail(fmt::format("/meshes/{}/primitives/{}/attributes", mesh, i),
+                    fmt::format("has no JOINTS_0, but {} gives it a skin", path));
+  }
+
+  void order_nodes() {
+    const size_t nodes = children_.size();
+    std::vector<int> stack;
+    for (size_t i = nodes; i-- > 0;)
+      if (check_.plan.node_parent[i] < 0) stack.push_back(static_cast<int>(i));
+    while (!stack.empty()) {
+      const int node = stack.back();
+      stack.pop_back();
+      check_.plan.node_order.push_back(node);
+      const std::vector<int>& below = children_[static_cast<size_t>(node)];
+      stack.insert(stack.end(), below.rbegin(), below.rend());
+    }
+    if (check_.plan.node_order.size() == nodes) return;
+    // Every node has one parent at most, so what no root reaches is a cycle and what hangs from it.
+    std::vector<bool> reached(nodes, false);
+    for (const int node : check_.plan.node_order) reached[static_cast<size_t>(node)] = true;
+    const auto lost = static_cast<size_t>(std::find(reached.begin(), reached.end(), false) - reached.begin());
+    check_.fail(fmt::format("/nodes/{}", lost), "belongs to a cycle of parents and children");
+  }
+
+  void check_scene() {
+    const size_t nodes = children_.size();
+    check_.plan.in_scene.assign(nodes, false);
+    std::vector<int> roots;
+    bool first = true;
+    const auto wanted = check_.index_or_none(check_.root(), "", "scene", "scenes").value_or(0);
+    size_t scene_index = 0;
+    check_.each("scenes", [&](const json& scene, const std::string& path) {
+      first = false;
+      const bool chosen = scene_index++ == static_cast<size_t>(wanted);
+      const json* list = check_.member(scene, "nodes");
+      if (!list) return;
+      if (!list->is_array()) check_.fail(path + "/nodes", fmt::format("is {}, not an array", list->type_name()));
+      std::set<int> seen;
+      for (size_t i = 0; i < list->size(); ++i) {
+        const std::string where = check_.item(path + "/nodes", i);
+        const int node = check_.index((*list)[i], where, "nodes");
+        if (!seen.insert(node).second) check_.fail(where, fmt::format("names node {} twice", node));
+        const int parent = check_.plan.node_parent[static_cast<size_t>(node)];
+        if (parent >= 0) check_.fail(where, fmt::format("names node {}, which is a child of node {}", node, parent));
+        if (chosen) roots.push_back(node);
+      }
+    });
+    if (first) {
+      if (nodes != 0) check_.warn("has no scene; every root node is shown");
+      for (size_t i = 0; i < nodes; ++i)
+        if (check_.plan.node_parent[i] < 0) roots.push_back(static_cast<int>(i));
+    }
+    for (const int root : roots) check_.plan.in_scene[static_cast<size_t>(root)] = true;
+    for (const int node : check_.plan.node_order) {
+      const int parent = check_.plan.node_parent[static_cast<size_t>(node)];
+      if (parent >= 0 && check_.plan.in_scene[static_cast<size_t>(parent)])
+        check_.plan.in_scene[static_cast<size_t>(node)] = true;
+    }
+  }
+
+  // Counts before anything is allocated: a mesh on many nodes multiplies.
+  void check_totals() {
+    size_t primitives = 0;
+    std::set<int> skins;
+    size_t palette = 0;
+    for (size_t i = 0; i < node_mesh_.size(); ++i) {
+      if (node_mesh_[i] < 0 || !check_.plan.in_scene[i]) continue;
+      const std::string path = fmt::format("/nodes/{}", i);
+      const GltfMeshSize& size = meshes_[static_cast<size_t>(node_mesh_[i])];
+      primitives += size.primitives;
+      check_.plan.vertices += size.vertices;
+      check_.plan.triangles += size.triangles;
+      const auto bound = [&](size_t have, size_t limit, const char* what) {
+        if (have > limit)
+          check_.fail(path, fmt::format("brings the scene to {} {}, the limit is {}", have, what, limit));
+      };
+      bound(primitives, check_.limits.primitives, "primitives");
+      bound(check_.plan.vertices, check_.limits.vertices, "vertices");
+      bound(check_.plan.triangles, check_.limits.triangles, "triangles");
+      if (node_skin_[i] < 0) {
+        ++palette;
+      } else if (skins.insert(node_skin_[i]).second) {
+        palette += (*check_.pruned)["skins"][static_cast<size_t>(node_skin_[i])]["joints"].size();
+      }
+      bound(palette, check_.limits.joints, "joints and rigid meshes");
+    }
+  }
+
+  GltfCheck& check_;
+  const GltfData& data_;
+  const std::vector<GltfMeshSize>& meshes_;
+  std::vector<std::vector<int>> children_;
+  std::vector<int> node_mesh_;
+  std::vector<int> node_skin_;
+  std::set<int> skinned_checked_;
+};
+
+}  // namespace
+
+void check_nodes(GltfCheck& check, const GltfData& data, const std::vector<GltfMeshSize>& meshes) {
+  NodeCheck(check, data, meshes).run();
+}
+
+}  // namespace crowdbench::scene

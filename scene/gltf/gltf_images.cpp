@@ -1,0 +1,156 @@
+// PNG through libpng row by row (no second copy of a large picture), JPEG through tinygltf's decoder.
+// Based on: ISO/IEC 15948 (PNG, the IHDR chunk); ITU-T T.81 (JPEG, markers and the frame header).
+#include "scene/gltf/gltf_images.h"
+
+#include <png.h>
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "core/error.h"
+
+namespace crowdbench::scene {
+namespace {
+
+constexpr std::array<uint8_t, 8> kPngMagic = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+
+uint32_t big_endian(std::span<const uint8_t> bytes, size_t at, size_t size) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < size; ++i) value = value << 8 | bytes[at + i];
+  return value;
+}
+
+bool starts_with(std::span<const uint8_t> bytes, std::string_view magic, size_t at = 0) {
+  return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+}
+
+PictureHeader sized(PictureFormat format, uint32_t width, uint32_t height, const std::string& where) {
+  if (width == 0 || height == 0 || width > 65535 || height > 65535)
+    throw Error(where, fmt::format("picture claims to be {} x {}", width, height));
+  return {format, static_cast<int>(width), static_cast<int>(height)};
+}
+
+PictureHeader jpeg_header(std::span<const uint8_t> bytes, const std::string& where) {
+  size_t at = 2;
+  while (at + 4 <= bytes.size()) {
+    if (bytes[at] != 0xFF) break;
+    const uint8_t marker = bytes[at + 1];
+    if (marker == 0xFF) {  // fill byte
+      ++at;
+      continue;
+    }
+    if (marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {  // markers without a length
+      at += 2;
+      continue;
+    }
+    const bool frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (frame && at + 9 <= bytes.size())
+      return sized(PictureFormat::jpeg, big_endian(bytes, at + 7, 2), big_endian(bytes, at + 5, 2), where);
+    const uint32_t length = big_endian(bytes, at + 2, 2);
+    if (length < 2 || marker == 0xD9 || marker == 0xDA) break;
+    at += 2 + length;
+  }
+  throw Error(where, "JPEG has no frame header", "the picture is truncated or damaged");
+}
+
+struct PngInput {
+  std::span<const uint8_t> bytes;
+  size_t at = 0;
+};
+
+void read_png_bytes(png_structp png, png_bytep out, size_t size) {
+  auto* input = static_cast<PngInput*>(png_get_io_ptr(png));
+  if (size > input->bytes.size() - input->at) png_error(png, "ends too early");
+  std::memcpy(out, input->bytes.data() + input->at, size);
+  input->at += size;
+}
+
+struct PngMessage {
+  std::array<char, 128> text{};
+};
+
+[[noreturn]] void png_failed(png_structp png, png_const_charp text) {
+  auto* message = static_cast<PngMessage*>(png_get_error_ptr(png));
+  std::strncpy(message->text.data(), text, message->text.size() - 1);
+  png_longjmp(png, 1);
+}
+
+void png_warned(png_structp /*png*/, png_const_charp /*text*/) {}
+
+// Everything with a destructor lives in the caller: libpng leaves by longjmp.
+bool read_png(png_structp png, png_infop info, PngInput& input, Image8& image, std::vector<png_bytep>& rows) {
+  if (setjmp(png_jmpbuf(png))) return false;  // NOLINT(cert-err52-cpp): libpng's way
+  png_set_read_fn(png, &input, read_png_bytes);
+  png_set_chunk_malloc_max(png, 8U << 20);  // ancillary chunks are of no use here
+  png_set_chunk_cache_max(png, 16);
+  png_read_info(png, info);
+  if (png_get_image_width(png, info) != static_cast<png_uint_32>(image.width) ||
+      png_get_image_height(png, info) != static_cast<png_uint_32>(image.height))
+    png_error(png, "two sizes");
+  png_set_scale_16(png);
+  png_set_expand(png);
+  png_set_gray_to_rgb(png);
+  png_set_add_alpha(png, 0xFF, PNG_FILLER_AFTER);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  if (png_get_rowbytes(png, info) != static_cast<size_t>(image.width) * 4) png_error(png, "unexpected row size");
+  png_read_image(png, rows.data());
+  return true;
+}
+
+Image8 decode_png_rgba(std::span<const uint8_t> bytes, const PictureHeader& header, const std::string& where) {
+  Image8 image(header.width, header.height, 4);
+  std::vector<png_bytep> rows(static_cast<size_t>(header.height));
+  for (int y = 0; y < header.height; ++y) rows[static_cast<size_t>(y)] = image.at(0, y);
+  PngMessage message;
+  PngInput input{bytes};
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &message, png_failed, png_warned);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  const bool fine = info && read_png(png, info, input, image, rows);
+  png_destroy_read_struct(&png, &info, nullptr);
+  if (!fine)
+    throw Error(where, "PNG does not decode: " + printable(message.text.data(), 100),
+                "the picture is truncated or damaged");
+  return image;
+}
+
+Image8 decode_jpeg_rgba(std::span<const uint8_t> bytes, const PictureHeader& header, const std::string& where) {
+  tinygltf::Image decoded;
+  std::string error;
+  std::string warning;
+  const bool fine = tinygltf::LoadImageData(&decoded, 0, &error, &warning, header.width, header.height, bytes.data(),
+                                            static_cast<int>(bytes.size()), nullptr);
+  Image8 image;
+  image.width = header.width;
+  image.height = header.height;
+  image.channels = 4;
+  if (!fine || decoded.width != header.width || decoded.height != header.height || decoded.component != 4 ||
+      decoded.bits != 8 || decoded.image.size() != header.pixels() * 4)
+    throw Error(where, "JPEG does not decode", "the picture is truncated, damaged or of a rare kind; save it as PNG");
+  image.data = std::move(decoded.image);
+  return image;
+}
+
+}  // namespace
+
+PictureHeader picture_header(std::span<const uint8_t> bytes, const std::string& where) {
+  if (bytes.size() >= kPngMagic.size() && std::equal(kPngMagic.begin(), kPngMagic.end(), bytes.begin())) {
+    if (bytes.size() < 24 || !starts_with(bytes, "IHDR", 12)) throw Error(where, "PNG has no header");
+    return sized(PictureFormat::png, big_endian(bytes, 16, 4), big_endian(bytes, 20, 4), where);
+  }
+  if (starts_with(bytes, "\xFF\xD8\xFF")) return jpeg_header(bytes, where);
+  std::string kind = "neither PNG nor JPEG";
+  if (starts_with(bytes, "WEBP", 8)) kind = "WebP, which is not supported";
+  if (starts_with(bytes, "KTX 20", 1)) kind = "KTX2, which is not supported";
+  if (starts_with(bytes, "GIF8")) kind = "GIF, which glTF does not allow";
+  throw Error(where, "picture is " + kind, "save the textures as PNG or JPEG");
+}
+
+Image8 decode_picture(std::span<const uint8_t> bytes, const PictureHeader& header, const std::string& where) {
+  return header.format == PictureFormat::png ? decode_png_rgba(bytes, header, where)
+                                             : decode_jpeg_rgba(bytes, header, where);
+}
+
+}  // namespace crowdbench::scene

@@ -1,0 +1,414 @@
+// glTF to Character, after validation.
+// Based on: Khronos Group, "glTF 2.0 Specification" (skins 3.7.3, triangle strips and fans 3.7.2.1, instantiation).
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "scene/character/flat_normals.h"
+#include "scene/gltf/gltf.h"
+#include "scene/gltf/gltf_asset.h"
+#include "scene/gltf/gltf_clips.h"
+#include "scene/gltf/gltf_materials.h"
+#include "scene/gltf/gltf_validate.h"
+#include "scene/gltf/gltf_weights.h"
+#include "scene/pose/normalise.h"
+#include "scene/pose/reach.h"
+
+namespace crowdbench::scene {
+namespace {
+
+glm::dvec3 vec3_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+class Loader {
+ public:
+  explicit Loader(GltfAsset& asset) : asset_(asset), weights_(asset) {}
+
+  void run() {
+    read_nodes();
+    find_hidden();
+    materials_.emplace(asset_, used_materials());
+    read_meshes();
+    find_root();
+    read_clips(asset_);
+    finish();
+  }
+
+ private:
+  // --- nodes ---
+
+  glm::dquat unit_rotation(const std::vector<double>& q, const std::string& path) {
+    const glm::dquat r(q[3], q[0], q[1], q[2]);
+    const double length = glm::length(r);
+    if (std::abs(length - 1.0) > 1e-2)
+      asset_.warn(fmt::format("{}: rotation of length {:.3g} is normalised", path, length));
+    return glm::normalize(r);
+  }
+
+  void read_nodes() {
+    node_of_.assign(model_.nodes.size(), -1);
+    auto& nodes = character_.skeleton.nodes;
+    for (const int file_index : plan_.node_order) {
+      const tinygltf::Node& in = model_.nodes[index_of(file_index)];
+      const std::string path = fmt::format("/nodes/{}", file_index);
+      Node out;
+      out.name = in.name;
+      const int parent = plan_.node_parent[index_of(file_index)];
+      out.parent = parent < 0 ? -1 : node_of_[index_of(parent)];
+      if (in.matrix.size() == 16) {
+        out.has_matrix = true;
+        for (int i = 0; i < 16; ++i) out.matrix[i / 4][i % 4] = in.matrix[index_of(i)];
+      }
+      if (in.translation.size() == 3) out.translation = vec3_of(in.translation);
+      if (in.rotation.size() == 4) out.rotation = unit_rotation(in.rotation, path);
+      if (in.scale.size() == 3) out.scale = vec3_of(in.scale);
+      node_of_[index_of(file_index)] = static_cast<int>(nodes.size());
+      nodes.push_back(std::move(out));
+    }
+  }
+
+  // The rest transform's linear part is mirrored, parents included.
+  bool is_mirrored(int node) const {
+    bool mirrored = false;
+    for (; node >= 0; node = character_.skeleton.nodes[index_of(node)].parent) {
+      const Node& n = character_.skeleton.nodes[index_of(node)];
+      const double determinant =
+          n.has_matrix ? glm::determinant(glm::dmat3(n.matrix)) : n.scale.x * n.scale.y * n.scale.z;
+      if (determinant < 0) mirrored = !mirrored;
+    }
+    return mirrored;
+  }
+
+  void find_hidden() {
+    hidden_.assign(model_.nodes.size(), false);
+    for (const std::string& name : options_.hide) {
+      bool found = false;
+      for (size_t i = 0; i < model_.nodes.size(); ++i) {
+        if (model_.nodes[i].name != name) continue;
+        hidden_[i] = true;
+        found = true;
+      }
+      if (found) continue;
+      std::vector<std::string> names;
+      for (const tinygltf::Node& node : model_.nodes)
+        if (node.mesh >= 0 && !node.name.empty()) names.push_back(node.name);
+      const std::string near = nearest_name(name, names);
+      std::string listed;
+      for (size_t i = 0; i < std::min<size_t>(names.size(), 20); ++i)
+        listed += (i ? ", " : "") + printable(names[i], 40);
+      throw Error(asset_.source.where(), fmt::format("has no node named {} to hide", printable(name, 60)),
+                  near.empty() ? "its meshes are on " + (listed.empty() ? "nodes without names" : listed)
+                               : fmt::format("did you mean {}?", printable(near, 60)));
+    }
+    for (const int node : plan_.node_order) {
+      const int parent = plan_.node_parent[index_of(node)];
+      if (parent >= 0 && hidden_[index_of(parent)]) hidden_[index_of(node)] = true;
+    }
+  }
+
+  // By material.
+  std::vector<bool> used_materials() const {
+    std::vector<bool> used(model_.materials.size(), false);
+    for (size_t i = 0; i < model_.nodes.size(); ++i) {
+      if (!draws(i)) continue;
+      for (const tinygltf::Primitive& p : model_.meshes[index_of(model_.nodes[i].mesh)].primitives)
+        if (p.material >= 0) used[index_of(p.material)] = true;
+    }
+    return used;
+  }
+
+  // --- meshes ---
+
+  bool draws(size_t node) const {
+    const tinygltf::Node& n = model_.nodes[node];
+    if (n.mesh < 0 || !plan_.in_scene[node] || hidden_[node]) return false;
+    return n.skin >= 0 || options_.rigid_meshes || model_.skins.empty();
+  }
+
+  void read_meshes() {
+    Mesh& mesh = character_.mesh;
+    mesh.positions.reserve(plan_.vertices);
+    mesh.normals.reserve(plan_.vertices);
+    mesh.uvs.reserve(plan_.vertices);
+    mesh.joints.reserve(plan_.vertices);
+    mesh.weights.reserve(plan_.vertices);
+    mesh.indices.reserve(plan_.triangles * 3);
+    find_optional_attributes();
+    for (size_t i = 0; i < model_.nodes.size(); ++i) {
+      if (!draws(i)) continue;
+      const tinygltf::Node& node = model_.nodes[i];
+      const Palette palette = node.skin >= 0 ? skin_palette(node.skin) : rigid_palette(i);
+      const auto& primitives = model_.meshes[index_of(node.mesh)].primitives;
+      for (size_t p = 0; p < primitives.size(); ++p)
+        read_primitive(primitives[p], fmt::format("/meshes/{}/primitives/{}", node.mesh, p), i, palette);
+    }
+    if (mesh.indices.empty()) {
+      std::string reason = "has no triangles to draw";
+      if (!options_.hide.empty()) reason += " once parts are hidden";
+      throw Error(asset_.source.where(), reason,
+                  model_.meshes.empty() ? "it holds no mesh" : "see its scene and its meshes");
+    }
+    if (mesh.file_vertices.size() == mesh.positions.size()) mesh.file_vertices.clear();
+    if (zero_normals_ > 0) asset_.warn(fmt::format("{} normals of length zero point up instead", zero_normals_));
+    weights_.report();
+  }
+
+  // Arrays that all primitives or none have.
+  void find_optional_attributes() {
+    for (size_t i = 0; i < model_.nodes.size(); ++i) {
+      if (!draws(i)) continue;
+      for (const tinygltf::Primitive& p : model_.meshes[index_of(model_.nodes[i].mesh)].primitives) {
+        if (p.mode < TINYGLTF_MODE_TRIANGLES) continue;
+        if (p.attributes.count("COLOR_0") != 0) has_colours_ = true;
+        if (p.material < 0) continue;
+        const Material& m = character_.materials[index_of(p.material)];
+        if (m.emissive_image >= 0 && !(materials_->base_uv(p.material) == materials_->emissive_uv(p.material)))
+          has_emissive_uvs_ = true;
+      }
+    }
+    if (has_colours_) character_.mesh.colours.reserve(plan_.vertices);
+    if (has_emissive_uvs_) character_.mesh.emissive_uvs.reserve(plan_.vertices);
+  }
+
+  struct Palette {
+    int first = 0;
+    int count = 0;
+    bool rigid = false;
+  };
+
+  Palette skin_palette(int skin) {
+    auto& joints = character_.skeleton.joints;
+    const auto [place, fresh] = skin_first_.emplace(skin, static_cast<int>(joints.size()));
+    const tinygltf::Skin& in = model_.skins[index_of(skin)];
+    const Palette palette{place->second, static_cast<int>(in.joints.size()), false};
+    if (!fresh) return palette;
+    if (first_skin_ < 0) first_skin_ = skin;
+    std::optional<AccessorView> binds;
+    if (in.inverseBindMatrices >= 0) binds = asset_.view_of(in.inverseBindMatrices);
+    for (size_t j = 0; j < in.joints.size(); ++j) {
+      Joint joint;
+      joint.node = node_of_[index_of(in.joints[j])];
+      joint.name = model_.nodes[index_of(in.joints[j])].name;
+      if (binds) {
+        for (int e = 0; e < 16; ++e) joint.inverse_bind[e / 4][e % 4] = asset_.finite(*binds, j, e);
+        const glm::dmat4& m = joint.inverse_bind;
+        if (std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0) > 1e-3)
+          asset_.fail(binds->path, fmt::format("inverse bind matrix {} is not affine", j));
+        for (int c = 0; c < 4; ++c) joint.inverse_bind[c][3] = c == 3 ? 1.0 : 0.0;
+      }
+      joints.push_back(std::move(joint));
+    }
+    return palette;
+  }
+
+  Palette rigid_palette(size_t node) {
+    auto& joints = character_.skeleton.joints;
+    Joint joint;
+    joint.node = node_of_[node];
+    joint.name = model_.nodes[node].name;
+    joint.rigid = true;
+    joints.push_back(std::move(joint));
+    return {static_cast<int>(joints.size()) - 1, 1, true};
+  }
+
+  void read_primitive(const tinygltf::Primitive& in, const std::string& path, size_t node, const Palette& palette) {
+    const auto position = in.attributes.find("POSITION");
+    if (in.mode < TINYGLTF_MODE_TRIANGLES || position == in.attributes.end()) return;
+    Mesh& mesh = character_.mesh;
+    const AccessorView positions = asset_.view_of(position->second);
+    const size_t count = positions.count;
+    Primitive out;
+    out.first_vertex = static_cast<uint32_t>(mesh.positions.size());
+    out.first_index = static_cast<uint32_t>(mesh.indices.size());
+    out.material = in.material >= 0 ? in.material : materials_->default_material();
+    out.node = node_of_[node];
+    out.gltf_node = static_cast<int>(node);
+    out.mirrored = palette.rigid && is_mirrored(out.node);
+    for (size_t i = 0; i < count; ++i) {
+      mesh.positions.push_back(asset_.finite3(positions, i));
+      mesh.file_vertices.push_back(out.first_vertex + static_cast<uint32_t>(i));
+    }
+    const UvSource& base = materials_->base_uv(out.material);
+    read_uvs(in, path, base, character_.materials[index_of(out.material)].base_colour_image >= 0, count, mesh.uvs);
+    if (has_emissive_uvs_) read_uvs(in, path, materials_->emissive_uv(out.material), false, count, mesh.emissive_uvs);
+    if (has_colours_) read_colours(in, count);
+    if (palette.rigid) {
+      mesh.joints.insert(mesh.joints.end(), count, glm::u16vec4(static_cast<uint16_t>(palette.first), 0, 0, 0));
+      mesh.weights.insert(mesh.weights.end(), count, glm::vec4(1.0F, 0.0F, 0.0F, 0.0F));
+      character_.file_max_influences = std::max(character_.file_max_influences, 1);
+    } else {
+      weights_.read(in, count, palette.first, palette.count);
+    }
+    read_indices(in, path, out.first_vertex, count);
+    out.index_count = static_cast<uint32_t>(mesh.indices.size()) - out.first_index;
+    if (const auto normal = in.attributes.find("NORMAL"); normal != in.attributes.end())
+      read_normals(asset_.view_of(normal->second));
+    else
+      draw_flat(out, path);
+    out.vertex_count = static_cast<uint32_t>(mesh.positions.size()) - out.first_vertex;
+    mesh.primitives.push_back(out);
+  }
+
+  void read_uvs(const tinygltf::Primitive& in, const std::string& path, const UvSource& uv, bool needed, size_t count,
+                std::vector<glm::vec2>& out) {
+    const auto found = in.attributes.find(fmt::format("TEXCOORD_{}", uv.set));
+    if (found == in.attributes.end()) {
+      if (needed) asset_.warn(fmt::format("{}: is textured but has no TEXCOORD_{}", path, uv.set));
+      out.insert(out.end(), count, glm::vec2(0.0F));
+      return;
+    }
+    const AccessorView view = asset_.view_of(found->second);
+    // The extension turns counter-clockwise as seen with v pointing down, as the engines agree; its GLSL text has the
+    // signs for v pointing up.
+    const double c = std::cos(uv.rotation);
+    const double s = std::sin(uv.rotation);
+    for (size_t i = 0; i < count; ++i) {
+      const double u = asset_.finite(view, i, 0) * uv.scale.x;
+      const double v = asset_.finite(view, i, 1) * uv.scale.y;
+      out.emplace_back(static_cast<float>(uv.offset.x + c * u + s * v),
+                       static_cast<float>(uv.offset.y - s * u + c * v));
+    }
+  }
+
+  void read_colours(const tinygltf::Primitive& in, size_t count) {
+    auto& colours = character_.mesh.colours;
+    const auto found = in.attributes.find("COLOR_0");
+    if (found == in.attributes.end()) {
+      colours.insert(colours.end(), count, glm::vec4(1.0F));
+      return;
+    }
+    const AccessorView view = asset_.view_of(found->second);
+    for (size_t i = 0; i < count; ++i) {
+      glm::vec4 colour(1.0F);
+      for (int c = 0; c < view.components; ++c)
+        colour[c] = static_cast<float>(std::clamp(asset_.finite(view, i, c), 0.0, 1.0));
+      colours.push_back(colour);
+    }
+  }
+
+  void read_normals(const AccessorView& view) {
+    for (size_t i = 0; i < view.count; ++i) {
+      const glm::vec3 n = asset_.finite3(view, i);
+      const float length = glm::length(n);
+      if (length < 1e-6F) ++zero_normals_;
+      character_.mesh.normals.push_back(length < 1e-6F ? glm::vec3(0.0F, 1.0F, 0.0F) : n / length);
+    }
+  }
+
+  void read_indices(const tinygltf::Primitive& in, const std::string& path, uint32_t first_vertex, size_t vertices) {
+    std::optional<AccessorView> view;
+    if (in.indices >= 0) view = asset_.view_of(in.indices);
+    const size_t corners = view ? view->count : vertices;
+    const auto corner = [&](size_t i) {
+      const size_t index = view ? view->unsigned_at(i) : i;
+      if (index >= vertices)
+        asset_.fail(view->path, fmt::format("index {} is {}, but {} has {} vertices", i, index, path, vertices));
+      return first_vertex + static_cast<uint32_t>(index);
+    };
+    auto& indices = character_.mesh.indices;
+    if (in.mode == TINYGLTF_MODE_TRIANGLES) {
+      for (size_t i = 0; i < corners; ++i) indices.push_back(corner(i));
+      return;
+    }
+    for (size_t i = 0; i + 2 < corners; ++i) {
+      if (in.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+        for (const size_t k : {i + 1, i + 2, size_t{0}}) indices.push_back(corner(k));
+      } else {
+        // Every other triangle of a strip turns the other way round.
+        const size_t odd = i % 2;
+        for (const size_t k : {i, i + 1 + odd, i + 2 - odd}) indices.push_back(corner(k));
+      }
+    }
+  }
+
+  void draw_flat(const Primitive& primitive, const std::string& path) {
+    if (!add_flat_normals(character_.mesh, primitive, limits_.vertices))
+      asset_.fail(path, fmt::format("flat normals need more than {} vertices", limits_.vertices), "export normals");
+    if (!warned_flat_) asset_.warn(fmt::format("{}: has no normals and is drawn flat", path));
+    warned_flat_ = true;
+  }
+
+  // --- the whole ---
+
+  void find_root() {
+    Skeleton& skeleton = character_.skeleton;
+    if (first_skin_ < 0) return;
+    const tinygltf::Skin& skin = model_.skins[index_of(first_skin_)];
+    if (skin.skeleton >= 0) {
+      skeleton.root_node = node_of_[index_of(skin.skeleton)];
+      return;
+    }
+    // The lowest common ancestor. A parent's index is below its child's, so the larger of two climbs until they meet.
+    int common = node_of_[index_of(skin.joints[0])];
+    const int fallback = common;
+    for (const int joint : skin.joints) {
+      int other = node_of_[index_of(joint)];
+      while (common != other && common >= 0 && other >= 0) {
+        int& later = common > other ? common : other;
+        later = skeleton.nodes[index_of(later)].parent;
+      }
+      if (common != other) common = -1;
+      if (common < 0) break;
+    }
+    skeleton.root_node = common < 0 ? fallback : common;
+    if (common < 0) asset_.warn("the joints of the skin have no common root; the first joint counts as the root");
+  }
+
+  void finish() {
+    if (const auto node = node_beyond_reach(character_, limits_.reach)) {
+      const auto file_index = std::find(node_of_.begin(), node_of_.end(), static_cast<int>(*node)) - node_of_.begin();
+      asset_.fail(fmt::format("/nodes/{}", file_index),
+                  fmt::format("lies beyond the limit of {} once its parents' scales and "
+                              "translations are applied",
+                              limits_.reach));
+    }
+    normalise(character_, options_.normalise);
+    const Placement& p = character_.placement;
+    if (!std::isfinite(p.height) || !std::isfinite(p.scale) || p.scale <= 0)
+      throw Error(asset_.source.where(), "its posed height is not a number", "its transforms collapse it");
+    if (p.height <= 0) asset_.warn("has no height as posed; it is not scaled");
+  }
+
+  GltfAsset& asset_;
+  const tinygltf::Model& model_ = *asset_.model;
+  const GltfPlan& plan_ = asset_.plan;
+  const LoadOptions& options_ = asset_.options;
+  const GltfLimits& limits_ = asset_.limits;
+  Character& character_ = asset_.character;
+  std::vector<int>& node_of_ = asset_.node_of;
+  std::optional<GltfMaterials> materials_;
+  GltfWeights weights_;
+  std::vector<bool> hidden_;  // by file index
+  bool has_colours_ = false;
+  bool has_emissive_uvs_ = false;
+  std::map<int, int> skin_first_;
+  int first_skin_ = -1;
+  size_t zero_normals_ = 0;
+  bool warned_flat_ = false;
+};
+
+}  // namespace
+
+Character load_character(const std::vector<uint8_t>& bytes, const std::string& where,
+                         const std::filesystem::path& folder, const LoadOptions& options) {
+  GltfSource source(bytes, printable(where, 300), folder, options.limits);
+  GltfPlan plan = validate_gltf(source, options.limits);
+  GltfAsset asset(source, std::move(plan), options);
+  Loader(asset).run();
+  Character character = std::move(asset.character);
+  character.name = std::filesystem::path(where).stem().string();
+  character.source = where;
+  return character;
+}
+
+Character load_character(const std::filesystem::path& path, const LoadOptions& options) {
+  std::filesystem::path folder = path.parent_path();
+  if (folder.empty()) folder = ".";
+  return load_character(read_file(path, options.limits.file_bytes), path.string(), folder, options);
+}
+
+}  // namespace crowdbench::scene

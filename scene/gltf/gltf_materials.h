@@ -1,0 +1,47 @@
+// The materials of a glTF asset and the pictures on them. Internal to the loader.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <map>
+#include <vector>
+
+#include "scene/gltf/gltf_asset.h"
+
+namespace crowdbench::scene {
+
+// Where a texture's coordinates come from (KHR_texture_transform): TEXCOORD_set, scaled, turned and moved.
+struct UvSource {
+  int set = 0;
+  glm::dvec2 offset{0.0};
+  double rotation = 0;
+  glm::dvec2 scale{1.0};
+  bool operator==(const UvSource&) const = default;
+};
+
+class GltfMaterials {
+ public:
+  // Reads all materials into the character. used: by material, whether anything is drawn with it; the pictures of those
+  // are decoded, each once for each way to sample it. asset must outlive this. Throws Error: a picture that is broken
+  // or beyond the limits.
+  GltfMaterials(GltfAsset& asset, const std::vector<bool>& used);
+
+  // Of a material of the character.
+  const UvSource& base_uv(int material) const { return base_uv_[index_of(material)]; }
+  const UvSource& emissive_uv(int material) const { return emissive_uv_[index_of(material)]; }
+  // The white material of primitives that name none, added at the first call.
+  int default_material();
+
+ private:
+  // Index into Character::images; -1 without image.
+  int texture(int index);
+  Image8 decode(const GltfImage& image);
+
+  GltfAsset& asset_;
+  std::vector<UvSource> base_uv_, emissive_uv_;
+  std::map<std::array<int, 5>, int> texture_index_;  // by image, wrap modes and filters
+  size_t decoded_bytes_ = 0;
+  int default_material_ = -1;
+};
+
+}  // namespace crowdbench::scene

@@ -1,0 +1,106 @@
+// Based on: Khronos Group, "glTF 2.0 Specification" and the specifications of KHR_mesh_quantization,
+// KHR_texture_transform, KHR_materials_unlit and KHR_materials_emissive_strength.
+// Differs from the source: what the specification forbids but every engine shows alike (weights without `normalized`,
+// colour factors out of range, an animated node with a matrix) is loaded with a warning.
+#include "scene/gltf/gltf_validate.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+
+#include "core/error.h"
+#include "scene/gltf/gltf_check.h"
+#include "scene/gltf/gltf_data.h"
+
+namespace crowdbench::scene {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<std::string_view, 4> kKnownExtensions = {"KHR_mesh_quantization", "KHR_texture_transform",
+                                                              "KHR_materials_unlit", "KHR_materials_emissive_strength"};
+
+void check_asset(GltfCheck& check) {
+  const json* asset = check.member(check.root(), "asset");
+  if (!asset) throw Error(check.source.where(), "JSON has no asset, so it is not glTF 2.0");
+  check.require_object(*asset, "/asset");
+  const auto major_of = [&](const char* key, bool required) {
+    const std::string* version = check.text_or_none(*asset, "/asset", key);
+    if (!version) {
+      if (required) check.fail("/asset", "has no version");
+      return std::string("2.0");
+    }
+    return *version;
+  };
+  const std::string version = major_of("version", true);
+  const bool two = version.size() >= 3 && version.starts_with("2.") &&
+                   std::all_of(version.begin() + 2, version.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (!two)
+    check.fail("/asset/version", fmt::format("is {}, not 2.0", printable(version, 20)), "convert the file to glTF 2.0");
+  const std::string minimum = major_of("minVersion", false);
+  if (minimum != "2.0") check.fail("/asset/minVersion", fmt::format("is {}; 2.0 is read", printable(minimum, 20)));
+  (*check.pruned)["asset"] = {{"version", "2.0"}};
+  // Data is read through the checked accessors; tinygltf only wants to see that indices have a view.
+  (*check.pruned)["bufferViews"] = json::array({{{"buffer", 0}, {"byteLength", 1}}});
+}
+
+// Whether it uses KHR_mesh_quantization.
+bool check_extensions(GltfCheck& check) {
+  bool quantized = false;
+  const auto known = [](const std::string& name) {
+    return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end();
+  };
+  std::set<std::string> ignored;
+  for (const char* key : {"extensionsRequired", "extensionsUsed"}) {
+    const json* list = check.member(check.root(), key);
+    if (!list) continue;
+    const std::string path = std::string("/") + key;
+    if (!list->is_array()) check.fail(path, fmt::format("is {}, not an array", list->type_name()));
+    for (size_t i = 0; i < list->size(); ++i) {
+      if (!(*list)[i].is_string()) check.fail(check.item(path, i), "is not a string");
+      const auto& name = (*list)[i].get_ref<const std::string&>();
+      if (name == "KHR_mesh_quantization") quantized = true;
+      if (known(name)) continue;
+      if (std::string_view(key) == "extensionsRequired")
+        check.fail(check.item(path, i), fmt::format("requires {}, which is not supported", printable(name, 80)),
+                   "export the file without it (no mesh or texture compression)");
+      ignored.insert(printable(name, 60));
+    }
+  }
+  std::string names;
+  size_t listed = 0;
+  for (const std::string& name : ignored)
+    if (listed++ < 8) names += (names.empty() ? "" : ", ") + name;
+  if (!ignored.empty()) check.warn(fmt::format("extensions ignored: {}{}", names, listed > 8 ? ", ..." : ""));
+  return quantized;
+}
+
+}  // namespace
+
+GltfPlan validate_gltf(GltfSource& source, const GltfLimits& limits) {
+  GltfCheck check(source, limits);
+  check_asset(check);
+  const bool quantized = check_extensions(check);
+  // In the order in which later ones refer to earlier ones.
+  const GltfData data(check, quantized);
+  check_materials(check, data);
+  const std::vector<GltfMeshSize> meshes = check_meshes(check, data);
+  check_nodes(check, data, meshes);
+  check_animations(check, data);
+  check.plan.json = check.pruned->dump();
+  return std::move(check.plan);
+}
+
+void check_sparse(const AccessorView& view, const GltfSource& source) {
+  for (size_t i = 0; i < view.sparse_count; ++i) {
+    const size_t index = view.sparse_index(i);
+    const std::string path = view.path + "/sparse/indices";
+    if (index >= view.count) source.fail(path, fmt::format("index {} is {}, of {} elements", i, index, view.count));
+    if (i > 0 && index <= view.sparse_index(i - 1))
+      source.fail(path, fmt::format("index {} is {}, not above the one before it", i, index));
+  }
+}
+
+}  // namespace crowdbench::scene

@@ -1,0 +1,130 @@
+#include "scene/pose/pose_bank.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "scene/pose/pose.h"
+
+namespace crowdbench::scene {
+namespace {
+
+Mat3x4 to_rows(const glm::dmat4& m) {
+  Mat3x4 out;
+  for (int row = 0; row < 3; ++row) out.rows[row] = glm::vec4(m[0][row], m[1][row], m[2][row], m[3][row]);
+  return out;
+}
+
+double wrapped(double phase) {
+  const double whole = phase - std::floor(phase);
+  return whole < 1.0 ? whole : 0.0;  // a phase just below zero rounds up to one
+}
+
+BankClip describe(const Character& character, int clip) {
+  BankClip out;
+  out.clip = clip;
+  if (clip < 0) return out;
+  out.seconds = cycle_seconds(character, clip);
+  out.ground_speed = character.motion[static_cast<size_t>(clip)].ground_speed;
+  return out;
+}
+
+}  // namespace
+
+PoseBank::PoseBank(const Character& character, const std::vector<int>& clips, double rate) {
+  assert(rate > 0.0);
+  for (const int clip : clips) {
+    BankClip entry = describe(character, clip);
+    entry.samples = static_cast<uint32_t>(std::max(1.0, std::round(entry.seconds * rate)));
+    entry.first_sample = clips_.empty() ? 0 : clips_.back().first_sample + clips_.back().samples;
+    for (uint32_t i = 0; i < entry.samples; ++i) {
+      add_sample(character, model_matrices(character, clip, static_cast<double>(i) / entry.samples));
+    }
+    clips_.push_back(entry);
+  }
+}
+
+PoseBank PoseBank::exact(const Character& character, int clip, double time, bool raw) {
+  PoseBank bank;
+  BankClip entry;
+  entry.clip = clip;
+  if (raw) {
+    bank.add_sample(character, joint_matrices(character, clip, time));
+  } else {
+    bank.add_sample(character, model_matrices(character, clip, clip < 0 ? 0.0 : phase_of_time(character, clip, time)));
+  }
+  bank.clips_.push_back(entry);
+  return bank;
+}
+
+PoseBank PoseBank::frames(const Character& character, const std::vector<int>& clips, int frames) {
+  assert(frames > 0);
+  PoseBank bank;
+  for (const int clip : clips) {
+    BankClip entry = describe(character, clip);
+    entry.samples = entry.seconds > 0.0 ? static_cast<uint32_t>(frames) : 1;
+    entry.first_sample = bank.clips_.empty() ? 0 : bank.clips_.back().first_sample + bank.clips_.back().samples;
+    for (uint32_t i = 0; i < entry.samples; ++i) {
+      bank.add_sample(character, model_matrices(character, clip, static_cast<double>(i) / entry.samples));
+    }
+    bank.clips_.push_back(entry);
+  }
+  return bank;
+}
+
+PoseSample PoseBank::sample(int bank_clip, double phase) const {
+  assert(bank_clip >= 0 && static_cast<size_t>(bank_clip) < clips_.size());
+  const BankClip& entry = clips_[static_cast<size_t>(bank_clip)];
+  const double position = wrapped(phase) * entry.samples;
+  const auto a = std::min(static_cast<uint32_t>(position), entry.samples - 1);
+  const uint32_t b = a + 1 == entry.samples ? 0 : a + 1;
+  PoseSample out{entry.first_sample + a, entry.first_sample + b, static_cast<float>(position - a)};
+  if (entry.samples == 1) out.blend = 0.0F;
+  return out;
+}
+
+std::vector<Mat3x4> PoseBank::palette(const PoseSample& sample) const {
+  const auto count = static_cast<size_t>(joints_);
+  const Mat3x4* a = matrices_.data() + sample.a * count;
+  const Mat3x4* b = matrices_.data() + sample.b * count;
+  std::vector<Mat3x4> out(count);
+  for (size_t j = 0; j < count; ++j) {
+    for (int row = 0; row < 3; ++row) out[j].rows[row] = glm::mix(a[j].rows[row], b[j].rows[row], sample.blend);
+  }
+  return out;
+}
+
+int PoseBank::bank_clip(int character_clip) const {
+  for (size_t i = 0; i < clips_.size(); ++i) {
+    if (clips_[i].clip == character_clip) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void PoseBank::add_sample(const Character& character, const std::vector<glm::dmat4>& palette) {
+  if (matrices_.empty()) {
+    joints_ = static_cast<int>(palette.size());
+    bounds_min_ = glm::vec3(std::numeric_limits<float>::max());
+    bounds_max_ = glm::vec3(std::numeric_limits<float>::lowest());
+  }
+  const size_t first = matrices_.size();
+  for (const glm::dmat4& matrix : palette) matrices_.push_back(to_rows(matrix));
+  const Mat3x4* matrices = matrices_.data() + first;
+  const Mesh& mesh = character.mesh;
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::vec4 position(mesh.positions[v], 1.0F);
+    glm::vec3 posed(0.0F);
+    for (int i = 0; i < kInfluences; ++i) {
+      const float weight = mesh.weights[v][i];
+      if (weight == 0.0F) continue;
+      const Mat3x4& m = matrices[mesh.joints[v][i]];
+      posed += weight *
+               glm::vec3(glm::dot(m.rows[0], position), glm::dot(m.rows[1], position), glm::dot(m.rows[2], position));
+    }
+    bounds_min_ = glm::min(bounds_min_, posed);
+    bounds_max_ = glm::max(bounds_max_, posed);
+  }
+}
+
+}  // namespace crowdbench::scene

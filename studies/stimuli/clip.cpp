@@ -1,0 +1,364 @@
+#include "studies/stimuli/clip.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "core/module.h"
+#include "core/progress.h"
+#include "studies/stimuli/module/video_api.h"
+
+namespace crowdbench::studies {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kThreads = 2;  // part of the format: x264 with four threads decodes to another video than with two
+
+const video::Api& api() {
+  static const video::Api& loaded = [&]() -> const video::Api& {
+    const auto function =
+        reinterpret_cast<video::ApiFunction>(module_symbol("video", video::kApiSymbol, "writing or reading a clip"));
+    const video::Api* found = function();
+    if (found->version != video::kApiVersion) {
+      throw Error("crowdbench_video.so", "is of another version than the program", "rebuild with ./run build");
+    }
+    return *found;
+  }();
+  return loaded;
+}
+
+class Encoder {
+ public:
+  // name: the file's final name, for messages.
+  Encoder(const fs::path& path, std::string name, const video::Settings& settings) : name_(std::move(name)) {
+    encoder_ = api().open_encoder(path.c_str(), &settings, message_);
+    if (!encoder_) fail();
+  }
+  ~Encoder() {
+    if (encoder_) api().free_encoder(encoder_);
+  }
+  Encoder(const Encoder&) = delete;
+  Encoder& operator=(const Encoder&) = delete;
+  void encode(const uint8_t* rgb) {
+    if (!api().encode(encoder_, rgb, message_)) fail();
+  }
+  void finish() {
+    if (!api().finish(encoder_, message_)) fail();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw Error(name_, message_, "check the place, the free space and that FFmpeg has libx264");
+  }
+  std::string name_;
+  char message_[video::kMessageBytes] = {};
+  video::Encoder* encoder_ = nullptr;
+};
+
+std::string file_sha256(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<char> block(size_t{1} << 20);
+  Sha256 hash;
+  while (file) {
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    hash.bytes(block.data(), static_cast<size_t>(file.gcount()));
+  }
+  if (!file.eof()) throw Error(path.string(), "cannot be read back");
+  return hash.hex();
+}
+
+std::string frame_sha256(const std::vector<uint8_t>& rgb) { return Sha256().bytes(rgb.data(), rgb.size()).hex(); }
+
+double decibels(double squared_error, double values) {
+  if (squared_error <= 0) return std::numeric_limits<double>::infinity();
+  return 10.0 * std::log10(255.0 * 255.0 * values / squared_error);
+}
+
+// Adds up what separates two videos, exactly.
+class ErrorSum {
+ public:
+  void add(const std::vector<uint8_t>& raw, const std::vector<uint8_t>& decoded) {
+    uint64_t squared = 0;
+    int largest = 0;
+    for (size_t i = 0; i < raw.size(); ++i) {
+      const int difference = std::abs(int{raw[i]} - int{decoded[i]});
+      squared += static_cast<uint64_t>(difference * difference);
+      largest = std::max(largest, difference);
+    }
+    if (frames_ == 0 || squared > worst_) {
+      worst_ = squared;
+      worst_frame_ = frames_;
+    }
+    largest_ = std::max(largest_, largest);
+    total_ += squared;
+    values_ = raw.size();
+    ++frames_;
+  }
+  ClipError result() const {
+    const auto values = static_cast<double>(values_);
+    return {decibels(static_cast<double>(worst_), values), worst_frame_,
+            decibels(static_cast<double>(total_), values * static_cast<double>(frames_)), largest_};
+  }
+
+ private:
+  uint64_t worst_ = 0;
+  uint64_t total_ = 0;
+  size_t worst_frame_ = 0;
+  size_t values_ = 0;
+  size_t frames_ = 0;
+  int largest_ = 0;
+};
+
+fs::path beside(const fs::path& target, const char* what) {
+  return target.parent_path() / (target.stem().string() + what + target.extension().string());
+}
+
+}  // namespace
+
+struct ClipReader::State {
+  std::string name;
+  Tags tags;
+  video::Info info;
+  video::Decoder* decoder = nullptr;
+  char message[video::kMessageBytes] = {};
+  ~State() {
+    if (decoder) api().free_decoder(decoder);
+  }
+};
+
+ClipReader::ClipReader(const fs::path& path) : state_(std::make_unique<State>()) {
+  state_->name = path.string();
+  state_->decoder = api().open_decoder(path.c_str(), &state_->info, state_->message);
+  if (!state_->decoder) throw Error(state_->name, state_->message, "name a video file that FFmpeg reads");
+  const video::Info& info = state_->info;
+  state_->tags = {info.codec, info.pixel_format, info.primaries,     info.transfer,       info.matrix,
+                  info.range, info.title,        info.fps_numerator, info.fps_denominator};
+}
+
+ClipReader::~ClipReader() = default;
+int ClipReader::width() const { return state_->info.width; }
+int ClipReader::height() const { return state_->info.height; }
+const ClipReader::Tags& ClipReader::tags() const { return state_->tags; }
+
+bool ClipReader::next(Frame& frame) {
+  if (frame.rgb.width != width() || frame.rgb.height != height() || frame.rgb.channels != 3) {
+    frame.rgb = Image8(width(), height(), 3);
+  }
+  video::FrameInfo info;
+  const int32_t got = api().decode(state_->decoder, frame.rgb.data.data(), &info, state_->message);
+  if (got < 0) throw Error(state_->name, state_->message, "the file is damaged");
+  frame.pts = info.pts;
+  frame.time_base_numerator = info.time_base_numerator;
+  frame.time_base_denominator = info.time_base_denominator;
+  frame.key = info.key != 0;
+  return got > 0;
+}
+
+struct ClipWriter::State {
+  fs::path target;
+  ClipSettings settings;
+  Clip clip;
+  // The raw frames wait on disk, losslessly: the encodings, the comparison and the master all come from them.
+  PendingFile lossless;
+  std::string lossless_preset;
+  std::unique_ptr<Encoder> raw;
+  std::vector<uint8_t> packed;
+
+  State(fs::path target_, int width, int height, const ClipSettings& settings_)
+      : target(std::move(target_)), settings(settings_), lossless(beside(target, ".master")) {
+    clip.width = width;
+    clip.height = height;
+    clip.fps = settings.fps;
+    lossless_preset = settings.master ? "veryfast" : "ultrafast";
+    packed.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * 3);
+  }
+
+  video::Settings encoding(video::Codec codec, int crf, const char* preset, const std::string& title) const {
+    video::Settings s;
+    s.width = clip.width;
+    s.height = clip.height;
+    s.fps = clip.fps;
+    s.codec = codec;
+    s.crf = crf;
+    s.preset = preset;
+    s.threads = kThreads;
+    s.title = title.empty() ? nullptr : title.c_str();
+    return s;
+  }
+
+  // Calls `each` with every raw frame, having checked that it is the one that was added.
+  template <typename Each>
+  void for_each_raw_frame(const std::string& label, const Each& each) const {
+    Progress progress(label, clip.frame_sha256.size());
+    ClipReader reader(lossless.path());
+    ClipReader::Frame frame;
+    size_t count = 0;
+    while (reader.next(frame)) {
+      if (count >= clip.frame_sha256.size() || frame_sha256(frame.rgb.data) != clip.frame_sha256[count]) {
+        throw Error(target.string(), fmt::format("frame {} changed on its way through the disk", count),
+                    "check the disk, or report this build of FFmpeg");
+      }
+      each(frame.rgb.data);
+      ++count;
+      progress.advance();
+    }
+    if (count != clip.frame_sha256.size()) {
+      throw Error(target.string(), fmt::format("{} of {} frames came back", count, clip.frame_sha256.size()),
+                  "check the free disk space");
+    }
+  }
+
+  void encode(const fs::path& path, const fs::path& final_name, const video::Settings& s) const {
+    Encoder encoder(path, final_name.string(), s);
+    for_each_raw_frame(fmt::format("encoding {} (crf {})", final_name.filename().string(), s.crf),
+                       [&](const std::vector<uint8_t>& rgb) { encoder.encode(rgb.data()); });
+    encoder.finish();
+  }
+
+  // Decodes again; also holds the file to the exact frame count and time stamps.
+  ClipError compare(const fs::path& path, const fs::path& final_name) const {
+    ClipReader reader(path);
+    ClipReader::Frame decoded;
+    ErrorSum sum;
+    int64_t count = 0;
+    for_each_raw_frame(
+        fmt::format("checking {}", final_name.filename().string()), [&](const std::vector<uint8_t>& rgb) {
+          if (!reader.next(decoded)) {
+            throw Error(final_name.string(), fmt::format("ends after {} frames", count));
+          }
+          if (decoded.pts * decoded.time_base_numerator * clip.fps != count * decoded.time_base_denominator) {
+            throw Error(final_name.string(), fmt::format("frame {} has a wrong time stamp", count));
+          }
+          sum.add(rgb, decoded.rgb.data);
+          ++count;
+        });
+    if (reader.next(decoded)) throw Error(final_name.string(), "has more frames than were written");
+    return sum.result();
+  }
+
+  ClipFile describe(const fs::path& path, const fs::path& final_name, std::string role, std::string pixel_format,
+                    const std::string& preset, std::optional<int> crf, const ClipError& error) const {
+    return {final_name, std::move(role),     std::move(pixel_format), preset, crf,
+            kThreads,   fs::file_size(path), file_sha256(path),       error};
+  }
+};
+
+ClipWriter::ClipWriter(fs::path target, int width, int height, const ClipSettings& settings) {
+  const std::string name = target.string();
+  if (target.extension() != ".mp4") throw Error(name, "clips are mp4 files", "choose a name that ends in .mp4");
+  if (width < 16 || height < 16 || width > 8192 || height > 8192 || width % 2 || height % 2) {
+    throw Error(name, fmt::format("a clip cannot be {}x{}", width, height), "use even sides of 16 to 8192 pixels");
+  }
+  if (settings.crf < 0 || settings.crf > 51) throw Error("crf", fmt::format("{} is not 0 to 51", settings.crf));
+  if (settings.fps < 1 || settings.fps > 240) throw Error("fps", fmt::format("{} is not 1 to 240", settings.fps));
+  state_ = std::make_unique<State>(std::move(target), width, height, settings);
+  State& s = *state_;
+  s.raw = std::make_unique<Encoder>(
+      s.lossless.path(), name, s.encoding(video::Codec::h264_lossless, 0, s.lossless_preset.c_str(), settings.title));
+}
+
+ClipWriter::~ClipWriter() = default;
+
+void ClipWriter::add(const Image8& frame) {
+  State& s = *state_;
+  assert(frame.width == s.clip.width && frame.height == s.clip.height && (frame.channels == 3 || frame.channels == 4));
+  const auto channels = static_cast<size_t>(frame.channels);
+  for (size_t i = 0; i < frame.pixels(); ++i) std::copy_n(&frame.data[i * channels], 3, &s.packed[i * 3]);
+  s.raw->encode(s.packed.data());
+  s.clip.frame_sha256.push_back(frame_sha256(s.packed));
+}
+
+Clip ClipWriter::finish() {
+  State& s = *state_;
+  assert(!s.clip.frame_sha256.empty() && s.raw);
+  s.raw->finish();
+  s.raw.reset();
+
+  static constexpr char kPreset[] = "medium";
+  PendingFile study(s.target);
+  int crf = s.settings.crf;
+  ClipError error;
+  while (true) {
+    s.encode(study.path(), s.target, s.encoding(video::Codec::h264_444, crf, kPreset, s.settings.title));
+    error = s.compare(study.path(), s.target);
+    s.clip.attempts.push_back({crf, error.psnr_worst_frame});
+    s.clip.accurate = error.psnr_worst_frame >= s.settings.least_psnr;
+    if (s.clip.accurate || crf == 0) break;
+    // One step of the rate factor is worth about one decibel.
+    crf = std::max(0, crf - std::max(1, static_cast<int>(std::ceil(s.settings.least_psnr - error.psnr_worst_frame))));
+  }
+  s.clip.files.push_back(s.describe(study.path(), s.target, "study", "yuv444p", kPreset, crf, error));
+  if (!s.clip.accurate) return s.clip;
+
+  std::optional<PendingFile> compat;
+  if (s.settings.compat) {
+    const fs::path name = beside(s.target, ".not-for-studies");
+    compat.emplace(name);
+    s.encode(compat->path(), name,
+             s.encoding(video::Codec::h264_420, crf, kPreset,
+                        "NOT FOR STUDIES: 4:2:0 compatibility copy" +
+                            (s.settings.title.empty() ? std::string() : " of " + s.settings.title)));
+    s.clip.files.push_back(
+        s.describe(compat->path(), name, "compatibility", "yuv420p", kPreset, crf, s.compare(compat->path(), name)));
+  }
+  if (s.settings.master) {
+    const fs::path name = beside(s.target, ".master");
+    s.clip.files.push_back(s.describe(s.lossless.path(), name, "master", "rgb24", s.lossless_preset, std::nullopt,
+                                      s.compare(s.lossless.path(), name)));
+  }
+  throw_if_interrupted();
+  if (s.settings.master) s.lossless.commit();
+  if (compat) compat->commit();
+  study.commit();
+  return s.clip;
+}
+
+nlohmann::ordered_json clip_json(const Clip& clip) {
+  using Json = nlohmann::ordered_json;
+  const auto finite = [](double db) { return std::isinf(db) ? Json("inf") : Json(db); };
+  Json files = Json::array();
+  for (const ClipFile& file : clip.files) {
+    Json entry = {{"file", file.path.filename().string()},
+                  {"role", file.role},
+                  {"for_studies", file.role == "study"},
+                  {"sha256", file.sha256},
+                  {"bytes", file.bytes}};
+    entry["encoder"] = {{"codec", "h264"},
+                        {"library", file.crf ? "libx264" : "libx264rgb"},
+                        {"pixel_format", file.pixel_format},
+                        {"preset", file.preset},
+                        {"threads", file.threads},
+                        {"key_frame_every", clip.fps},
+                        {"colour", file.crf ? "BT.709, limited range" : "RGB, full range"}};
+    if (file.crf) {
+      entry["encoder"]["crf"] = *file.crf;
+    } else {
+      entry["encoder"]["qp"] = 0;
+    }
+    entry["decoded"] = {{"psnr_worst_frame_db", finite(file.error.psnr_worst_frame)},
+                        {"worst_frame", file.error.worst_frame},
+                        {"psnr_mean_db", finite(file.error.psnr_mean)},
+                        {"max_difference", file.error.max_difference}};
+    files.push_back(std::move(entry));
+  }
+  Json attempts = Json::array();
+  for (const ClipAttempt& attempt : clip.attempts) {
+    attempts.push_back({{"crf", attempt.crf}, {"psnr_worst_frame_db", finite(attempt.psnr_worst_frame)}});
+  }
+  return {{"width", clip.width},
+          {"height", clip.height},
+          {"fps", clip.fps},
+          {"frames", clip.frame_sha256.size()},
+          {"seconds", static_cast<double>(clip.frame_sha256.size()) / clip.fps},
+          {"files", std::move(files)},
+          {"attempts", std::move(attempts)},
+          {"frame_sha256", clip.frame_sha256}};
+}
+
+}  // namespace crowdbench::studies

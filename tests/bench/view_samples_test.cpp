@@ -1,0 +1,99 @@
+#include "bench/stage/view_samples.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "renderers/frame/capture.h"
+#include "renderers/gl/context.h"
+#include "scene/cast/cast.h"
+
+namespace crowdbench::bench {
+namespace {
+
+scene::Scenario small_scenario() {
+  scene::Scenario scenario;
+  scenario.width = 240;
+  scenario.height = 160;
+  scenario.characters[0].source = "mannequin:triangles=500";
+  scenario.crowd.agents = 12;
+  return scenario;
+}
+
+TEST(RequiredTicks, ThePathToItsEndAndTenSecondsAtLeast) {
+  scene::Scenario scenario = small_scenario();
+  EXPECT_EQ(required_ticks(scenario), 301U);
+  scenario.camera.keys.push_back({20, scenario.camera.keys[0].camera});
+  EXPECT_EQ(required_ticks(scenario), 601U);
+  scenario.camera.keys.back().time = 1e6;
+  EXPECT_EQ(required_ticks(scenario), 3000U);
+}
+
+TEST(ViewSamples, TheEyeIsWhereTheAgentSeesIt) {
+  scene::Scenario scenario = small_scenario();
+  scenario.crowd.agents = 1;
+  scenario.crowd.heading_deg = 90;
+  scenario.crowd.scale_variation = 0;
+  const scene::Cast cast = scene::load_cast(scenario);
+  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
+  int seen = 0;
+  const scene::Camera& camera = scenario.camera.keys[0].camera;
+  view_samples_of(scenario, cast, crowd, nullptr, 2)(0, [&](const renderers::ViewSample& s) {
+    ++seen;
+    // Heading 90 degrees: the character faces world +X, so that the camera, beyond it along +Z, stands on its right.
+    EXPECT_NEAR(s.eye.y, camera.eye.y, 1e-4);
+    EXPECT_NEAR(s.eye.x, -(camera.eye.z - crowd.z[0]), 1e-3);
+    EXPECT_NEAR(s.eye.z, camera.eye.x - crowd.x[0], 1e-3);
+  });
+  EXPECT_EQ(seen, 2);
+}
+
+class RequiredGl : public ::testing::Test {
+ protected:
+  gl::Context context_;
+};
+
+// The full bake's pictures to the bit, from a part of its bytes: at every tick of a moving camera, for both ways of
+// choosing views. From elsewhere views are missing, so that the test would see one that is left out wrongly.
+TEST_F(RequiredGl, PicturesAreIdenticalAndBytesAreFewer) {
+  scene::Scenario scenario = small_scenario();
+  scene::Camera end = scenario.camera.keys[0].camera;
+  end.eye = {2, 3.5, 8};
+  scenario.camera.keys.push_back({0.5, end});
+  const scene::Cast cast = scene::load_cast(scenario);
+  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
+  constexpr uint64_t kTicks = 16;
+  renderers::Renderer renderer(context_, cast);
+  for (const char* text :
+       {"flat:frames=4,texels=48", "flat:frames=4,texels=48,blend=3", "flat:frames=4,texels=48,compress=bc"}) {
+    renderers::MakeContext make{.context = context_, .cast = cast};
+    make.use_cache = false;
+    make.progress = false;
+    const auto whole = make_representation(make, renderers::parse_spec(text));
+    make.required_by = view_samples_of(scenario, cast, crowd, nullptr, kTicks);
+    const auto part = make_representation(make, renderers::parse_spec(text));
+    for (uint64_t tick = 0; tick < kTicks; tick += 3) {
+      const auto camera = scenario.camera.at(static_cast<double>(tick) / scenario.tick_rate);
+      const auto frame = scene::make_frame(scenario, cast, crowd, camera, tick);
+      EXPECT_EQ(renderer.capture(frame, *whole), renderer.capture(frame, *part)) << text << ", tick " << tick;
+    }
+    EXPECT_LT(part->footprint().texture_bytes, 0.8 * static_cast<double>(whole->footprint().texture_bytes)) << text;
+    const auto facts = part->bake_info().facts;
+    const auto fact = [&](const std::string& name) {
+      for (const auto& [key, value] : facts)
+        if (key == name) return value;
+      return 0.0;
+    };
+    EXPECT_EQ(fact("whole_bytes"), static_cast<double>(whole->footprint().texture_bytes));
+    EXPECT_EQ(fact("whole_tiles"), 17 * 8 * 4);
+    EXPECT_LT(fact("tiles"), 0.6 * fact("whole_tiles"));
+    scene::Camera above;
+    above.eye = {0, 12, 0.5};
+    above.target = {0, 0, 0};
+    const auto elsewhere = scene::make_frame(scenario, cast, crowd, above, 0);
+    EXPECT_NE(renderer.capture(elsewhere, *whole).ids, renderer.capture(elsewhere, *part).ids);
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
