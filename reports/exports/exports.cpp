@@ -126,7 +126,7 @@ class Csv {
 
 // For people: the value with its unit.
 std::string value_text(const Column& column, const Value& value) {
-  if (std::holds_alternative<std::monostate>(value)) return "–";
+  if (value == Value() || value == Value(std::string())) return "–";
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "yes" : "no";
   if (const auto* text = std::get_if<std::string>(&value)) return cell(*text);
   const std::string unit = column.unit.empty() ? "" : " " + column.unit;
@@ -201,23 +201,24 @@ std::string largest_crowds(const Scene& scene) {
     if (of != nullptr) largest.push_back(of);
   }
   if (largest.empty()) return {};
-  std::string out = "\n## All that was measured of the largest crowd of each\n\n| column |";
+  std::string out =
+      "\n## Every column of the largest crowds\n\nWhat each means: `crowdbench schema --results`.\n\n| column |";
   std::string rule = "|---|";
   for (const MeasurementRow* row : largest) {
     out += fmt::format(" {}, {} agents, {} |", cell(row->key.representation), count_text(row->key.agents),
                        percent_or_dash(row->key.requested_occupancy));
     rule += "--:|";
   }
-  out += "\n" + rule + "\n";
+  out += fmt::format("\n{}\n", rule);
   for (const Field<MeasurementRow>& field : table<MeasurementRow>().fields) {
     const Column& column = field.column;
     if (column.key || column.point || !column.references.empty()) continue;
-    std::string line = "| " + column.name + " |";
+    std::string line = fmt::format("| {} |", column.name);
     bool any = false;
     for (const MeasurementRow* row : largest) {
-      const Value value = field.get(*row);
-      any = any || !std::holds_alternative<std::monostate>(value);
-      line += " " + value_text(column, value) + " |";
+      const std::string text = value_text(column, field.get(*row));
+      any = any || text != "–";
+      line += fmt::format(" {} |", text);
     }
     if (any) out += line + "\n";
   }
