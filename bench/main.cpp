@@ -4,12 +4,14 @@
 #include <new>
 
 #include "bench/commands/commands.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/version.h"
 
 int main(int argc, char** argv) {
   using namespace crowdbench;
+  set_command_line(argc, argv);
   install_interrupt_handler();
   CLI::App app{"crowdbench: draws one seeded crowd in several ways and measures what each costs and gets wrong",
                "crowdbench"};

@@ -7,6 +7,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "reports/exports/exports.h"
@@ -64,10 +65,7 @@ int run_bench(const Options& options) {
     fmt::print(stderr,
                "a software rasteriser draws: CPU times compare representations, they say nothing about a GPU\n");
 
-  std::string arguments = "bench";
-  if (!options.scene.file.empty()) arguments += " " + options.scene.file;
-  for (const renderers::Spec& spec : request.representations) arguments += " " + spec.text();
-  RunRow run = describe_run(context, method, request.scenario, "bench", arguments);
+  RunRow run = describe_run(context, method, request.scenario, "bench", command_line());
   run.id = store.write(run);
   SweepSummary summary;
   {

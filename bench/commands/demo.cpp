@@ -8,6 +8,7 @@
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/quality.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
@@ -184,9 +185,7 @@ int run_demo(const Options& options) {
   for (const std::string& character : characters) {
     const scene::Scenario scenario = demo_scenario(character);
     const scene::Cast cast = scene::load_cast(scenario);
-    std::string arguments = "demo";
-    for (const std::string& name : options.characters) arguments += " " + name;
-    RunRow run = describe_run(context, method, scenario, "demo", arguments);
+    RunRow run = describe_run(context, method, scenario, "demo", command_line());
     run.id = store.write(run);
 
     steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));

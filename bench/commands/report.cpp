@@ -15,14 +15,14 @@ namespace {
 
 struct Options {
   std::string file;
-  std::string out, markdown, csv, json, google_benchmark;
+  std::string out, markdown, csv, scores_csv, json, google_benchmark;
 };
 
 int run_report(const Options& options) {
-  if (options.out.empty() && options.markdown.empty() && options.csv.empty() && options.json.empty() &&
-      options.google_benchmark.empty())
+  if (options.out.empty() && options.markdown.empty() && options.csv.empty() && options.scores_csv.empty() &&
+      options.json.empty() && options.google_benchmark.empty())
     throw Error("report", "nothing to write",
-                "name at least one of --out, --markdown, --csv, --json-out, --google-benchmark");
+                "name at least one of --out, --markdown, --csv, --scores-csv, --json-out, --google-benchmark");
   const bool samples = !options.json.empty() || !options.google_benchmark.empty();
   const StoreContents contents = read_store(options.file, samples, !options.out.empty());
   const std::string source = std::filesystem::path(options.file).filename().string();
@@ -34,6 +34,7 @@ int run_report(const Options& options) {
   write(options.out, [&] { return reports::report_page(contents, {source}); });
   write(options.markdown, [&] { return reports::report_markdown(contents, source); });
   write(options.csv, [&] { return reports::results_csv(contents); });
+  write(options.scores_csv, [&] { return reports::scores_csv(contents); });
   write(options.json, [&] { return reports::results_json(contents); });
   write(options.google_benchmark, [&] { return reports::google_benchmark_json(contents); });
   return 0;
@@ -55,6 +56,8 @@ void add_report(CLI::App& app, Run& run) {
   command->add_option("--out", options->out, "one self-contained HTML page")->type_name("FILE.html");
   command->add_option("--markdown", options->markdown, "the same tables in Markdown")->type_name("FILE.md");
   command->add_option("--csv", options->csv, "one row a measurement, units in the column names")->type_name("FILE.csv");
+  command->add_option("--scores-csv", options->scores_csv, "one row a score, with what was compared")
+      ->type_name("FILE.csv");
   command->add_option("--json-out", options->json, "every row as JSON, samples included")->type_name("FILE.json");
   command
       ->add_option("--google-benchmark", options->google_benchmark,

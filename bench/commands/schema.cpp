@@ -4,28 +4,41 @@
 #include <memory>
 
 #include "bench/commands/commands.h"
+#include "reports/exports/results_schema.h"
 #include "scene/scenario/scenario.h"
 #include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::bench {
 
 void add_schema(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("schema", "Print the JSON Schema of a scenario, or its keys as a table");
+  CLI::App* command = app.add_subcommand(
+      "schema", "Print the JSON Schema of a scenario, its keys as a table, or the columns of a result file");
   command->footer(
       "Examples:\n  crowdbench schema > scenario.schema.json\n  crowdbench schema --markdown | less\n"
-      "  crowdbench schema --defaults > my.toml     a scenario with every key at its default");
+      "  crowdbench schema --defaults > my.toml     a scenario with every key at its default\n"
+      "  crowdbench schema --results | less         every column of a result file");
   struct Options {
     bool markdown = false;
     bool defaults = false;
+    bool results = false;
+    bool json = false;
   };
   auto options = std::make_shared<Options>();
   auto* markdown = command->add_flag("--markdown", options->markdown,
                                      "every key with type, default, unit, range and meaning, as Markdown");
-  command->add_flag("--defaults", options->defaults, "a scenario (TOML) with every key at its default")
-      ->excludes(markdown);
+  auto* defaults = command->add_flag("--defaults", options->defaults, "a scenario (TOML) with every key at its default")
+                       ->excludes(markdown);
+  auto* results = command
+                      ->add_flag("--results", options->results,
+                                 "every table and column of a result file with type, unit and meaning, as Markdown")
+                      ->excludes(markdown)
+                      ->excludes(defaults);
+  command->add_flag("--json", options->json, "with --results: the same as JSON")->needs(results);
   command->callback([options, &run] {
     run = [options] {
-      if (options->markdown)
+      if (options->results)
+        fmt::print("{}", options->json ? reports::results_schema_json() : reports::results_schema_markdown());
+      else if (options->markdown)
         fmt::print("{}", scene::scenario_markdown());
       else if (options->defaults)
         fmt::print("{}", scene::to_toml(scene::Scenario{}));

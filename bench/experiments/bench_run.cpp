@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <fstream>
 #include <map>
 
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/image_io.h"
+#include "core/machine.h"
 #include "core/progress.h"
 #include "core/version.h"
 #include "metrics/difference.h"
@@ -28,16 +28,6 @@ namespace {
 
 constexpr uint64_t kBootstrapSeed = 1;
 constexpr uint64_t kSecondTick = 15;
-
-std::string cpu_model() {
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with("model name")) continue;
-    const size_t colon = line.find(": ");
-    if (colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
 
 int usable_threads() {
   cpu_set_t set;
@@ -410,7 +400,10 @@ RunRow describe_run(gl::Context& context, const TimingMethod& method, const scen
   run.gl_version = context.version();
   run.software = context.is_software();
   run.headline = metric_name(method.headline);
-  run.cpu_model = cpu_model();
+  const Machine machine = read_machine();
+  run.cpu_model = machine.cpu_model;
+  run.cpu_mhz = machine.cpu_mhz;
+  run.cpu_scaling_enabled = machine.cpu_scaling_enabled;
   run.cpu_threads = usable_threads();
   utsname names{};
   if (uname(&names) == 0) run.os = fmt::format("{} {}", names.sysname, names.release);

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/statistics.h"
 #include "reports/model/summary.h"
+#include "store/columns.h"
 
 namespace crowdbench::reports {
 namespace {
@@ -26,90 +27,6 @@ Json number(double value) {
   if (std::isnan(value)) return nullptr;
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   return value;
-}
-template <typename T>
-Json maybe(const std::optional<T>& value) {
-  if (!value) return nullptr;
-  if constexpr (std::is_floating_point_v<T>) return number(*value);
-  return *value;
-}
-
-void put_time(Json& row, const std::string& name, const std::optional<TimeSummary>& time) {
-  const auto field = [&](const char* suffix, double TimeSummary::*member) {
-    row[name + suffix] = time ? Json((*time).*member) : Json(nullptr);
-  };
-  field("", &TimeSummary::median);
-  field("_low", &TimeSummary::low);
-  field("_high", &TimeSummary::high);
-  field("_p05", &TimeSummary::p05);
-  field("_p95", &TimeSummary::p95);
-  field("_p99", &TimeSummary::p99);
-}
-
-// The columns of the CSV and the JSON alike, in order.
-Json measurement_json(const MeasurementRow& row) {
-  Json json = {{"id", row.id},
-               {"run", row.run},
-               {"representation", row.key.representation},
-               {"character", row.key.character},
-               {"agents", row.key.agents},
-               {"width_px", row.key.width},
-               {"height_px", row.key.height},
-               {"requested_occupancy", row.key.requested_occupancy},
-               {"status", status_name(row.status)},
-               {"reason", row.reason},
-               {"reference", row.reference},
-               {"achieved_occupancy", maybe(row.achieved_occupancy)},
-               {"covered_px", maybe(row.covered_px)},
-               {"reference_px", maybe(row.reference_px)},
-               {"moved_px", maybe(row.moved_px)},
-               {"touched_px", maybe(row.touched_px)},
-               {"agents_wholly", maybe(row.agents_wholly)},
-               {"agents_partly", maybe(row.agents_partly)},
-               {"agents_off", maybe(row.agents_off)},
-               {"triangles_per_agent", maybe(row.triangles_per_agent)},
-               {"rounds", row.rounds},
-               {"warmup_frames", row.warmup_frames},
-               {"settled", row.settled}};
-  put_time(json, "frame_ns", row.frame_ns);
-  put_time(json, "cpu_ns", row.cpu_ns);
-  put_time(json, "main_cpu_ns", row.main_cpu_ns);
-  put_time(json, "gpu_ns", row.gpu_ns);
-  json["low_1_percent_fps"] = maybe(row.low_1_percent_fps);
-  json["vertices_shaded"] = maybe(row.vertices_shaded);
-  json["primitives"] = maybe(row.primitives);
-  json["fragments"] = maybe(row.fragments);
-  json["samples_passed"] = maybe(row.samples_passed);
-  json["texture_bytes"] = maybe(row.texture_bytes);
-  json["buffer_bytes"] = maybe(row.buffer_bytes);
-  json["upload_bytes_per_frame"] = maybe(row.upload_bytes_per_frame);
-  json["disk_bytes"] = maybe(row.disk_bytes);
-  json["shared_bytes"] = maybe(row.shared_bytes);
-  json["bake_seconds"] = maybe(row.bake_seconds);
-  json["bake_cached"] = maybe(row.bake_cached);
-  return json;
-}
-
-Json run_json(const RunRow& run) {
-  return {{"id", run.id},
-          {"command", run.command},
-          {"arguments", run.arguments},
-          {"started", run.started},
-          {"version", run.version},
-          {"revision", run.revision},
-          {"scenario_name", run.scenario_name},
-          {"scenario", run.scenario},
-          {"scenario_hash", run.scenario_hash},
-          {"seed", run.seed},
-          {"gl_vendor", run.gl_vendor},
-          {"gl_renderer", run.gl_renderer},
-          {"gl_version", run.gl_version},
-          {"software", run.software},
-          {"headline", run.headline},
-          {"cpu_model", run.cpu_model},
-          {"cpu_threads", run.cpu_threads},
-          {"os", run.os},
-          {"timer_cost_ns", run.timer_cost_ns}};
 }
 
 std::string csv_field(const Json& value) {
@@ -140,6 +57,90 @@ std::string cell(const std::string& text) {
   return out;
 }
 
+Json json_of(const Value& value) {
+  return std::visit(
+      []<typename T>(const T& held) -> Json {
+        if constexpr (std::is_same_v<T, std::monostate>)
+          return nullptr;
+        else if constexpr (std::is_same_v<T, double>)
+          return number(held);
+        else
+          return held;
+      },
+      value);
+}
+
+// Every column of one row in the order of the description; rows that it holds are added under their table's name,
+// scores as an object of name and value.
+template <typename Row>
+Json row_json(const Row& row) {
+  Json json = Json::object();
+  for (const Field<Row>& field : table<Row>().fields) json[field.column.name] = json_of(field.get(row));
+  if constexpr (std::is_same_v<Row, ComparisonRow>) {
+    Json scores = Json::object();
+    Json reasons = Json::object();
+    for (const ScoreRow& score : row.scores) {
+      scores[score.name] = score.value ? number(*score.value) : Json(nullptr);
+      if (!score.reason.empty()) reasons[score.name] = score.reason;
+    }
+    json["scores"] = std::move(scores);
+    json["reasons"] = std::move(reasons);
+  } else if constexpr (OwnsRows<Row>) {
+    const auto& held = row.*Owned<Row>::rows;
+    Json parts = Json::array();
+    for (const auto& part : held) parts.push_back(row_json(part));
+    if (!held.empty()) json[table<std::decay_t<decltype(held.front())>>().description.rows] = std::move(parts);
+  }
+  return json;
+}
+
+// Records of one CSV, field by field.
+class Csv {
+ public:
+  // The columns of a row that fit into a cell. ids: also the row's own id.
+  template <typename Row>
+  void add(const Row& row, bool ids = true) {
+    for (const Field<Row>& field : table<Row>().fields)
+      if (!field.column.bulky && (ids || !field.column.key)) put(csv_field(json_of(field.get(row))));
+  }
+  template <typename Row>
+  void add_names(bool ids = true) {
+    for (const Column& column : table<Row>().description.columns)
+      if (!column.bulky && (ids || !column.key)) put(column.name);
+  }
+  void end_record() {
+    text_ += "\r\n";
+    first_ = true;
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  void put(const std::string& field) {
+    if (!first_) text_ += ',';
+    text_ += field;
+    first_ = false;
+  }
+  std::string text_;
+  bool first_ = true;
+};
+
+// For people: the value with its unit.
+std::string value_text(const Column& column, const Value& value) {
+  if (value == Value() || value == Value(std::string())) return "–";
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "yes" : "no";
+  if (const auto* text = std::get_if<std::string>(&value)) return cell(*text);
+  const std::string unit = column.unit.empty() ? "" : " " + column.unit;
+  if (const auto* real = std::get_if<double>(&value)) {
+    if (column.unit == "ns") return time_text(*real);
+    if (column.unit == "fraction") return percent_text(*real);
+    return fmt::format("{:.4g}{}", *real, unit);
+  }
+  const uint64_t count = std::holds_alternative<uint64_t>(value) ? std::get<uint64_t>(value)
+                                                                 : static_cast<uint64_t>(std::get<int64_t>(value));
+  if (column.unit == "bytes") return bytes_text(count);
+  return column.type == ColumnType::seed ? std::to_string(count) : count_text(count) + unit;
+}
+
 std::string percent_or_dash(double occupancy) { return occupancy > 0 ? percent_text(occupancy) : "–"; }
 
 // The mean and the standard deviation (n - 1) that Google Benchmark's readers expect beside the median.
@@ -157,7 +158,87 @@ double mean_of(const std::vector<double>& values) {
   return mean;
 }
 
+// Every score of every whole frame, one a line.
+std::string frame_scores(const Scene& scene) {
+  std::string lines;
+  for (const ComparisonRow* row : scene.crowd_comparisons)
+    for (const ScoreRow& score : row->scores)
+      lines += fmt::format("| {} | {} | {} | {} | {} |\n", cell(row->representation), count_text(row->agents),
+                           percent_or_dash(row->requested_occupancy), cell(score.name),
+                           score.value ? score_text(score.name, *score.value) : cell(score.reason));
+  if (lines.empty()) return {};
+  return "\n## Difference of whole frames\n\n| representation | agents | occupancy | score | value |\n"
+         "|---|--:|--:|---|--:|\n" +
+         lines;
+}
+
+// Every score of single agents by height, one a line.
+std::string agent_scores(const Scene& scene) {
+  std::vector<std::string> names;  // in the order of the rows
+  for (const ComparisonRow* row : scene.agent_comparisons)
+    for (const ScoreRow& score : row->scores)
+      if (std::find(names.begin(), names.end(), score.name) == names.end()) names.push_back(score.name);
+  std::string lines;
+  for (const std::string& name : names)
+    for (const ScoreByHeight& row : scores_by_height(scene, name))
+      lines += fmt::format("| {} | {:.0f} | {} | {} | {} | {} | {} |\n", cell(row.representation), row.height_px,
+                           cell(name), row.views, score_text(name, row.mean), score_text(name, row.least),
+                           score_text(name, row.greatest));
+  if (lines.empty()) return {};
+  return "\n## Difference of single agents\n\n"
+         "| representation | height, px | score | views | mean | least | greatest |\n|---|--:|---|--:|--:|--:|--:|\n" +
+         lines;
+}
+
+// Every column of the largest timed crowd of each representation, one a line; columns without any value are left out.
+std::string largest_crowds(const Scene& scene) {
+  std::vector<const MeasurementRow*> largest;
+  for (const std::string& name : scene.representations) {
+    const MeasurementRow* of = nullptr;
+    for (const MeasurementRow* row : scene.rows)
+      if (row->key.representation == name && is_timed(*row) && (of == nullptr || row->key.agents > of->key.agents))
+        of = row;
+    if (of != nullptr) largest.push_back(of);
+  }
+  if (largest.empty()) return {};
+  std::string out =
+      "\n## Every column of the largest crowds\n\nWhat each means: `crowdbench schema --results`.\n\n| column |";
+  std::string rule = "|---|";
+  for (const MeasurementRow* row : largest) {
+    out += fmt::format(" {}, {} agents, {} |", cell(row->key.representation), count_text(row->key.agents),
+                       percent_or_dash(row->key.requested_occupancy));
+    rule += "--:|";
+  }
+  out += fmt::format("\n{}\n", rule);
+  for (const Field<MeasurementRow>& field : table<MeasurementRow>().fields) {
+    const Column& column = field.column;
+    if (column.key || column.point || !column.references.empty()) continue;
+    std::string line = fmt::format("| {} |", column.name);
+    bool any = false;
+    for (const MeasurementRow* row : largest) {
+      const std::string text = value_text(column, field.get(*row));
+      any = any || text != "–";
+      line += fmt::format(" {} |", text);
+    }
+    if (any) out += line + "\n";
+  }
+  return out;
+}
+
+// Every column of the run, one a line.
+std::string provenance(const RunRow& run) {
+  std::string out = "\n## Provenance\n\n| column | value |\n|---|---|\n";
+  for (const Field<RunRow>& field : table<RunRow>().fields)
+    if (!field.column.key && !field.column.bulky)
+      out += fmt::format("| {} | {} |\n", field.column.name, value_text(field.column, field.get(run)));
+  return out + "\n";
+}
+
 }  // namespace
+
+std::string score_text([[maybe_unused]] const std::string& name, double value) {
+  return std::isinf(value) ? (value > 0 ? "∞" : "-∞") : fmt::format("{:.3f}", value);
+}
 
 std::string report_markdown(const StoreContents& contents, const std::string& source) {
   const std::vector<Scene> scenes = scenes_of(contents);
@@ -205,127 +286,54 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
                         : fmt::format("{} from {} to {} agents", cell(line.cheaper_beyond), count_text(line.from),
                                       count_text(line.to)));
     }
-    const auto overlap = scores_by_height(scene, "silhouette_iou");
-    if (!overlap.empty()) {
-      const auto ssim = scores_by_height(scene, "ssim");
-      out +=
-          "\n## Difference of single agents\n\n| representation | height, px | views | silhouette IoU | worst | SSIM "
-          "|\n"
-          "|---|--:|--:|--:|--:|--:|\n";
-      for (const ScoreByHeight& row : overlap) {
-        const auto similar = std::find_if(ssim.begin(), ssim.end(), [&](const ScoreByHeight& s) {
-          return s.representation == row.representation && s.height_px == row.height_px;
-        });
-        add("| {} | {:.0f} | {} | {:.3f} | {:.3f} | {} |\n", cell(row.representation), row.height_px, row.views,
-            row.mean, row.least, similar == ssim.end() ? "–" : fmt::format("{:.3f}", similar->mean));
-      }
-    }
-    out += "\n## Memory\n\n| representation | textures | buffers | upload a frame | shared |\n|---|--:|--:|--:|--:|\n";
-    for (const std::string& name : scene.representations) {
-      const MeasurementRow* largest = nullptr;
-      for (const MeasurementRow* row : scene.rows)
-        if (row->key.representation == name && is_timed(*row) &&
-            (largest == nullptr || row->key.agents > largest->key.agents))
-          largest = row;
-      const auto bytes = [](const std::optional<uint64_t>& value) { return value ? bytes_text(*value) : "–"; };
-      if (largest != nullptr)
-        add("| {} | {} | {} | {} | {} |\n", cell(name), bytes(largest->texture_bytes), bytes(largest->buffer_bytes),
-            bytes(largest->upload_bytes_per_frame), bytes(largest->shared_bytes));
-    }
-    add("\n{}, {}; OpenGL {}; crowdbench {} ({}); scenario SHA-256 {}; seed {}; {}\n\n", cell(run.cpu_model),
-        cell(run.gl_renderer), cell(run.gl_version), run.version, run.revision, run.scenario_hash, run.seed,
-        run.started);
+    out += frame_scores(scene) + agent_scores(scene) + largest_crowds(scene) + provenance(run);
   }
   return out;
 }
 
 std::string results_csv(const StoreContents& contents) {
   const auto runs = runs_by_id(contents);
-  std::string out;
-  bool header = true;
+  Csv csv;
+  csv.add_names<MeasurementRow>();
+  csv.add_names<RunRow>(false);
+  csv.end_record();
   for (const MeasurementRow& row : contents.measurements) {
-    Json json = measurement_json(row);
     const auto run = runs.find(row.run);
     if (run == runs.end()) continue;
-    const Json provenance = run_json(*run->second);
-    for (const auto& [key, value] : provenance.items())
-      if (key != "id" && key != "scenario") json[key] = value;
-    const auto line = [&](const auto& field) {
-      bool first = true;
-      for (const auto& [key, value] : json.items()) {
-        if (!first) out += ',';
-        out += field(key, value);
-        first = false;
-      }
-      out += "\r\n";
-    };
-    if (header) line([](const std::string& key, const Json&) { return key; });
-    header = false;
-    line([](const std::string&, const Json& value) { return csv_field(value); });
+    csv.add(row);
+    csv.add(*run->second, false);
+    csv.end_record();
   }
-  return out;
+  return csv.take();
+}
+
+std::string scores_csv(const StoreContents& contents) {
+  const auto runs = runs_by_id(contents);
+  Csv csv;
+  csv.add_names<ComparisonRow>();
+  csv.add_names<ScoreRow>();
+  csv.add_names<RunRow>(false);
+  csv.end_record();
+  for (const ComparisonRow& row : contents.comparisons) {
+    const auto run = runs.find(row.run);
+    if (run == runs.end()) continue;
+    for (const ScoreRow& score : row.scores) {
+      csv.add(row);
+      csv.add(score);
+      csv.add(*run->second, false);
+      csv.end_record();
+    }
+  }
+  return csv.take();
 }
 
 std::string results_json(const StoreContents& contents) {
-  Json runs = Json::array();
-  for (const RunRow& run : contents.runs) runs.push_back(run_json(run));
-  Json measurements = Json::array();
-  for (const MeasurementRow& row : contents.measurements) {
-    Json json = measurement_json(row);
-    if (!row.samples.empty()) {
-      Json samples = Json::array();
-      for (const SampleRow& sample : row.samples)
-        samples.push_back({{"round", sample.round},
-                           {"tick", sample.tick},
-                           {"frame_ns", sample.frame_ns},
-                           {"cpu_ns", sample.cpu_ns},
-                           {"main_cpu_ns", sample.main_cpu_ns},
-                           {"gpu_ns", maybe(sample.gpu_ns)}});
-      json["samples"] = std::move(samples);
-    }
-    measurements.push_back(std::move(json));
-  }
-  Json ratios = Json::array();
-  for (const RatioRow& row : contents.ratios)
-    ratios.push_back({{"run", row.run},
-                      {"kind", row.kind},
-                      {"representation", row.of.representation},
-                      {"character", row.of.character},
-                      {"agents", row.of.agents},
-                      {"width_px", row.of.width},
-                      {"height_px", row.of.height},
-                      {"requested_occupancy", row.of.requested_occupancy},
-                      {"to", row.to},
-                      {"metric", row.metric},
-                      {"ratio", row.ratio},
-                      {"ratio_low", row.low},
-                      {"ratio_high", row.high},
-                      {"pairs", row.pairs}});
-  Json comparisons = Json::array();
-  for (const ComparisonRow& row : contents.comparisons) {
-    Json scores = Json::object();
-    Json reasons = Json::object();
-    for (const ScoreRow& score : row.scores) {
-      scores[score.name] = maybe(score.value);
-      if (!score.reason.empty()) reasons[score.name] = score.reason;
-    }
-    comparisons.push_back({{"run", row.run},
-                           {"kind", row.kind},
-                           {"representation", row.representation},
-                           {"reference", row.reference},
-                           {"character", row.character},
-                           {"agents", row.agents},
-                           {"requested_occupancy", row.requested_occupancy},
-                           {"tick", row.tick},
-                           {"height_px", maybe(row.height_px)},
-                           {"azimuth_deg", maybe(row.azimuth_deg)},
-                           {"elevation_deg", maybe(row.elevation_deg)},
-                           {"clip", row.clip},
-                           {"time_s", maybe(row.time)},
-                           {"scores", scores},
-                           {"reasons", reasons}});
-  }
-  const Json all = {{"runs", runs}, {"measurements", measurements}, {"ratios", ratios}, {"comparisons", comparisons}};
+  Json all = Json::object();
+  for_each_table([&]<typename Row>(const Table<Row>& table) {
+    if (table.rows == nullptr || has_bytes(table.description)) return;
+    Json& rows = all[table.description.rows] = Json::array();
+    for (const Row& row : contents.*table.rows) rows.push_back(row_json(row));
+  });
   return all.dump(2) + "\n";
 }
 
@@ -334,13 +342,15 @@ std::string google_benchmark_json(const StoreContents& contents) {
   Json context = Json::object();
   if (!contents.runs.empty()) {
     const RunRow& run = contents.runs.back();
-    context = {{"date", run.started},         {"host_name", ""},           {"executable", "crowdbench"},
-               {"num_cpus", run.cpu_threads}, {"mhz_per_cpu", 0},          {"cpu_scaling_enabled", false},
-               {"caches", Json::array()},     {"load_avg", Json::array()}, {"library_build_type", "release"},
-               {"json_schema_version", 1}};
-    const Json provenance = run_json(run);
-    for (const auto& [key, value] : provenance.items())
-      if (key != "id" && key != "scenario") context["crowdbench_" + key] = value;
+    context = {{"date", run.started}, {"executable", "crowdbench"}, {"json_schema_version", 1}};
+    if (run.cpu_threads > 0) context["num_cpus"] = run.cpu_threads;
+    if (run.cpu_mhz) context["mhz_per_cpu"] = std::llround(*run.cpu_mhz);
+    if (run.cpu_scaling_enabled) context["cpu_scaling_enabled"] = *run.cpu_scaling_enabled;
+    for (const Field<RunRow>& field : table<RunRow>().fields) {
+      const Json value = json_of(field.get(run));
+      if (!field.column.key && !field.column.bulky && !value.is_null())
+        context["crowdbench_" + field.column.name] = value;
+    }
   }
   Json benchmarks = Json::array();
   std::map<std::string, int> family;
@@ -352,18 +362,11 @@ std::string google_benchmark_json(const StoreContents& contents) {
     const int family_index = family.try_emplace(row.key.representation, static_cast<int>(family.size())).first->second;
     const int instance = instances[row.key.representation]++;
     Json counters = Json::object();
-    const auto counter = [&](const char* name, const auto& value) {
-      if (value) counters[name] = *value;
-    };
-    counter("covered_px", row.covered_px);
-    counter("achieved_occupancy", row.achieved_occupancy);
-    counter("vertices_shaded", row.vertices_shaded);
-    counter("primitives", row.primitives);
-    counter("fragments", row.fragments);
-    counter("samples_passed", row.samples_passed);
-    counter("texture_bytes", row.texture_bytes);
-    counter("buffer_bytes", row.buffer_bytes);
-    counter("upload_bytes_per_frame", row.upload_bytes_per_frame);
+    // User counters: every number that may be absent and is here. Times are the entry's own.
+    for (const Field<MeasurementRow>& field : table<MeasurementRow>().fields) {
+      const Json value = json_of(field.get(row));
+      if (field.column.optional && field.column.unit != "ns" && value.is_number()) counters[field.column.name] = value;
+    }
     const auto entry = [&](const std::string& name, const char* type) {
       return Json{{"name", name},
                   {"family_index", family_index},

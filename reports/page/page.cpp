@@ -69,8 +69,8 @@ class Page {
     html_ += page_head(title);
     const RunRow& run = *first.run;
     add("<p class=\"under\">Characters: {}. Measured {} on {}, {}, by crowdbench {} ({}).</p>\n", names,
-        html_escape(run.started), html_escape(run.cpu_model), html_escape(run.gl_renderer), html_escape(run.version),
-        html_escape(run.revision));
+        html_escape(run.started), html_escape(run.cpu_model.value_or("an unnamed processor")),
+        html_escape(run.gl_renderer), html_escape(run.version), html_escape(run.revision));
     if (scenes_.size() == 1) answer_of(first);
     const bool software =
         std::any_of(scenes_.begin(), scenes_.end(), [](const Scene& scene) { return scene.run->software; });
@@ -503,7 +503,8 @@ class Page {
       line("crowdbench", fmt::format("{} ({})", run.version, run.revision));
       line("OpenGL renderer", run.gl_renderer + (run.software ? " (software)" : ""));
       line("OpenGL version", fmt::format("{}; {}", run.gl_version, run.gl_vendor));
-      line("processor", fmt::format("{}, {} hardware threads", run.cpu_model, run.cpu_threads));
+      line("processor",
+           fmt::format("{}, {} hardware threads", run.cpu_model.value_or("not named by the machine"), run.cpu_threads));
       line("system", run.os);
       line("cost of reading the clocks", fmt::format("{:.2f} µs", run.timer_cost_ns / 1e3));
       line("seed", std::to_string(run.seed));

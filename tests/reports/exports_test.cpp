@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/error.h"
 #include "tests/reports/rows.h"
+#include "tests/store/full_rows.h"
 
 namespace crowdbench::reports {
 namespace {
@@ -65,6 +67,109 @@ TEST(Exports, CsvHasOneRecordAMeasurement) {
   EXPECT_EQ(rows, contents.measurements.size());
 }
 
+// Rows with a value of its own in every field, and what each export calls it: a column that is left out, or holds
+// another's value, shows here.
+StoreContents full_contents() {
+  StoreContents all;
+  all.runs = {full_run()};
+  all.runs[0].id = 3;
+  all.measurements = {full_measurement(3)};
+  all.measurements[0].id = 4;
+  all.ratios = {full_ratio(3)};
+  all.ratios[0].id = 5;
+  all.comparisons = {full_comparison(3)};
+  all.comparisons[0].id = 6;
+  all.pictures = {full_picture(3, 6)};
+  return all;
+}
+
+const char* const kFullRun = R"({"id": 3, "command": "bench", "arguments": "crowdbench bench --agents 1,10",
+  "started": "2026-01-02T03:04:05Z", "version": "0.1.0", "revision": "abc123", "scenario_name": "a </script> name",
+  "scenario": "seed = 7\nname = \"it's\"\n", "scenario_hash": "00ff", "seed": 18446744073709551615,
+  "order_seed": 18446744073709551614, "gl_vendor": "Mesa", "gl_renderer": "llvmpipe", "gl_version": "4.5",
+  "software": true, "headline": "wall", "cpu_model": "A CPU", "cpu_mhz": 2599.5, "cpu_scaling_enabled": false,
+  "cpu_threads": 2, "os": "Linux 6", "timer_cost_ns": 250.5})";
+const char* const kFullMeasurement = R"({"id": 4, "run": 3, "representation": "flat:views=64",
+  "character": "mannequin + robot.glb", "agents": 250, "width_px": 640, "height_px": 480, "requested_occupancy": 0.15,
+  "status": "invalid", "reason": "nothing moved", "reference": "mesh", "achieved_occupancy": 0.1512,
+  "covered_px": 46000, "reference_px": 46100, "moved_px": 900, "touched_px": 50000, "agents_wholly": 240,
+  "agents_partly": 8, "agents_off": 3, "triangles_per_agent": 7, "rounds": 24, "warmup_frames": 4, "settled": true,
+  "frame_ns": 1.5, "frame_ns_low": 2.5, "frame_ns_high": 3.5, "frame_ns_p05": 4.5, "frame_ns_p95": 5.5,
+  "frame_ns_p99": 6.5, "cpu_ns": 11.5, "cpu_ns_low": 12.5, "cpu_ns_high": 13.5, "cpu_ns_p05": 14.5,
+  "cpu_ns_p95": 15.5, "cpu_ns_p99": 16.5, "main_cpu_ns": 21.5, "main_cpu_ns_low": 22.5, "main_cpu_ns_high": 23.5,
+  "main_cpu_ns_p05": 24.5, "main_cpu_ns_p95": 25.5, "main_cpu_ns_p99": 26.5, "gpu_ns": 31.5, "gpu_ns_low": 32.5,
+  "gpu_ns_high": 33.5, "gpu_ns_p05": 34.5, "gpu_ns_p95": 35.5, "gpu_ns_p99": 36.5, "low_1_percent_fps": 333.25,
+  "vertices_shaded": 1001, "primitives": 1002, "fragments": 1003, "samples_passed": 1004,
+  "texture_bytes": 5368709120, "buffer_bytes": 2001, "upload_bytes_per_frame": 2002, "disk_bytes": 2003,
+  "shared_bytes": 2004, "bake_seconds": 1.25, "bake_cached": false})";
+
+// Columns in this order, which spreadsheets and scripts of others have come to know.
+TEST(Exports, JsonHasEveryColumnUnderItsName) {
+  const auto all = nlohmann::ordered_json::parse(results_json(full_contents()));
+  ASSERT_EQ(all.size(), 4U) << all;
+  const auto wanted = [](const char* text) { return nlohmann::ordered_json::parse(text); };
+  EXPECT_EQ(all.at("runs").at(0).dump(), wanted(kFullRun).dump());
+  auto measurement = all.at("measurements").at(0);
+  EXPECT_EQ(measurement.at("samples").dump(), wanted(R"([
+    {"round": 5, "tick": 6, "frame_ns": 1000000, "cpu_ns": 3000000, "main_cpu_ns": 2000000, "gpu_ns": 77},
+    {"round": 7, "tick": 8, "frame_ns": 1000001, "cpu_ns": 3000001, "main_cpu_ns": 2000001, "gpu_ns": 0}])")
+                                                  .dump());
+  measurement.erase("samples");
+  EXPECT_EQ(measurement.dump(), wanted(kFullMeasurement).dump());
+  EXPECT_EQ(all.at("ratios").dump(), wanted(R"([{"id": 5, "run": 3, "kind": "floor", "representation": "flat",
+    "character": "mannequin", "agents": 250, "width_px": 640, "height_px": 480, "requested_occupancy": 0.15,
+    "to": "mesh", "metric": "cpu", "ratio": 12.5, "ratio_low": 11.5, "ratio_high": 13.5, "pairs": 20}])")
+                                         .dump());
+  EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
+    "reference": "mesh", "character": "mannequin", "agents": 9, "requested_occupancy": 0.25, "tick": 11,
+    "height_px": 64.5, "azimuth_deg": 45.5, "elevation_deg": 15.5, "clip": "walk", "time_s": 0.75,
+    "scores": {"psnr": "inf", "ssim": null}, "reasons": {"ssim": "smaller than 11 pixels"}}])")
+                                              .dump());
+}
+
+TEST(Exports, CsvHasTheColumnsOfMeasurementAndRun) {
+  const std::string csv = results_csv(full_contents());
+  size_t at = 0;
+  const auto names = record(csv, at);
+  const auto values = record(csv, at);
+  EXPECT_EQ(at, csv.size());
+  std::vector<std::string> wanted_names;
+  std::vector<std::string> wanted_values;
+  for (const char* text : {kFullMeasurement, kFullRun}) {
+    const auto row = nlohmann::ordered_json::parse(text);
+    for (const auto& [name, value] : row.items()) {
+      if (text == kFullRun && (name == "id" || name == "scenario")) continue;
+      wanted_names.push_back(name);
+      wanted_values.push_back(value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
+  EXPECT_EQ(names, wanted_names);
+  EXPECT_EQ(values, wanted_values);
+}
+
+TEST(Exports, CsvOfScoresIsOneRecordAScore) {
+  const std::string csv = scores_csv(full_contents());
+  size_t at = 0;
+  const auto names = record(csv, at);
+  const auto infinite = record(csv, at);
+  const auto absent = record(csv, at);
+  EXPECT_EQ(at, csv.size());
+  ASSERT_EQ(infinite.size(), names.size());
+  ASSERT_EQ(absent.size(), names.size());
+  std::map<std::string, std::pair<std::string, std::string>> values;
+  for (size_t i = 0; i < names.size(); ++i) values[names[i]] = {infinite[i], absent[i]};
+  EXPECT_EQ(values.size(), names.size());
+  const auto both = [](const std::string& text) { return std::pair(text, text); };
+  EXPECT_EQ(values.at("id"), both("6"));
+  EXPECT_EQ(values.at("representation"), both("flat"));
+  EXPECT_EQ(values.at("height_px"), both("64.5"));
+  EXPECT_EQ(values.at("name"), std::pair(std::string("psnr"), std::string("ssim")));
+  EXPECT_EQ(values.at("value"), std::pair(std::string("inf"), std::string()));
+  EXPECT_EQ(values.at("reason"), std::pair(std::string(), std::string("smaller than 11 pixels")));
+  EXPECT_EQ(values.at("cpu_model"), both("A CPU"));
+  EXPECT_FALSE(values.contains("scenario"));
+}
+
 TEST(Exports, JsonKeepsAbsenceAndInfinity) {
   const json all = json::parse(results_json(made_up_contents()));
   EXPECT_EQ(all.at("runs").at(0).at("gl_renderer"), "made-up rasteriser");
@@ -78,6 +183,9 @@ TEST(Exports, JsonKeepsAbsenceAndInfinity) {
 TEST(Exports, GoogleBenchmarkEntries) {
   const json all = json::parse(google_benchmark_json(made_up_contents()));
   EXPECT_EQ(all.at("context").at("num_cpus"), 2);
+  // The made-up machine did not say how fast it is: nothing is invented.
+  EXPECT_FALSE(all.at("context").contains("mhz_per_cpu"));
+  EXPECT_FALSE(all.at("context").contains("cpu_scaling_enabled"));
   EXPECT_EQ(all.at("context").at("crowdbench_gl_renderer"), "made-up rasteriser");
   size_t iterations = 0;
   size_t errors = 0;
@@ -106,6 +214,24 @@ TEST(Exports, GoogleBenchmarkEntries) {
   EXPECT_EQ(aggregates.at("median").at("covered_px"), 46080);
 }
 
+TEST(Exports, GoogleBenchmarkSaysWhatTheMachineSaid) {
+  StoreContents contents = full_contents();
+  const json all = json::parse(google_benchmark_json(contents));
+  EXPECT_EQ(all.at("context").at("mhz_per_cpu"), 2600);
+  EXPECT_EQ(all.at("context").at("cpu_scaling_enabled"), false);
+  EXPECT_EQ(all.at("context").at("crowdbench_order_seed"), 18446744073709551614U);
+  EXPECT_FALSE(all.at("context").contains("crowdbench_scenario"));
+  // Counters: whatever is a number and may be absent, but for times.
+  const json& entry = all.at("benchmarks").at(0);
+  EXPECT_EQ(entry.at("touched_px"), 50000);
+  EXPECT_EQ(entry.at("shared_bytes"), 2004);
+  EXPECT_EQ(entry.at("low_1_percent_fps"), 333.25);
+  EXPECT_FALSE(entry.contains("frame_ns"));
+  EXPECT_FALSE(entry.contains("rounds"));
+  contents.runs[0].cpu_scaling_enabled = true;
+  EXPECT_EQ(json::parse(google_benchmark_json(contents)).at("context").at("cpu_scaling_enabled"), true);
+}
+
 TEST(Exports, MarkdownHasTheTablesAndEscapesThem) {
   StoreContents contents = made_up_contents();
   contents.runs[0].scenario_name = "a | b <i>";
@@ -114,6 +240,15 @@ TEST(Exports, MarkdownHasTheTablesAndEscapesThem) {
   EXPECT_NE(text.find("| flat | 1,000 | 15 % | 2.00 ms |"), std::string::npos) << text;
   EXPECT_NE(text.find("stopped: at 250 agents"), std::string::npos);
   EXPECT_NE(text.find("software rasteriser"), std::string::npos);
+  // Every score, every column of the largest crowds and of the run.
+  EXPECT_NE(text.find("| flat | 100 | 15 % | mae | 1.250 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| flat | 100 | 15 % | psnr | ∞ |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| flat | 64 | ssim | 3 | 0.835 | 0.790 | 0.880 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| texture_bytes | 5.3 MiB | 170.7 MiB |"), std::string::npos) << text;
+  EXPECT_EQ(text.find("| reason |"), std::string::npos) << text;  // nothing to say of either
+  EXPECT_NE(text.find("| settled | yes | yes |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| cpu_threads | 2 threads |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| cpu_mhz | – |"), std::string::npos) << text;
   EXPECT_THROW(report_markdown({}, "x.sqlite"), Error);
 }
 

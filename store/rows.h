@@ -1,0 +1,171 @@
+// The rows of the result store as plain structs. What each field means, with its unit and its name in SQL and in every
+// export, is said once, in store/columns.cpp; `crowdbench schema --results` prints it. std::nullopt: not available.
+#pragma once
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crowdbench {
+
+// One invocation that measured: what was run, by what, on what.
+struct RunRow {
+  int64_t id = 0;  // given by the store, here and below
+  std::string command;
+  std::string arguments;
+  std::string started;
+  std::string version;
+  std::string revision;
+  std::string scenario_name;
+  std::string scenario;
+  std::string scenario_hash;
+  uint64_t seed = 0;
+  std::optional<uint64_t> order_seed;
+  std::string gl_vendor, gl_renderer, gl_version;
+  bool software = false;
+  std::string headline;
+  std::optional<std::string> cpu_model;
+  std::optional<double> cpu_mhz;
+  std::optional<bool> cpu_scaling_enabled;
+  int cpu_threads = 0;
+  std::string os;
+  double timer_cost_ns = 0;
+  bool operator==(const RunRow&) const = default;
+};
+
+enum class Status : uint8_t {
+  valid,        // timed, and a frame of the same run passed the image check
+  invalid,      // timed, but the image check failed: the reason says how
+  unreachable,  // not timed: the achieved occupancy is more than one percentage point off the requested
+  skipped,      // not timed: the point makes no sense (the reason says why)
+  stopped       // not timed: the curve ended before this point (the reason says where and why)
+};
+inline constexpr Status kStatuses[] = {Status::valid, Status::invalid, Status::unreachable, Status::skipped,
+                                       Status::stopped};
+const char* status_name(Status status);
+Status status_of(const std::string& name);  // throws Error on any other text
+
+// What a point is: two rows of one scenario with equal keys measure the same thing.
+struct PointKey {
+  std::string representation;
+  std::string character;
+  uint32_t agents = 0;
+  int width = 0;
+  int height = 0;
+  double requested_occupancy = 0;  // 0: the scenario's own camera
+  auto operator<=>(const PointKey&) const = default;
+};
+
+// A median with a bootstrap 95 % interval and percentiles of the raw samples, nanoseconds.
+struct TimeSummary {
+  double median = 0;
+  double low = 0, high = 0;  // interval of the median
+  double p05 = 0, p95 = 0, p99 = 0;
+  bool operator==(const TimeSummary&) const = default;
+};
+
+// One timed frame.
+struct SampleRow {
+  int round = 0;
+  uint64_t tick = 0;
+  int64_t frame_ns = 0;
+  int64_t cpu_ns = 0;
+  int64_t main_cpu_ns = 0;
+  std::optional<int64_t> gpu_ns;
+  bool operator==(const SampleRow&) const = default;
+};
+
+// One representation at one point: what was on screen, what it cost.
+struct MeasurementRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  PointKey key;
+  Status status = Status::valid;
+  std::string reason;  // empty only when valid
+  std::string reference;
+
+  std::optional<double> achieved_occupancy;
+  std::optional<uint64_t> covered_px, reference_px, moved_px, touched_px;
+  std::optional<uint32_t> agents_wholly, agents_partly, agents_off;
+  std::optional<uint64_t> triangles_per_agent;
+
+  int rounds = 0;
+  int warmup_frames = 0;
+  bool settled = false;
+  std::optional<TimeSummary> frame_ns, cpu_ns, main_cpu_ns, gpu_ns;
+  std::optional<double> low_1_percent_fps;
+
+  std::optional<uint64_t> vertices_shaded, primitives, fragments, samples_passed;
+  std::optional<uint64_t> texture_bytes, buffer_bytes, upload_bytes_per_frame, disk_bytes, shared_bytes;
+  std::optional<double> bake_seconds;
+  std::optional<bool> bake_cached;
+
+  std::vector<SampleRow> samples;  // filled on writing; on reading only when asked for
+  bool operator==(const MeasurementRow&) const = default;
+};
+
+// The median of the paired ratios of two variants that were drawn in the same rounds.
+struct RatioRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::string kind;  // "speed" or "floor"
+  PointKey of;
+  std::string to;
+  std::string metric;  // "cpu", "wall" or "gpu"
+  double ratio = 0;
+  double low = 0, high = 0;
+  int pairs = 0;
+  bool operator==(const RatioRow&) const = default;
+};
+
+// One score of a comparison. A new score is a new name, never a new column.
+struct ScoreRow {
+  std::string name;
+  std::optional<double> value;  // +inf is kept; absent with a reason
+  std::string reason;
+  bool operator==(const ScoreRow&) const = default;
+};
+
+// Two pictures of the same view and what they differ by.
+struct ComparisonRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::string kind;  // "crowd" or "agent"
+  std::string representation;
+  std::string reference;
+  std::string character;
+  // kind "crowd"
+  uint32_t agents = 0;
+  double requested_occupancy = 0;
+  uint64_t tick = 0;
+  // kind "agent"
+  std::optional<double> height_px, azimuth_deg, elevation_deg;
+  std::string clip;
+  std::optional<double> time;
+  std::vector<ScoreRow> scores;
+  bool operator==(const ComparisonRow&) const = default;
+};
+
+// A PNG.
+struct PictureRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::optional<int64_t> comparison;
+  std::string role;  // "reference", "test", "difference", "hero", ...
+  std::string caption;
+  int width = 0, height = 0;
+  std::vector<uint8_t> png;
+  bool operator==(const PictureRow&) const = default;
+};
+
+// What a file holds; samples and scores lie in the rows that they belong to.
+struct StoreContents {
+  std::vector<RunRow> runs;
+  std::vector<MeasurementRow> measurements;
+  std::vector<RatioRow> ratios;
+  std::vector<ComparisonRow> comparisons;
+  std::vector<PictureRow> pictures;
+};
+
+}  // namespace crowdbench

@@ -1,0 +1,104 @@
+// Rows with a value in every field, each different from all others of its row, so that no two columns can be taken for
+// each other; their literal twins are in the tests.
+#pragma once
+#include <limits>
+
+#include "store/rows.h"
+
+namespace crowdbench {
+
+inline RunRow full_run() {
+  RunRow run;
+  run.command = "bench";
+  run.arguments = "crowdbench bench --agents 1,10";
+  run.started = "2026-01-02T03:04:05Z";
+  run.version = "0.1.0";
+  run.revision = "abc123";
+  run.scenario_name = "a </script> name";
+  run.scenario = "seed = 7\nname = \"it's\"\n";
+  run.scenario_hash = "00ff";
+  run.seed = std::numeric_limits<uint64_t>::max();
+  run.order_seed = std::numeric_limits<uint64_t>::max() - 1;
+  run.gl_vendor = "Mesa";
+  run.gl_renderer = "llvmpipe";
+  run.gl_version = "4.5";
+  run.software = true;
+  run.headline = "wall";
+  run.cpu_model = "A CPU";
+  run.cpu_mhz = 2599.5;
+  run.cpu_scaling_enabled = false;
+  run.cpu_threads = 2;
+  run.os = "Linux 6";
+  run.timer_cost_ns = 250.5;
+  return run;
+}
+
+// run: its id.
+inline MeasurementRow full_measurement(int64_t run) {
+  MeasurementRow row;
+  row.run = run;
+  row.key = {"flat:views=64", "mannequin + robot.glb", 250, 640, 480, 0.15};
+  row.status = Status::invalid;
+  row.reason = "nothing moved";
+  row.reference = "mesh";
+  row.achieved_occupancy = 0.1512;
+  row.covered_px = 46000;
+  row.reference_px = 46100;
+  row.moved_px = 900;
+  row.touched_px = 50000;
+  row.agents_wholly = 240;
+  row.agents_partly = 8;
+  row.agents_off = 3;
+  row.triangles_per_agent = 7;
+  row.rounds = 24;
+  row.warmup_frames = 4;
+  row.settled = true;
+  row.frame_ns = TimeSummary{1.5, 2.5, 3.5, 4.5, 5.5, 6.5};
+  row.cpu_ns = TimeSummary{11.5, 12.5, 13.5, 14.5, 15.5, 16.5};
+  row.main_cpu_ns = TimeSummary{21.5, 22.5, 23.5, 24.5, 25.5, 26.5};
+  row.gpu_ns = TimeSummary{31.5, 32.5, 33.5, 34.5, 35.5, 36.5};
+  row.low_1_percent_fps = 333.25;
+  row.vertices_shaded = 1001;
+  row.primitives = 1002;
+  row.fragments = 1003;
+  row.samples_passed = 1004;
+  row.texture_bytes = uint64_t{5} << 30;
+  row.buffer_bytes = 2001;
+  row.upload_bytes_per_frame = 2002;
+  row.disk_bytes = 2003;
+  row.shared_bytes = 2004;
+  row.bake_seconds = 1.25;
+  row.bake_cached = false;
+  row.samples = {{5, 6, 1000000, 3000000, 2000000, 77}, {7, 8, 1000001, 3000001, 2000001, 0}};
+  return row;
+}
+
+inline RatioRow full_ratio(int64_t run) {
+  return {0, run, "floor", {"flat", "mannequin", 250, 640, 480, 0.15}, "mesh", "cpu", 12.5, 11.5, 13.5, 20};
+}
+
+inline ComparisonRow full_comparison(int64_t run) {
+  ComparisonRow row;
+  row.run = run;
+  row.kind = "agent";
+  row.representation = "flat";
+  row.reference = "mesh";
+  row.character = "mannequin";
+  row.agents = 9;
+  row.requested_occupancy = 0.25;
+  row.tick = 11;
+  row.height_px = 64.5;
+  row.azimuth_deg = 45.5;
+  row.elevation_deg = 15.5;
+  row.clip = "walk";
+  row.time = 0.75;
+  row.scores = {{"psnr", std::numeric_limits<double>::infinity(), ""},
+                {"ssim", std::nullopt, "smaller than 11 pixels"}};
+  return row;
+}
+
+inline PictureRow full_picture(int64_t run, int64_t comparison) {
+  return {0, run, comparison, "difference", "a caption", 12, 13, {0, 1, 2, 255}};
+}
+
+}  // namespace crowdbench

@@ -1,0 +1,191 @@
+// Files of older schemas. tests/data/store/schema-1.sqlite was written by the last crowdbench of schema 1:
+//   for seed in 1 2; do crowdbench bench --representations flat:views=hemi-4 --agents 1,2 --rounds 10
+//     --occupancy 0.15,0.99 --size 64x48 --picture-agents 0 --seed $seed --device software --out schema-1.sqlite; done
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <map>
+
+#include "core/error.h"
+#include "store/store.h"
+#include "tests/store/full_rows.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench {
+namespace {
+
+class MigrationTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::copy_file(std::filesystem::path(CROWDBENCH_TEST_DATA) / "store/schema-1.sqlite", file_);
+    std::filesystem::permissions(file_, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  }
+
+  static std::string bytes(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  // The rows that a query gives, their columns joined by "|".
+  static std::vector<std::string> rows(const std::filesystem::path& path, const std::string& query) {
+    std::vector<std::string> all;
+    sqlite3* database = nullptr;
+    EXPECT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+    sqlite3_stmt* statement = nullptr;
+    EXPECT_EQ(sqlite3_prepare_v2(database, query.c_str(), -1, &statement, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(database);
+    while (sqlite3_step(statement) == SQLITE_ROW) {
+      std::string row;
+      for (int i = 0; i < sqlite3_column_count(statement); ++i) {
+        const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, i));
+        if (i > 0) row += '|';
+        row += text != nullptr ? text : "NULL";
+      }
+      all.push_back(row);
+    }
+    sqlite3_finalize(statement);
+    EXPECT_EQ(sqlite3_close(database), SQLITE_OK);
+    return all;
+  }
+  static std::string schema(const std::filesystem::path& path) { return rows(path, "PRAGMA user_version").at(0); }
+  static void expect_equal(const StoreContents& a, const StoreContents& b) {
+    EXPECT_TRUE(a.runs == b.runs);
+    EXPECT_TRUE(a.measurements == b.measurements);
+    EXPECT_TRUE(a.ratios == b.ratios);
+    EXPECT_TRUE(a.comparisons == b.comparisons);
+    EXPECT_TRUE(a.pictures == b.pictures);
+  }
+
+  support::ScratchFolder folder_;
+  std::filesystem::path file_ = folder_ / "old.sqlite";
+};
+
+TEST_F(MigrationTest, AnOlderFileIsReadAndLeftAsItIs) {
+  const std::string before = bytes(file_);
+  const StoreContents all = read_store(file_, true);
+  EXPECT_EQ(bytes(file_), before);
+  EXPECT_FALSE(std::filesystem::exists(file_.string() + "-wal"));
+
+  ASSERT_EQ(all.runs.size(), 2U);
+  EXPECT_EQ(all.runs[0].seed, 1U);
+  EXPECT_EQ(all.runs[1].seed, 2U);
+  EXPECT_EQ(all.runs[1].arguments, "bench flat:views=hemi-4");
+  EXPECT_EQ(all.runs[1].cpu_model, "AMD EPYC");
+  EXPECT_EQ(all.runs[1].revision, "92177b2f4c6c");
+  EXPECT_EQ(all.runs[1].order_seed, std::nullopt);
+  EXPECT_EQ(all.runs[1].cpu_mhz, std::nullopt);
+  EXPECT_EQ(all.runs[1].cpu_scaling_enabled, std::nullopt);
+  ASSERT_EQ(all.measurements.size(), 16U);
+  EXPECT_EQ(all.measurements[11].key, (PointKey{"flat:views=hemi-4", "mannequin", 2, 64, 48, 0.15}));
+  EXPECT_EQ(all.measurements[11].samples.size(), 10U);
+  EXPECT_EQ(all.measurements[15].status, Status::unreachable);
+  EXPECT_EQ(all.measurements[15].reason, "2 agents cover 60.87 % at most, 99 % were asked for");
+  EXPECT_EQ(all.ratios.size(), 24U);
+  ASSERT_EQ(all.comparisons.size(), 4U);
+  ASSERT_EQ(all.comparisons[3].scores.size(), 5U);
+  EXPECT_EQ(all.comparisons[3].scores[4].name, "ssim");
+  EXPECT_NEAR(all.comparisons[3].scores[4].value.value(), 0.87529420202297, 1e-12);
+  EXPECT_EQ(all.pictures.size(), 6U);
+}
+
+TEST_F(MigrationTest, AWriterBringsItForwardAndGoesOn) {
+  const StoreContents before = read_store(file_, true);
+  MeasurementRow added = full_measurement(0);
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    // `bench` continues where the older program ended.
+    const auto found = store.find(before.runs[1], before.measurements[10].key);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->id, before.measurements[10].id);
+    added.run = store.write(full_run());
+    added.id = store.write(added);
+  }
+  EXPECT_EQ(schema(file_), std::to_string(kStoreSchemaVersion));
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.runs.size(), 3U);
+  RunRow wanted = full_run();
+  wanted.id = 3;
+  EXPECT_TRUE(after.runs[2] == wanted);
+  ASSERT_EQ(after.measurements.size(), 17U);
+  EXPECT_TRUE(after.measurements[16] == added);
+  EXPECT_TRUE(std::equal(before.measurements.begin(), before.measurements.end(), after.measurements.begin()));
+  EXPECT_EQ(rows(file_, "SELECT order_seed, gl_renderer FROM results WHERE id IN (16, 17)"),
+            (std::vector<std::string>{"NULL|" + before.runs[1].gl_renderer, "18446744073709551614|llvmpipe"}));
+}
+
+// Whoever changes a column, a check or an index without a new schema, or a table that migration then forgets, fails
+// here.
+TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
+  { StoreWriter store(file_); }
+  const auto fresh = folder_ / "new.sqlite";
+  { StoreWriter store(fresh); }
+  const auto statements = [](const std::filesystem::path& path) {
+    std::map<std::string, std::string> all;
+    // White space apart; a table that was renamed has its name in quotes.
+    for (const std::string& row : rows(path, "SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL")) {
+      std::string text;
+      for (const char c : row.substr(row.find('|') + 1))
+        if (c != ' ' && c != '\n' && c != '"') text += c;
+      all[row.substr(0, row.find('|'))] = text;
+    }
+    return all;
+  };
+  const auto wanted = statements(fresh);
+  EXPECT_EQ(wanted.size(), 9U);  // tables, one index, one view
+  EXPECT_EQ(statements(file_), wanted);
+}
+
+TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {
+  rows(file_, "UPDATE run SET cpu_model = 'unknown processor' WHERE id = 1");
+  const StoreContents before = read_store(file_);
+  EXPECT_EQ(before.runs[0].cpu_model, std::nullopt);
+  EXPECT_EQ(before.runs[1].cpu_model, "AMD EPYC");
+  { StoreWriter store(file_); }
+  EXPECT_EQ(rows(file_, "SELECT cpu_model FROM run"), (std::vector<std::string>{"NULL", "AMD EPYC"}));
+}
+
+TEST_F(MigrationTest, AFullDiskLeavesTheOlderFile) {
+  // So long a text that the log of the migration cannot hold it under the limit below.
+  rows(file_, "UPDATE run SET scenario = hex(zeroblob(40000))");
+  const StoreContents before = read_store(file_, true);
+  rlimit old{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);  // the write fails, as on a full disk
+  const rlimit small{32768, old.rlim_max};             // enough for the log to begin
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  std::string message;
+  try {
+    StoreWriter store(file_);
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_NE(message.find("what was finished before is kept"), std::string::npos) << message;
+  EXPECT_EQ(schema(file_), "1");
+  expect_equal(read_store(file_, true), before);
+  { StoreWriter store(file_); }
+  EXPECT_EQ(schema(file_), std::to_string(kStoreSchemaVersion));
+  expect_equal(read_store(file_, true), before);
+}
+
+TEST_F(MigrationTest, ADamagedOlderFileIsLeftAsItIs) {
+  rows(file_, "DELETE FROM run WHERE id = 1");  // its measurements stay
+  const StoreContents before = read_store(file_, true);
+  std::string message;
+  try {
+    StoreWriter store(file_);
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  EXPECT_NE(message.find("damaged"), std::string::npos) << message;
+  EXPECT_EQ(schema(file_), "1");
+  expect_equal(read_store(file_, true), before);
+}
+
+}  // namespace
+}  // namespace crowdbench
