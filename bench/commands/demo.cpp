@@ -14,7 +14,7 @@
 #include "core/image_io.h"
 #include "core/progress.h"
 #include "metrics/pseudocolour.h"
-#include "reports/page/page.h"
+#include "reports/page/report_page.h"
 #include "scene/cast/cast.h"
 #include "studies/stimuli/pair.h"
 

@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "reports/exports/exports.h"
-#include "reports/page/page.h"
+#include "reports/page/report_page.h"
 #include "store/store.h"
 
 namespace crowdbench::bench {

@@ -6,6 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "reports/model/crossovers.h"
+#include "reports/model/number_text.h"
+#include "reports/model/scores.h"
+
 namespace crowdbench::reports {
 namespace {
 
@@ -401,8 +405,8 @@ std::string pop_chart(const PopSize& size, double high) {
                          {"scale", {{"scheme", "viridis"}, {"domain", {0, high}}}},
                          {"legend", legend}};
     encoding["tooltip"] =
-        Json::array({tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"), tip("elevation", "elevation"),
-                     tip("value", "MAE"), tip("ssim", "SSIM in the figure")});
+        Json::array({tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"),
+                     tip("elevation", "elevation"), tip("value", "MAE"), tip("ssim", "SSIM in the figure")});
     Json column = {{"field", "phase"}, {"type", "nominal"}, {"sort", nullptr}};
     column["header"] = {{"title", nullptr}, {"labels", first}};
     Json row;

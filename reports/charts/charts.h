@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "reports/model/pop_model.h"
-#include "reports/model/summary.h"
+#include "reports/model/scene.h"
 
 namespace crowdbench::reports {
 
@@ -19,7 +19,8 @@ std::string speed_chart(const Scene& scene);
 // A score of single agents against their height in pixels; empty text when no agent was compared.
 std::string score_chart(const Scene& scene, const std::string& score, const std::string& title);
 
-// Azimuth by elevation, a panel a clip phase and kind of switch; colours from 0 to `high` code values, the same in every chart.
+// Azimuth by elevation, a panel a clip phase and kind of switch; colours from 0 to `high` code values, the same in
+// every chart.
 std::string pop_chart(const PopSize& size, double high);
 
 }  // namespace crowdbench::reports

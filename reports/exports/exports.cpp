@@ -9,7 +9,10 @@
 
 #include "core/error.h"
 #include "core/statistics.h"
-#include "reports/model/summary.h"
+#include "reports/model/answer.h"
+#include "reports/model/crossovers.h"
+#include "reports/model/number_text.h"
+#include "reports/model/scores.h"
 #include "store/columns.h"
 
 namespace crowdbench::reports {

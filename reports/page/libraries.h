@@ -1,6 +1,5 @@
 // The chart library (Vega, Vega-Lite, Vega-Embed; BSD-3-Clause) as it was embedded when the program was built.
 #pragma once
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,12 +12,5 @@ struct Library {
 };
 // In the order in which a page must load them. Throws Error when the program was built without the npm packages.
 const std::vector<Library>& chart_libraries();
-
-// The page's own style sheet and script (page.css, page.js). Throw like chart_libraries().
-std::string_view page_style();
-std::string_view page_script();
-
-// Script text that may stand inside <script> ... </script>: no end tag, no comment opening, no source map address.
-std::string inline_script(std::string_view script);
 
 }  // namespace crowdbench::reports

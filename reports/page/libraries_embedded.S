@@ -1,4 +1,4 @@
-/* The chart library's and the page's own files, byte for byte; reports/page/libraries.cpp reads them. */
+/* The chart library's files, byte for byte; reports/page/libraries.cpp reads them. */
 #define EMBED(name, path)                 \
   .global crowdbench_##name##_begin;      \
   .global crowdbench_##name##_end;        \
@@ -12,6 +12,4 @@ EMBED(vega_lite_js, VEGA_LITE_JS)
 EMBED(vega_lite_licence, VEGA_LITE_LICENCE)
 EMBED(vega_embed_js, VEGA_EMBED_JS)
 EMBED(vega_embed_licence, VEGA_EMBED_LICENCE)
-EMBED(page_css, PAGE_CSS)
-EMBED(page_js, PAGE_JS)
   .section .note.GNU-stack, "", @progbits

@@ -3,15 +3,13 @@
 #include <string>
 #include <string_view>
 
+#include "reports/page/html_template.h"
+
 namespace crowdbench::reports {
 
-// From the document's type to the page's heading. title: plain text.
-std::string page_head(std::string_view title);
-// Footer, the chart library with its licences, the page's script, and the end of the document. source: the file that
-// the page was made from, or empty. Throws Error when the program was built without the chart library.
-std::string page_foot(std::string_view source);
-
-// A chart with its heading; specification: Vega-Lite as JSON text. number: unique on the page.
-std::string chart_block(std::string_view specification, std::string_view title, int number);
+// The whole document around its content: style sheet, heading, footer, the chart library with its licences, the page's
+// script. title: plain text. source: the file that the page was made from, or empty. Throws Error when the program was
+// built without the chart library.
+std::string page_frame(std::string_view title, Html content, std::string_view source);
 
 }  // namespace crowdbench::reports

@@ -208,7 +208,7 @@ TEST(Includes, CheckerFindsEveryKindOfFault) {
   EXPECT_EQ(faults_of("reports/a.cpp", "#include \"metrics/ssim.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("renderers/a.cpp", "#include \"studies/stimuli/clip.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("studies/a.cpp", "#include \"bench/commands/commands.h\"\n").size(), 1U);
-  EXPECT_EQ(faults_of("bench/a.cpp", "#include \"reports/page/page.h\"\n#include \"studies/stimuli/clip.h\"\n"), none);
+  EXPECT_EQ(faults_of("bench/a.cpp", "#include \"reports/page/report_page.h\"\n#include \"studies/stimuli/clip.h\"\n"), none);
   EXPECT_EQ(faults_of("scene/a.cpp", "#include \"frame.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("scene/a.cpp", "#include \"../renderers/capture.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("scene/a.h", "#pragma once\n#include <nlohmann/json.hpp>\n").size(), 1U);

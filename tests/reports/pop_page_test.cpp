@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "reports/page/libraries.h"
 #include "reports/charts/charts.h"
+#include "reports/page/libraries.h"
 
 namespace crowdbench::reports {
 namespace {
@@ -38,7 +38,7 @@ PopSize made_up_size(double ratio) {
   return size;
 }
 
-TEST(PopChart, HoldsEveryCellAndAllWaysOnOneScale) {
+TEST(PopChart, HoldsEveryCellAndAllKindsOfSwitchOnOneScale) {
   const auto chart = nlohmann::json::parse(pop_chart(made_up_size(1), 40));
   const auto& values = chart.at("data").at("values");
   ASSERT_EQ(values.size(), 4U * kPopSwitchKinds);
@@ -46,8 +46,8 @@ TEST(PopChart, HoldsEveryCellAndAllWaysOnOneScale) {
   for (const auto& value : values) sum += value.at("mae").get<double>();
   EXPECT_DOUBLE_EQ(sum, 100 * (1 + 0.2 + 0.5 + 0.1));
   ASSERT_EQ(chart.at("vconcat").size(), kPopSwitchKinds);
-  for (const auto& way : chart.at("vconcat"))
-    EXPECT_EQ(way.at("spec").at("encoding").at("color").at("scale").at("domain").dump(), "[0,40.0]");
+  for (const auto& kind : chart.at("vconcat"))
+    EXPECT_EQ(kind.at("spec").at("encoding").at("color").at("scale").at("domain").dump(), "[0,40.0]");
   // A cell without a score is a hole, not a zero.
   PopSize size = made_up_size(1);
   size.points[0].mae[0] = std::nullopt;
@@ -83,7 +83,7 @@ TEST_F(PopPageTest, TellsEverySizeByTableChartAndPictures) {
   EXPECT_EQ(count("data-plot="), 2U);
   EXPECT_EQ(count("<figure>"), 2U * 3);
   EXPECT_NE(page_.find("<td>20.00</td><td>39.50</td><td>40.00</td><td class=\"l i\">azimuth 180°, elevation 10°, phase "
-                       "0.75</td><td>0.500</td><td>0.450</td><td>0.250</td>"),
+                       "0.75</td>\n<td>0.500</td><td>0.450</td><td>0.250</td>\n</tr>"),
             std::string::npos);
   EXPECT_NE(page_.find("by 20.0 code values on average and 40.0 at worst"), std::string::npos);
   EXPECT_NE(page_.find("over 8 cells"), std::string::npos);

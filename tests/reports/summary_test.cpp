@@ -1,7 +1,10 @@
-#include "reports/model/summary.h"
-
 #include <gtest/gtest.h>
 
+#include "reports/model/answer.h"
+#include "reports/model/crossovers.h"
+#include "reports/model/number_text.h"
+#include "reports/model/scene.h"
+#include "reports/model/scores.h"
 #include "tests/reports/rows.h"
 
 namespace crowdbench::reports {

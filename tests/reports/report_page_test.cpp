@@ -1,4 +1,4 @@
-#include "reports/page/page.h"
+#include "reports/page/report_page.h"
 
 #include <gtest/gtest.h>
 
@@ -141,19 +141,6 @@ TEST(ReportCharts, ColoursDiffer) {
   for (size_t i = 0; i < colours.size(); ++i)
     for (size_t j = 0; j < i; ++j) EXPECT_NE(colours[i], colours[j]);
   EXPECT_EQ(representation_colours(20).size(), 20U);
-}
-
-TEST(ReportEscapes, ByHand) {
-  EXPECT_EQ(html_escape("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
-  EXPECT_EQ(script_json(R"({"a":"</script><!--"})"), R"({"a":"\u003c/script>\u003c!--"})");
-  EXPECT_EQ(inline_script("a=\"</script>\";b=\"<!--\"\n//# sourceMappingURL=x.map\n"),
-            "a=\"<\\/script>\";b=\"<\\!--\"\n");
-  EXPECT_EQ(inline_script("f()\n//# sourceMappingURL=x.map"), "f()");
-  EXPECT_EQ(base64({}), "");
-  EXPECT_EQ(base64({'f'}), "Zg==");
-  EXPECT_EQ(base64({'f', 'o'}), "Zm8=");
-  EXPECT_EQ(base64({'f', 'o', 'o', 'b', 'a', 'r'}), "Zm9vYmFy");
-  EXPECT_EQ(base64({0xfb, 0xff, 0xfe}), "+//+");
 }
 
 }  // namespace

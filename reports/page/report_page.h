@@ -1,7 +1,6 @@
 // The report: one self-contained HTML page that opens without a network.
 #pragma once
 #include <string>
-#include <string_view>
 
 #include "store/store.h"
 
@@ -14,11 +13,5 @@ struct PageOptions {
 // content security policy forbids it to load anything. contents: read with pictures. Throws Error when the program was
 // built without the chart library, or when the file holds no measurement.
 std::string report_page(const StoreContents& contents, const PageOptions& options = {});
-
-// Text for an HTML element or a quoted attribute.
-std::string html_escape(std::string_view text);
-// JSON for the inside of a <script>: every `<` becomes \u003c.
-std::string script_json(std::string_view json);
-std::string base64(const std::vector<uint8_t>& bytes);
 
 }  // namespace crowdbench::reports

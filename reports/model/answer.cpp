@@ -1,0 +1,135 @@
+#include "reports/model/answer.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "reports/model/crossovers.h"
+#include "reports/model/number_text.h"
+#include "reports/model/scores.h"
+
+namespace crowdbench::reports {
+namespace {
+
+std::string view_text(const Scene& scene, double occupancy) {
+  return occupancy > 0
+             ? fmt::format("covering {} of a {} \u00d7 {} picture", percent_text(occupancy), scene.width, scene.height)
+             : fmt::format("in a {} \u00d7 {} picture", scene.width, scene.height);
+}
+
+// The speed of the largest crowd that both were timed with.
+const RatioRow* largest_ratio(const Scene& scene, const std::string& name, double occupancy) {
+  for (auto agents = scene.agents.rbegin(); agents != scene.agents.rend(); ++agents) {
+    const MeasurementRow* row = scene.find(name, *agents, occupancy);
+    if (row == nullptr || !is_timed(*row)) continue;
+    const RatioRow* ratio = scene.ratio("speed", name, *agents, occupancy, scene.run->headline);
+    if (ratio != nullptr) return ratio;
+  }
+  return nullptr;
+}
+
+// One size says enough in a summary: the one nearest 64 pixels.
+const ScoreByHeight* nearest_height(const std::vector<ScoreByHeight>& scores, const std::string& name) {
+  const ScoreByHeight* nearest = nullptr;
+  const auto distance = [](const ScoreByHeight& score) { return std::abs(std::log(score.height_px / 64)); };
+  for (const ScoreByHeight& score : scores)
+    if (score.representation == name && (nearest == nullptr || distance(score) < distance(*nearest))) nearest = &score;
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<std::string> answer(const Scene& scene) {
+  std::vector<std::string> paragraphs;
+  const std::string& metric = scene.run->headline;
+  const auto lines = crossovers_of(scene, metric);
+  for (const std::string& name : scene.representations) {
+    if (name == scene.reference) continue;
+    for (const double occupancy : scene.occupancies) {
+      const RatioRow* best = largest_ratio(scene, name, occupancy);
+      if (best == nullptr) continue;
+      const bool faster = best->ratio >= 1;
+      std::string text =
+          fmt::format("With {} {}, {} is {} times as {} as {} (95 % interval {} to {}, {} interleaved pairs).",
+                      agents_text(best->of.agents), view_text(scene, occupancy), name,
+                      factor_text(faster ? best->ratio : 1 / best->ratio), faster ? "fast" : "slow", scene.reference,
+                      factor_text(faster ? best->low : 1 / best->high),
+                      factor_text(faster ? best->high : 1 / best->low), best->pairs);
+      for (const CrossoverLine& line : lines) {
+        if (line.occupancy != occupancy || line.first != scene.reference || line.second != name) continue;
+        if (line.agents)
+          text += fmt::format(" From about {} on, {} is the cheaper one.",
+                              agents_text(static_cast<uint64_t>(std::llround(*line.agents))), line.cheaper_beyond);
+        else
+          text += fmt::format(" Of the two, {} is the cheaper one over the whole range, {} to {}.", line.cheaper_beyond,
+                              count_text(line.from), agents_text(line.to));
+      }
+      paragraphs.push_back(text);
+    }
+    const auto overlap = scores_by_height(scene, "silhouette_iou");
+    const ScoreByHeight* shown = nearest_height(overlap, name);
+    if (shown == nullptr) continue;
+    std::string text = fmt::format(
+        "Seen {:.0f} pixels tall, the silhouette of {} overlaps that of {} by {} on average over {} views "
+        "(intersection over union; {} in the worst view)",
+        shown->height_px, name, scene.reference, percent_text(shown->mean), shown->views, percent_text(shown->least));
+    for (const ScoreByHeight& s : scores_by_height(scene, "ssim"))
+      if (s.representation == name && s.height_px == shown->height_px)
+        text += "; SSIM is " + score_text("ssim", s.mean);
+    paragraphs.push_back(text + ".");
+  }
+  return paragraphs;
+}
+
+std::optional<std::string> void_notice(const Scene& scene) {
+  const RatioRow* worst = nullptr;
+  for (const RatioRow* row : scene.ratios)
+    if (row->kind == "floor" && row->of.representation == scene.reference && row->metric == scene.run->headline &&
+        (worst == nullptr || row->ratio > worst->ratio))
+      worst = row;
+  if (worst == nullptr || worst->ratio <= kReferenceFloorBound) return std::nullopt;
+  return fmt::format("Figures of speed are void: {} took up to {} times its own floor ({}), more than {}.",
+                     scene.reference, factor_text(worst->ratio), reference_floor_text(), kReferenceFloorBound);
+}
+
+std::string reference_floor_text() { return "the same draw with a static pose"; }
+
+std::string floors_text() {
+  return "The floor of a representation is the same draw with the work removed (a static pose for a mesh; the same "
+         "quads "
+         "and fetches without lighting for impostors).";
+}
+
+std::vector<Tile> tiles(const Scene& scene) {
+  std::vector<Tile> all;
+  if (scene.representations.size() < 2 || scene.occupancies.empty()) return all;
+  const std::string& name = scene.representations[1];
+  const std::string& metric = scene.run->headline;
+  const double occupancy = scene.occupancies.front();
+  const std::string at = occupancy > 0 ? " at " + percent_text(occupancy) + " occupancy" : std::string();
+  if (const RatioRow* ratio = largest_ratio(scene, name, occupancy); ratio != nullptr)
+    all.push_back({factor_text(ratio->ratio) + "×",
+                   fmt::format("the speed of {} with {}{}{}", scene.reference, agents_text(ratio->of.agents), at,
+                               void_notice(scene) ? " (void, see below)" : "")});
+  for (const CrossoverLine& line : crossovers_of(scene, metric))
+    if (line.occupancy == occupancy && line.first == scene.reference && line.second == name && line.agents) {
+      all.push_back({agents_text(static_cast<uint64_t>(std::llround(*line.agents))),
+                     fmt::format("from there on {} is the cheaper one{}", line.cheaper_beyond, at)});
+      break;
+    }
+  const auto overlap = scores_by_height(scene, "silhouette_iou");
+  const ScoreByHeight* nearest = nearest_height(overlap, name);
+  if (nearest != nullptr)
+    all.push_back(
+        {percent_text(nearest->mean), fmt::format("of the silhouette right, {:.0f} pixels tall (intersection over "
+                                                  "union, mean of {} views)",
+                                                  nearest->height_px, nearest->views)});
+  for (const MeasurementRow* row : scene.rows)
+    if (row->key.representation == name && row->texture_bytes && row->buffer_bytes) {
+      all.push_back({bytes_text(*row->texture_bytes + *row->buffer_bytes), "of textures and buffers on the GPU"});
+      break;
+    }
+  return all;
+}
+
+}  // namespace crowdbench::reports

@@ -1,0 +1,44 @@
+// The rows of a result file that may be compared with each other, put in order. Pure functions of the store's rows.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "store/store.h"
+
+namespace crowdbench::reports {
+
+// Rows of one scenario, character and picture size, measured by one revision on one renderer; pointers are into the
+// StoreContents, which must outlive this. Where a key was measured again only its latest row counts.
+struct Scene {
+  const RunRow* run = nullptr;  // the latest
+  std::string character;
+  int width = 0, height = 0;
+  std::string reference;                     // "mesh"
+  std::vector<std::string> representations;  // the reference first, the others in the order in which they were measured
+  std::vector<double> occupancies;           // requested, ascending
+  std::vector<uint32_t> agents;              // ascending
+  std::vector<const MeasurementRow*> rows;
+  std::vector<const RatioRow*> ratios;
+  std::vector<const ComparisonRow*> crowd_comparisons;
+  std::vector<const ComparisonRow*> agent_comparisons;
+  std::vector<const PictureRow*> pictures;
+
+  // nullptr when there is none.
+  const MeasurementRow* find(const std::string& representation, uint32_t agent_count, double occupancy) const;
+  // kind: "speed" (how many times as fast as the reference) or "floor"; metric: "cpu", "wall", "gpu".
+  const RatioRow* ratio(const std::string& kind, const std::string& representation, uint32_t agent_count,
+                        double occupancy, const std::string& metric) const;
+  const PictureRow* picture(const ComparisonRow& comparison, const std::string& role) const;
+};
+std::vector<Scene> scenes_of(const StoreContents& contents);
+
+// The time that ratios and charts are made of on this machine: the run's headline metric.
+const std::optional<TimeSummary>& time_of(const MeasurementRow& row, const std::string& metric);
+std::string metric_title(const std::string& metric);  // "process CPU time", "wall-clock time", "GPU time"
+
+// Whether the row carries a time that counts: curves, crossings and figures are made of these alone.
+bool is_timed(const MeasurementRow& row);
+
+}  // namespace crowdbench::reports

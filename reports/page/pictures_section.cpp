@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "reports/model/number_text.h"
+#include "reports/model/scores.h"
+#include "reports/page/blocks.h"
+#include "reports/page/escape.h"
+#include "reports/page/page_files.h"
+#include "reports/page/sections.h"
+
+namespace crowdbench::reports {
+namespace {
+
+Html figure(const PictureRow& picture, Html caption) {
+  return figure_block(picture.width, picture.height, picture.png, picture.caption, std::move(caption));
+}
+
+std::string scores_caption(const ComparisonRow& comparison) {
+  std::string text;
+  if (const auto ssim = score_of(comparison, "ssim")) text += ", SSIM " + score_text("ssim", *ssim);
+  if (const auto psnr = score_of(comparison, "psnr"))
+    text += std::isinf(*psnr) ? ", identical" : fmt::format(", PSNR {} dB", score_text("psnr", *psnr));
+  if (const auto iou = score_of(comparison, "silhouette_iou"))
+    text += fmt::format(", crowd silhouette overlap {}", percent_text(*iou));
+  return text;
+}
+
+}  // namespace
+
+Html pictures_section(const SceneOnPage& page) {
+  const Scene& scene = page.scene;
+  std::vector<Html> heroes;
+  for (const PictureRow* picture : scene.pictures)
+    if (picture->role == "hero") heroes.push_back(figure(*picture, Html{html_escape(picture->caption)}));
+  if (heroes.empty() && scene.crowd_comparisons.empty()) return {};
+  std::vector<TemplateValues> comparisons;
+  for (const ComparisonRow* comparison : scene.crowd_comparisons) {
+    const PictureRow* reference = scene.picture(*comparison, "reference");
+    const PictureRow* test = scene.picture(*comparison, "test");
+    const PictureRow* difference = scene.picture(*comparison, "difference");
+    if (reference == nullptr || test == nullptr) continue;
+    const auto bold = [&](const std::string& name) { return "<b>" + page.mark(name).text + "</b>"; };
+    std::vector<Html> figures = {
+        figure(*reference, Html{bold(comparison->reference) + ", the reference"}),
+        figure(*test, Html{bold(comparison->representation) + html_escape(scores_caption(*comparison))})};
+    if (difference != nullptr)
+      figures.push_back(
+          figure(*difference, Html{"absolute difference: dark blue = equal, red = the largest possible error"}));
+    comparisons.push_back({{"agents", agents_text(comparison->agents)},
+                           {"occupancy", occupancy_title(comparison->requested_occupancy)},
+                           {"figures", html_rows(std::move(figures))}});
+  }
+  std::vector<TemplateValues> hero_block;
+  if (!heroes.empty()) hero_block.push_back({{"figures", html_rows(std::move(heroes))}});
+  return fill_template(page_file("pictures.html"),
+                       {{"heroes", std::move(hero_block)}, {"comparisons", std::move(comparisons)}});
+}
+
+}  // namespace crowdbench::reports

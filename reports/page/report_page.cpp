@@ -1,0 +1,106 @@
+#include "reports/page/report_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "reports/page/blocks.h"
+#include "reports/page/page_files.h"
+#include "reports/page/page_frame.h"
+#include "reports/page/sections.h"
+
+namespace crowdbench::reports {
+namespace {
+
+using Rows = std::vector<TemplateValues>;
+
+std::string title_of(const Scene& scene) {
+  std::string against;
+  for (const std::string& name : scene.representations)
+    if (name != scene.reference) against += (against.empty() ? "" : ", ") + name;
+  return against.empty() ? "What a crowd costs to draw as " + scene.reference
+                         : fmt::format("A crowd drawn as {} and as {}: cost and difference", scene.reference, against);
+}
+
+// Each once, in the order of the scenes.
+std::string characters_of(const std::vector<Scene>& scenes) {
+  std::vector<std::string> names;
+  for (const Scene& scene : scenes)
+    if (std::find(names.begin(), names.end(), scene.character) == names.end()) names.push_back(scene.character);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// several: the page tells of more scenes than this one, so that each needs a heading and an answer of its own.
+TemplateValues scene_values(const Scene& scene, bool several, int& last_chart) {
+  Rows heading;
+  std::vector<Html> sections;
+  if (several) {
+    heading.push_back({{"character", scene.character},
+                       {"width", scene.width},
+                       {"height", scene.height},
+                       {"scenario", scene.run->scenario_name}});
+    sections.push_back(answer_section(scene));
+  }
+  SceneOnPage page(scene, last_chart);
+  sections.push_back(pictures_section(page));
+  sections.push_back(cost_section(page));
+  sections.push_back(difference_section(page));
+  sections.push_back(memory_section(page));
+  sections.push_back(floors_section(page));
+  sections.push_back(work_section(page));
+  sections.push_back(untimed_section(page));
+  std::erase_if(sections, [](const Html& section) { return section.text.empty(); });
+  return {{"heading", std::move(heading)}, {"sections", html_rows(std::move(sections))}};
+}
+
+TemplateValues run_values(const RunRow& run) {
+  Rows facts;
+  const auto fact = [&](const char* title, std::string value) {
+    facts.push_back({{"title", title}, {"value", std::move(value)}});
+  };
+  fact("command", run.arguments.empty() ? run.command : run.arguments);
+  fact("crowdbench", fmt::format("{} ({})", run.version, run.revision));
+  fact("OpenGL renderer", run.gl_renderer + (run.software ? " (software)" : ""));
+  fact("OpenGL version", fmt::format("{}; {}", run.gl_version, run.gl_vendor));
+  fact("processor",
+       fmt::format("{}, {} hardware threads", run.cpu_model.value_or("not named by the machine"), run.cpu_threads));
+  fact("system", run.os);
+  fact("cost of reading the clocks", fmt::format("{:.2f} µs", run.timer_cost_ns / 1e3));
+  fact("seed", std::to_string(run.seed));
+  fact("scenario", fmt::format("{}, SHA-256 {}", run.scenario_name, run.scenario_hash));
+  return {{"id", run.id}, {"started", run.started}, {"facts", std::move(facts)}, {"scenario", run.scenario}};
+}
+
+}  // namespace
+
+std::string report_page(const StoreContents& contents, const PageOptions& options) {
+  const std::vector<Scene> scenes = scenes_of(contents);
+  if (scenes.empty())
+    throw Error(options.source, "holds no measurement", "run `crowdbench bench --out " + options.source + "` first");
+  const bool several = scenes.size() > 1;
+  const RunRow& run = *scenes.front().run;
+  std::vector<Html> answers;
+  if (!several) answers.push_back(answer_section(scenes.front()));
+  std::erase_if(answers, [](const Html& answer) { return answer.text.empty(); });
+  int last_chart = 0;
+  Rows on_page;
+  for (const Scene& scene : scenes) on_page.push_back(scene_values(scene, several, last_chart));
+  Rows runs;
+  for (const RunRow& each : contents.runs) runs.push_back(run_values(each));
+  Html content = fill_template(
+      page_file("report.html"),
+      {{"characters", characters_of(scenes)},
+       {"started", run.started},
+       {"processor", run.cpu_model.value_or("an unnamed processor")},
+       {"renderer", run.gl_renderer},
+       {"version", run.version},
+       {"revision", run.revision},
+       {"answer", html_rows(std::move(answers))},
+       {"software", std::any_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return scene.run->software; })},
+       {"scenes", std::move(on_page)},
+       {"runs", std::move(runs)}});
+  return page_frame(title_of(scenes.front()), std::move(content), options.source);
+}
+
+}  // namespace crowdbench::reports

@@ -1,0 +1,41 @@
+// The sections of the report that tell of one scene, each in a file of its own with a template of the same name. Empty
+// where the scene's rows have nothing to tell.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "reports/model/scene.h"
+#include "reports/page/html_template.h"
+
+namespace crowdbench::reports {
+
+// A scene while its sections are made.
+class SceneOnPage {
+ public:
+  // scene must outlive this. last_chart: the number of the page's last chart, counted up by each new one.
+  SceneOnPage(const Scene& scene, int& last_chart);
+
+  const Scene& scene;
+
+  // The representation's name behind a dot of its colour.
+  Html mark(const std::string& representation) const;
+  Html chart(const std::string& specification, const std::string& title);
+
+ private:
+  std::vector<std::string> colours_;
+  int& last_chart_;
+};
+
+// "15 % of the picture covered"
+std::string occupancy_title(double occupancy);
+
+Html answer_section(const Scene& scene);
+Html pictures_section(const SceneOnPage& page);
+Html cost_section(SceneOnPage& page);
+Html difference_section(SceneOnPage& page);
+Html memory_section(const SceneOnPage& page);
+Html floors_section(const SceneOnPage& page);
+Html work_section(const SceneOnPage& page);
+Html untimed_section(const SceneOnPage& page);
+
+}  // namespace crowdbench::reports
