@@ -13,6 +13,7 @@ find_package(Threads REQUIRED)
 find_package(glfw3 3.3 REQUIRED)
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(LIBMD REQUIRED IMPORTED_TARGET libmd)
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 # Debian's libsquish.pc names folders that do not exist.
 find_path(SQUISH_INCLUDE_DIR squish.h REQUIRED)
 find_library(SQUISH_LIBRARY squish REQUIRED)

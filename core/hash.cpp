@@ -1,6 +1,7 @@
 #include "core/hash.h"
 
 #include <sha2.h>
+#include <xxhash.h>
 
 namespace crowdbench {
 
@@ -31,5 +32,9 @@ std::string Sha256::hex() {
 }
 
 std::string sha256_hex(std::string_view bytes) { return Sha256().bytes(bytes.data(), bytes.size()).hex(); }
+
+uint64_t xxh3_64(std::span<const uint8_t> bytes, uint64_t seed) {
+  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
 
 }  // namespace crowdbench

@@ -1,6 +1,7 @@
-// SHA-256 digests: cache keys, scenario hashes and the frame lists of clips.
+// SHA-256 digests: cache keys, scenario hashes and the frame lists of clips. XXH3: damage of files.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -45,5 +46,8 @@ class Sha256 {
 };
 
 std::string sha256_hex(std::string_view bytes);
+
+// XXH3_64bits_withSeed of xxHash: for telling bytes apart fast, not for security.
+uint64_t xxh3_64(std::span<const uint8_t> bytes, uint64_t seed = 0);
 
 }  // namespace crowdbench

@@ -3,18 +3,19 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <bit>
 #include <cstdio>
 #include <fstream>
 
 #include "core/error.h"
-#include "core/random.h"
+#include "core/hash.h"
 
 namespace crowdbench::renderers {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kMagic[8] = {'C', 'B', 'B', 'A', 'K', 'E', '1', '\n'};
+// The last two say the container's version, raised whenever the header's meaning changes.
+constexpr char kMagic[8] = {'C', 'B', 'B', 'A', 'K', 'E', '2', '\n'};
+constexpr size_t kMagicName = 6;
 
 struct Header {
   char magic[8];
@@ -32,32 +33,14 @@ Header make_header(std::string_view kind, std::string_view key, std::span<const 
   std::memcpy(header.key, key.data(), std::min(key.size(), sizeof header.key));
   header.payload_bytes = payload.size();
   const auto* start = reinterpret_cast<const uint8_t*>(header.kind);
-  const uint64_t named = checksum64({start, sizeof header.kind + sizeof header.key + sizeof header.payload_bytes});
-  header.checksum = checksum64(payload, named);
+  const uint64_t named = xxh3_64({start, sizeof header.kind + sizeof header.key + sizeof header.payload_bytes});
+  header.checksum = xxh3_64(payload, named);
   return header;
 }
 
 void warn(const std::string& text) { fmt::print(stderr, "crowdbench: warning: {}\n", text); }
 
 }  // namespace
-
-uint64_t checksum64(std::span<const uint8_t> bytes, uint64_t seed) {
-  uint64_t lanes[4] = {seed + 1, seed + 2, seed + 3, seed + 4};
-  const auto step = [](uint64_t lane, uint64_t word) {
-    return std::rotl(lane ^ (word * 0x9e3779b97f4a7c15ULL), 29) * 0xbf58476d1ce4e5b9ULL;
-  };
-  size_t i = 0;
-  for (; i + 32 <= bytes.size(); i += 32)
-    for (size_t k = 0; k < 4; ++k) {
-      uint64_t word = 0;
-      std::memcpy(&word, bytes.data() + i + 8 * k, 8);
-      lanes[k] = step(lanes[k], word);
-    }
-  for (; i < bytes.size(); ++i) lanes[i % 4] = step(lanes[i % 4], bytes[i] + 1ULL);
-  uint64_t sum = mix64(bytes.size());
-  for (const uint64_t lane : lanes) sum = mix64(sum ^ lane);
-  return sum;
-}
 
 BakeCache::BakeCache(fs::path folder, bool enabled) : folder_(std::move(folder)), enabled_(enabled) {}
 
@@ -75,6 +58,9 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
   if (!stream) return std::nullopt;
   Header header{};
   stream.read(reinterpret_cast<char*>(&header), sizeof header);
+  if (stream.good() && std::memcmp(header.magic, kMagic, kMagicName) == 0 &&
+      std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
+    return std::nullopt;
   std::vector<uint8_t> payload;
   bool sound = stream.good() && std::memcmp(header.magic, kMagic, sizeof kMagic) == 0 &&
                header.payload_bytes == size - sizeof header;
@@ -85,7 +71,7 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
     sound = !stream.fail() && std::memcmp(&header, &expected, sizeof header) == 0;
   }
   if (sound) return payload;
-  warn(fmt::format("{}: the stored bake is damaged or of another format; it is made anew", file.string()));
+  warn(fmt::format("{}: the stored bake is damaged; it is made anew", file.string()));
   fs::remove(file, error);
   return std::nullopt;
 }

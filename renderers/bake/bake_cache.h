@@ -85,8 +85,9 @@ class ByteReader {
 };
 
 // One folder of entries, "<kind>-<key>.bake". An entry holds its kind, its key and a checksum over everything; one that
-// does not agree with them (flipped bits, cut short, another format) is reported on stderr, removed and counts as
-// absent. Nothing here ever fails a run: a folder that cannot be written is one warning a process.
+// does not agree with them (flipped bits, cut short) is reported on stderr, removed and counts as absent; one that an
+// older version wrote counts as absent. Nothing here ever fails a run: a folder that cannot be written is one warning a
+// process.
 class BakeCache {
  public:
   explicit BakeCache(std::filesystem::path folder = cache_directory() / "bakes", bool enabled = true);
@@ -104,8 +105,5 @@ class BakeCache {
   std::filesystem::path folder_;
   bool enabled_;
 };
-
-// 64 bits over any bytes: four lanes of multiply and rotate, for detecting damage (not for security).
-uint64_t checksum64(std::span<const uint8_t> bytes, uint64_t seed = 0);
 
 }  // namespace crowdbench::renderers

@@ -444,8 +444,10 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
     const Plan::Captured& captured = moves ? plan.moving : plan.still;
     if (captured.tiles.empty()) continue;
     TileCapture capture(context, character, plan.frames.bank(moves),
-                        glm::dvec3(bake.centre[0], bake.centre[1], bake.centre[2]), bake.texel, bake.radius,
-                        bake.emission_peak);
+                        {.centre = glm::dvec3(bake.centre[0], bake.centre[1], bake.centre[2]),
+                         .texel = bake.texel,
+                         .range = bake.radius,
+                         .peak = bake.emission_peak});
     capture.capture(
         captured.tiles, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels) {
           // Tiles do not depend on each other, so the bytes do not depend on the number of threads.

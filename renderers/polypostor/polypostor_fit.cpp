@@ -375,165 +375,227 @@ Similarity fit_similarity(const Polyline& from, const Polyline& to) {
   return s;
 }
 
-Fit fit_part(std::span<const Polyline> contours, size_t key, const std::function<Polyline(const glm::dvec2& p)>& carry,
-             const FitOptions& options) {
+namespace {
+
+// The polygon at the key, without poses.
+Fit start_fit(const Polyline& contour, size_t key, const FitOptions& options) {
   Fit fit;
   fit.key = key;
-  const size_t frames = contours.size();
-  const Polyline& contour = contours[key];
   fit.polygon = outward_polygon(contour, options.corners, options.margin, options.room);
   quantise(fit.polygon, options.quantum);
-  if (fit.polygon.size() < 3) return fit;
-  const size_t n = fit.polygon.size();
-  const size_t samples = std::max<size_t>(64, 4 * n);
-  const std::vector<double> key_lengths = running_lengths(contour);
-  const std::vector<double> arcs = anchor_arcs(contour, key_lengths, fit.polygon);
-  Polyline anchors;
-  for (const double at : arcs) anchors.push_back(point_at(contour, key_lengths, at));
-  std::vector<Polyline> carried_anchors;  // one a corner, one point a frame
-  std::vector<Polyline> carried(frames);  // the polygon, one a frame
-  for (const glm::dvec2& a : anchors) carried_anchors.push_back(carry(a));
-  for (const glm::dvec2& p : fit.polygon) {
-    const Polyline there = carry(p);
-    for (size_t f = 0; f < frames; ++f) carried[f].push_back(there[f]);
-  }
+  return fit;
+}
 
-  // Where each corner's point of the outline goes, and the corner with it.
-  std::vector<std::vector<double>> frame_arcs(frames);  // on the samples, as `arcs` on the key contour
-  std::vector<Polyline> sampled(frames);
-  fit.poses.resize(frames);
-  std::vector<uint8_t> seen(frames, 0);
-  for (size_t f = 0; f < frames; ++f) {
-    Polyline predicted;
-    for (const Polyline& a : carried_anchors) predicted.push_back(a[f]);
-    if (f == key) {
-      fit.poses[f] = fit.polygon;
-      seen[f] = 1;
-      continue;
-    }
-    if (contours[f].empty()) {
-      glm::dvec2 middle(0.0);
-      for (const glm::dvec2& p : predicted) middle += p / static_cast<double>(n);
-      fit.poses[f].assign(n, middle);
-      quantise(fit.poses[f], options.quantum);
-      continue;
-    }
-    seen[f] = 1;
-    sampled[f] = resample(contours[f], samples);
-    const Correspondence found = correspond(sampled[f], predicted);
-    const double step = perimeter(sampled[f]) / static_cast<double>(samples);
-    for (size_t i = 0; i < n; ++i) {
-      double at = static_cast<double>(found.at[i]) * step;
-      if (i > 0 && at <= frame_arcs[f].back()) at += step * static_cast<double>(samples);
-      frame_arcs[f].push_back(at);
-    }
-    for (size_t i = 0; i < n; ++i) {
-      // The corner keeps its place beside the outline, turned as the outline is there.
-      const size_t before = (i + n - 1) % n;
-      const size_t after = (i + 1) % n;
-      const double turn =
-          turning(anchors[after] - anchors[before], sampled[f][found.at[after]] - sampled[f][found.at[before]]);
-      const glm::dvec2 off = fit.polygon[i] - anchors[i];
-      const double c = std::cos(turn);
-      const double s = std::sin(turn);
-      fit.poses[f].push_back(sampled[f][found.at[i]] + glm::dvec2(c * off.x - s * off.y, s * off.x + c * off.y));
-    }
-    quantise(fit.poses[f], options.quantum);
+// The points of the key contour that the polygon's corners hold on to.
+struct Anchors {
+  std::vector<double> lengths;  // running, of the contour
+  std::vector<double> arcs;     // of the anchors, see anchor_arcs
+  Polyline points;
+  Anchors(const Polyline& contour, const Polyline& polygon)
+      : lengths(running_lengths(contour)), arcs(anchor_arcs(contour, lengths, polygon)) {
+    for (const double at : arcs) points.push_back(point_at(contour, lengths, at));
   }
+};
 
-  const auto judged = [&] {
-    std::vector<Polyline> poses;
-    for (size_t f = 0; f < frames; ++f) {
-      if (seen[f] == 0) continue;
-      poses.push_back(fit.poses[f]);
-      const size_t next = (f + 1) % frames;
-      if (next != f && seen[next] != 0) poses.push_back(half_way(fit.poses[f], fit.poses[next]));
-    }
-    return poses;
-  };
-  fit.triangles = triangulate(fit.polygon, judged());
-  if (fit.triangles.empty()) {
-    // A corner pressed flat by rounding: the box never is.
-    glm::dvec2 low(kNever);
-    glm::dvec2 high(-kNever);
-    for (const glm::dvec2& p : contour) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-    Fit empty;
-    empty.key = key;
-    return glm::distance(low, high) > 0 && options.corners > 4
-               ? fit_part(contours, key, carry, {4, options.margin, options.room, options.quantum})
-               : empty;
+// Where the part's own motion takes anchors and corners, by frame.
+struct Carried {
+  std::vector<Polyline> anchors;
+  std::vector<Polyline> polygon;
+  Carried(const Anchors& from, const Polyline& corners, const std::function<Polyline(const glm::dvec2& p)>& carry,
+          size_t frames)
+      : anchors(frames), polygon(frames) {
+    const auto add = [&](const Polyline& points, std::vector<Polyline>& to) {
+      for (const glm::dvec2& p : points) {
+        const Polyline there = carry(p);
+        for (size_t f = 0; f < frames; ++f) to[f].push_back(there[f]);
+      }
+    };
+    add(from.points, anchors);
+    add(corners, polygon);
   }
+};
 
-  Outline outline;
+// A frame's outline, and where the anchors went on it; of the key and where the part is not seen, nothing but that.
+struct Followed {
+  bool seen = false;
+  Polyline samples;
+  std::vector<size_t> at;    // by anchor, of the samples
+  std::vector<double> arcs;  // by anchor, on the samples as Anchors::arcs on the key contour
+};
+
+void follow(const Polyline& contour, const Polyline& predicted, Followed& out) {
+  const size_t samples = std::max<size_t>(64, 4 * predicted.size());
+  out.samples = resample(contour, samples);
+  out.at = correspond(out.samples, predicted).at;
+  const double step = perimeter(out.samples) / static_cast<double>(samples);
+  for (const size_t sample : out.at) {
+    double at = static_cast<double>(sample) * step;
+    if (!out.arcs.empty() && at <= out.arcs.back()) at += step * static_cast<double>(samples);
+    out.arcs.push_back(at);
+  }
+}
+
+// Every corner keeps its place beside the outline, turned as the outline is there.
+Polyline corners_beside(const Polyline& polygon, const Anchors& anchors, const Followed& followed) {
+  const size_t n = polygon.size();
+  Polyline out;
+  for (size_t i = 0; i < n; ++i) {
+    const size_t before = (i + n - 1) % n;
+    const size_t after = (i + 1) % n;
+    const double turn = turning(anchors.points[after] - anchors.points[before],
+                                followed.samples[followed.at[after]] - followed.samples[followed.at[before]]);
+    const glm::dvec2 off = polygon[i] - anchors.points[i];
+    const double c = std::cos(turn);
+    const double s = std::sin(turn);
+    out.push_back(followed.samples[followed.at[i]] + glm::dvec2(c * off.x - s * off.y, s * off.x + c * off.y));
+  }
+  return out;
+}
+
+// All corners at the middle: of a part that is not seen.
+Polyline gathered(const Polyline& points) {
+  glm::dvec2 middle(0.0);
+  for (const glm::dvec2& p : points) middle += p / static_cast<double>(points.size());
+  return Polyline(points.size(), middle);
+}
+
+// The poses in which no triangle may be inverted: those that are seen, and half-way between two that are.
+std::vector<Polyline> poses_to_judge(const Fit& fit, std::span<const Followed> followed) {
+  std::vector<Polyline> poses;
+  for (size_t f = 0; f < fit.poses.size(); ++f) {
+    if (!followed[f].seen) continue;
+    poses.push_back(fit.poses[f]);
+    const size_t next = (f + 1) % fit.poses.size();
+    if (next != f && followed[next].seen) poses.push_back(half_way(fit.poses[f], fit.poses[next]));
+  }
+  return poses;
+}
+
+bool has_extent(const Polyline& contour) {
+  return std::any_of(contour.begin(), contour.end(), [&](const glm::dvec2& p) { return p != contour[0]; });
+}
+
+Outline outline_of(const Polyline& contour, const Anchors& anchors, const Fit& fit) {
   constexpr size_t kPoints = 64;
+  Outline outline;
   for (size_t k = 0; k < kPoints; ++k) {
-    const double at = arcs[0] + key_lengths.back() * static_cast<double>(k) / kPoints;
+    const double at = anchors.arcs[0] + anchors.lengths.back() * static_cast<double>(k) / kPoints;
     outline.at.push_back(at);
-    outline.weights.push_back(barycentric(fit.polygon, fit.triangles, point_at(contour, key_lengths, at)));
+    outline.weights.push_back(barycentric(fit.polygon, fit.triangles, point_at(contour, anchors.lengths, at)));
   }
-  const std::vector<Polyline> initial = fit.poses;
-  for (size_t f = 0; f < frames; ++f) {
-    if (seen[f] == 0 || f == key) continue;
-    const std::vector<double> lengths = running_lengths(sampled[f]);
-    std::vector<glm::dvec2> targets;
-    size_t i = 0;
-    for (const double at : outline.at) {
-      while (i + 1 < n && at >= arcs[i + 1]) ++i;
-      const double end = i + 1 < n ? arcs[i + 1] : arcs[0] + key_lengths.back();
-      const double frame_end = i + 1 < n ? frame_arcs[f][i + 1] : frame_arcs[f][0] + lengths.back();
-      const double t = end > arcs[i] ? (at - arcs[i]) / (end - arcs[i]) : 0;
-      targets.push_back(point_at(sampled[f], lengths, frame_arcs[f][i] + t * (frame_end - frame_arcs[f][i])));
-    }
-    fit.poses[f] = explains(outline, sampled[f], carried[f]) && inverted_triangles(carried[f], fit.triangles) == 0
-                       ? carried[f]
-                       : refine(outline, sampled[f], initial[f], targets);
-    quantise(fit.poses[f], options.quantum);
-  }
+  return outline;
+}
 
-  // Frames in which a triangle is inverted go towards the key's own shape until none is.
+// Where the outline's points lie in a frame, as far along between two anchors as at the key.
+std::vector<glm::dvec2> targets_of(const Outline& outline, const Anchors& anchors, const Followed& followed) {
+  const size_t n = anchors.arcs.size();
+  const std::vector<double> lengths = running_lengths(followed.samples);
+  std::vector<glm::dvec2> targets;
+  size_t i = 0;
+  for (const double at : outline.at) {
+    while (i + 1 < n && at >= anchors.arcs[i + 1]) ++i;
+    const double begin = anchors.arcs[i];
+    const double end = i + 1 < n ? anchors.arcs[i + 1] : anchors.arcs[0] + anchors.lengths.back();
+    const double frame_end = i + 1 < n ? followed.arcs[i + 1] : followed.arcs[0] + lengths.back();
+    const double t = end > begin ? (at - begin) / (end - begin) : 0;
+    targets.push_back(point_at(followed.samples, lengths, followed.arcs[i] + t * (frame_end - followed.arcs[i])));
+  }
+  return targets;
+}
+
+// Frames in which a triangle is inverted, or half-way to whose next one is, go towards the key's own shape until none
+// is.
+void unfold(std::span<const Followed> followed, double quantum, Fit& fit) {
+  constexpr int kSteps = 4;
+  const size_t frames = fit.poses.size();
   std::vector<int> steps(frames, 0);
   const std::vector<Polyline> refined = fit.poses;
-  constexpr int kSteps = 4;
   const auto step_back = [&](size_t f) {
-    if (seen[f] == 0 || f == key || steps[f] >= kSteps) return false;
+    if (!followed[f].seen || f == fit.key || steps[f] >= kSteps) return false;
     ++steps[f];
     const Similarity similar = fit_similarity(fit.polygon, refined[f]);
     const double shrink = std::hypot(similar.a, similar.b);
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < fit.polygon.size(); ++i) {
       glm::dvec2 shape = similar(fit.polygon[i]);
       if (shrink < 0.05) shape = refined[f][0] + 0.05 * (fit.polygon[i] - fit.polygon[0]);
       fit.poses[f][i] = glm::mix(refined[f][i], shape, static_cast<double>(steps[f]) / kSteps);
     }
-    quantise(fit.poses[f], steps[f] < kSteps ? options.quantum : 0);
+    quantise(fit.poses[f], steps[f] < kSteps ? quantum : 0);
     return true;
   };
   for (bool changed = true; changed;) {
     changed = false;
     for (size_t f = 0; f < frames; ++f) {
-      if (seen[f] == 0) continue;
+      if (!followed[f].seen) continue;
       if (inverted_triangles(fit.poses[f], fit.triangles) > 0) changed |= step_back(f);
       const size_t next = (f + 1) % frames;
-      if (next == f || seen[next] == 0) continue;
+      if (next == f || !followed[next].seen) continue;
       if (inverted_triangles(half_way(fit.poses[f], fit.poses[next]), fit.triangles) == 0) continue;
       changed |= step_back(f);
       changed |= step_back(next);
     }
   }
   fit.repaired = static_cast<size_t>(std::count_if(steps.begin(), steps.end(), [](int s) { return s > 0; }));
+}
 
-  for (size_t f = 0; f < frames; ++f) {
+// How the part has turned, and how far the moved outline lies from each frame's own.
+void judge(std::span<const Followed> followed, const Outline& outline, Fit& fit) {
+  const auto points = static_cast<double>(outline.weights.size());
+  for (size_t f = 0; f < fit.poses.size(); ++f) {
     const Similarity similar = fit_similarity(fit.polygon, fit.poses[f]);
     const double scale = std::hypot(similar.a, similar.b);
-    fit.turns.push_back(seen[f] != 0 && scale > 1e-6 ? glm::dvec2(similar.a, similar.b) / scale : glm::dvec2(1, 0));
+    fit.turns.push_back(followed[f].seen && scale > 1e-6 ? glm::dvec2(similar.a, similar.b) / scale : glm::dvec2(1, 0));
     double error = 0;
-    if (seen[f] != 0 && f != key)
-      for (size_t k = 0; k < kPoints; ++k)
-        error += nearest_point(sampled[f], outline.moved(k, fit.poses[f])).distance / kPoints;
+    if (followed[f].seen && f != fit.key)
+      for (size_t k = 0; k < outline.weights.size(); ++k)
+        error += nearest_point(followed[f].samples, outline.moved(k, fit.poses[f])).distance / points;
     fit.errors.push_back(error);
   }
+}
+
+}  // namespace
+
+Fit fit_part(std::span<const Polyline> contours, size_t key, const std::function<Polyline(const glm::dvec2& p)>& carry,
+             const FitOptions& options) {
+  Fit fit = start_fit(contours[key], key, options);
+  if (fit.polygon.size() < 3) return fit;
+  const Anchors anchors(contours[key], fit.polygon);
+  const Carried carried(anchors, fit.polygon, carry, contours.size());
+  std::vector<Followed> followed(contours.size());
+  for (size_t f = 0; f < contours.size(); ++f) {
+    fit.poses.push_back(f == key ? fit.polygon : Polyline{});
+    followed[f].seen = f == key || !contours[f].empty();
+    if (f == key) continue;
+    if (followed[f].seen) {
+      follow(contours[f], carried.anchors[f], followed[f]);
+      fit.poses[f] = corners_beside(fit.polygon, anchors, followed[f]);
+    } else {
+      fit.poses[f] = gathered(carried.anchors[f]);
+    }
+    quantise(fit.poses[f], options.quantum);
+  }
+
+  fit.triangles = triangulate(fit.polygon, poses_to_judge(fit, followed));
+  if (fit.triangles.empty()) {
+    // A corner pressed flat by rounding: the box never is.
+    if (options.corners > 4 && has_extent(contours[key]))
+      return fit_part(contours, key, carry, {4, options.margin, options.room, options.quantum});
+    Fit empty;
+    empty.key = key;
+    return empty;
+  }
+
+  const Outline outline = outline_of(contours[key], anchors, fit);
+  for (size_t f = 0; f < contours.size(); ++f) {
+    if (!followed[f].seen || f == key) continue;
+    const Polyline& there = carried.polygon[f];
+    fit.poses[f] = explains(outline, followed[f].samples, there) && inverted_triangles(there, fit.triangles) == 0
+                       ? there
+                       : refine(outline, followed[f].samples, fit.poses[f], targets_of(outline, anchors, followed[f]));
+    quantise(fit.poses[f], options.quantum);
+  }
+  unfold(followed, options.quantum, fit);
+  judge(followed, outline, fit);
   return fit;
 }
 

@@ -122,7 +122,10 @@ std::vector<Tile> capture_images(gl::Context& context, const PolypostorPlan& pla
         }
         if (wanted.empty()) continue;
         TileCapture capture(context, only_part(*tier.cut.character, triangles[part]), plan.frames.bank(moves),
-                            plan.sphere.centre, plan.texel, plan.sphere.radius, plan.emission_peak);
+                            {.centre = plan.sphere.centre,
+                             .texel = plan.texel,
+                             .range = plan.sphere.radius,
+                             .peak = plan.emission_peak});
         capture.capture(wanted, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> images) {
           parallel_for(page.size(), threads, [&](size_t k) {
             std::vector<Tile> levels = build_tile_levels(wanted[page[k]].rect, images[k],

@@ -17,16 +17,17 @@ constexpr double kSeen = 1;  // texels: a part that shows less is not worth an i
 // Where skinning takes points of a view's plane, by the nearest edge of the part's mesh at the key.
 class Carrier {
  public:
-  Carrier(const PolypostorPlan& plan, const PolypostorTier& tier, const ViewBasis& basis,
-          std::span<const uint32_t> corners, size_t first_frame, size_t frames, size_t key)
+  // key: a frame of the clip.
+  Carrier(const PolypostorPlan& plan, const PolypostorTier& tier, const ViewBasis& basis, const StoredClip& clip,
+          size_t part, size_t key)
       : mesh_(tier.cut.character->mesh),
         plan_(plan),
         tier_(tier),
         basis_(basis),
-        corners_(corners),
-        first_(first_frame),
-        frames_(frames),
-        key_(key) {}
+        corners_(tier.corners[part]),
+        first_(clip.first_frame),
+        frames_(clip.frames),
+        key_(clip.first_frame + key) {}
 
   Polyline operator()(const glm::dvec2& p) const {
     const auto& positions = tier_.positions[key_];
@@ -219,10 +220,7 @@ std::vector<std::vector<Sheet>> fit_view(const PolypostorPlan& plan, const Polyp
   std::vector<std::vector<Sheet>> out(seen.size());
   for (size_t part = 0; part < seen.size(); ++part) {
     const auto fit = [&](size_t key) {
-      return fit_part(
-          seen[part].contours, key,
-          Carrier(plan, tier, basis, tier.corners[part], clip.first_frame, clip.frames, clip.first_frame + key),
-          tier.fit);
+      return fit_part(seen[part].contours, key, Carrier(plan, tier, basis, clip, part, key), tier.fit);
     };
     for (Fit& one : fit_keys(seen[part], choice, fit)) {
       Sheet sheet;

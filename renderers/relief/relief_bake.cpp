@@ -103,63 +103,106 @@ struct Winner {
   double depth = 0;
 };
 
-// Everything that capturing one box reads.
+// Everything that capturing reads of the character, at the capture pose.
 struct Source {
   const Character& character;
+  const std::vector<glm::dvec3>& positions;
+  const std::vector<glm::dvec3>& normals;
   const std::vector<int>& material_of_triangle;
   const std::vector<LinearPyramid>& pyramids;
   float emission_peak;
 };
 
+// One box's frames.
+struct BoxSpace {
+  glm::dmat4 unit_from_capture;
+  glm::dmat3 unit_from_bind;
+  glm::dmat3 bind_from_capture;
+};
+
+// The face of a box that looks along an axis, from its low side (0) or its high one.
+struct Face {
+  int axis;
+  int side;
+};
+
+// Four bytes each; emission may be null.
+struct FaceTexel {
+  uint8_t* colour;
+  uint8_t* normal;
+  uint8_t* emission;
+};
+
 uint8_t byte_of(double unit) { return static_cast<uint8_t>(std::clamp(unit, 0.0, 1.0) * 255.0 + 0.5); }
 
-void shade(const Source& source, const Winner& winner, const glm::dmat3& bind_from_capture,
-           const std::vector<glm::dvec3>& normals, int axis, int side, const glm::dmat3& unit_from_bind,
-           double texel_area_unit, const std::array<glm::dvec3, 3>& corners_uv, uint8_t* colour, uint8_t* normal,
-           uint8_t* emission) {
-  const scene::Mesh& mesh = source.character.mesh;
-  const std::array<uint32_t, 3> v{mesh.indices[3 * winner.triangle], mesh.indices[3 * winner.triangle + 1],
-                                  mesh.indices[3 * winner.triangle + 2]};
-  const double b0 = 1.0 - winner.b1 - winner.b2;
-  const scene::Material& material =
-      source.character.materials[static_cast<size_t>(source.material_of_triangle[winner.triangle])];
-  glm::dvec3 albedo = glm::dvec3(material.base_colour);
-  if (!mesh.colours.empty())
-    albedo *= glm::dvec3(mesh.colours[v[0]]) * b0 + glm::dvec3(mesh.colours[v[1]]) * winner.b1 +
-              glm::dvec3(mesh.colours[v[2]]) * winner.b2;
-  const auto sampled = [&](int image, const std::vector<glm::vec2>& uvs) {
-    const LinearPyramid& pyramid = source.pyramids[static_cast<size_t>(image)];
-    const glm::dvec2 t0(uvs[v[0]]);
-    const glm::dvec2 t1(uvs[v[1]]);
-    const glm::dvec2 t2(uvs[v[2]]);
-    // Texels of the skin under one texel of the map: the ratio of the triangle's areas in the two planes.
-    const glm::dvec2 e1 = (t1 - t0) * glm::dvec2(pyramid.width(), pyramid.height());
-    const glm::dvec2 e2 = (t2 - t0) * glm::dvec2(pyramid.width(), pyramid.height());
-    const double skin_area = std::abs(e1.x * e2.y - e1.y * e2.x);
-    const glm::dvec3 p1 = corners_uv[1] - corners_uv[0];
-    const glm::dvec3 p2 = corners_uv[2] - corners_uv[0];
-    const double map_area = std::abs(p1.x * p2.y - p1.y * p2.x) / texel_area_unit;
-    const double footprint = std::sqrt(skin_area / std::max(map_area, 1e-9));
-    return glm::dvec3(pyramid.sample(t0 * b0 + t1 * winner.b1 + t2 * winner.b2, std::min(footprint, 64.0)));
-  };
-  if (material.base_colour_image >= 0 && !mesh.uvs.empty()) albedo *= sampled(material.base_colour_image, mesh.uvs);
-  for (int c = 0; c < 3; ++c) colour[c] = linear_to_srgb8(albedo[c]);
-  colour[3] = material.unlit ? 255 : 0;
-  if (emission != nullptr && !material.unlit) {
-    glm::dvec3 glow(material.emissive / source.emission_peak);
-    if (material.emissive_image >= 0)
-      glow *= sampled(material.emissive_image, mesh.emissive_uvs.empty() ? mesh.uvs : mesh.emissive_uvs);
-    for (int c = 0; c < 3; ++c) emission[c] = linear_to_srgb8(glow[c]);
-  }
+// A point of a triangle, by the weights of its corners.
+struct SurfacePoint {
+  std::array<uint32_t, 3> v;
+  double b0, b1, b2;
 
-  glm::dvec3 n = bind_from_capture * (normals[v[0]] * b0 + normals[v[1]] * winner.b1 + normals[v[2]] * winner.b2);
+  SurfacePoint(const scene::Mesh& mesh, const Winner& winner)
+      : v{mesh.indices[3 * winner.triangle], mesh.indices[3 * winner.triangle + 1],
+          mesh.indices[3 * winner.triangle + 2]},
+        b0(1.0 - winner.b1 - winner.b2),
+        b1(winner.b1),
+        b2(winner.b2) {}
+  template <typename Vector, typename Value>
+  Vector mixed(const std::vector<Value>& of_vertex) const {
+    return Vector(of_vertex[v[0]]) * b0 + Vector(of_vertex[v[1]]) * b1 + Vector(of_vertex[v[2]]) * b2;
+  }
+};
+
+// An image at a point, filtered over what one texel of the map covers of it: the ratio of the triangle's areas in the
+// two planes. corners: of the triangle, in texels of the map.
+glm::dvec3 sampled(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
+                   const std::array<glm::dvec3, 3>& corners) {
+  const glm::dvec2 t0(uvs[point.v[0]]);
+  const glm::dvec2 size(image.width(), image.height());
+  const glm::dvec2 e1 = (glm::dvec2(uvs[point.v[1]]) - t0) * size;
+  const glm::dvec2 e2 = (glm::dvec2(uvs[point.v[2]]) - t0) * size;
+  const double skin_area = std::abs(e1.x * e2.y - e1.y * e2.x);
+  const glm::dvec3 p1 = corners[1] - corners[0];
+  const glm::dvec3 p2 = corners[2] - corners[0];
+  const double map_area = std::abs(p1.x * p2.y - p1.y * p2.x);
+  const double footprint = std::sqrt(skin_area / std::max(map_area, 1e-9));
+  return glm::dvec3(image.sample(point.mixed<glm::dvec2>(uvs), std::min(footprint, 64.0)));
+}
+
+// The unit normal in bind space, toward the face where the material has two sides: a back face seen through an opening
+// shows its inner side.
+glm::dvec3 normal_toward(const Source& source, const BoxSpace& space, const SurfacePoint& point, const Face& face,
+                         bool double_sided) {
+  glm::dvec3 n = space.bind_from_capture * point.mixed<glm::dvec3>(source.normals);
   const double length = glm::length(n);
   n = length > 0 ? n / length : glm::dvec3(0, 1, 0);
-  // A back face seen through an opening shows its inner side: the normal turns toward the face that sees it.
-  const double along = (unit_from_bind * n)[axis];
-  if (material.double_sided && ((side == 0 && along > 0) || (side == 1 && along < 0))) n = -n;
-  for (int c = 0; c < 3; ++c) normal[c] = byte_of(0.5 + 0.5 * n[c]);
-  normal[3] = material.part;
+  const double along = (space.unit_from_bind * n)[face.axis];
+  return double_sided && ((face.side == 0 && along > 0) || (face.side == 1 && along < 0)) ? -n : n;
+}
+
+// What a face stores of a point. corners: of its triangle, in texels of the map.
+void shade(const Source& source, const BoxSpace& space, const Winner& winner, const Face& face,
+           const std::array<glm::dvec3, 3>& corners, const FaceTexel& texel) {
+  const scene::Mesh& mesh = source.character.mesh;
+  const SurfacePoint point(mesh, winner);
+  const scene::Material& material =
+      source.character.materials[static_cast<size_t>(source.material_of_triangle[winner.triangle])];
+  const auto image = [&](int index, const std::vector<glm::vec2>& uvs) {
+    return sampled(source.pyramids[static_cast<size_t>(index)], uvs, point, corners);
+  };
+  glm::dvec3 albedo = glm::dvec3(material.base_colour);
+  if (!mesh.colours.empty()) albedo *= point.mixed<glm::dvec3>(mesh.colours);
+  if (material.base_colour_image >= 0 && !mesh.uvs.empty()) albedo *= image(material.base_colour_image, mesh.uvs);
+  for (int c = 0; c < 3; ++c) texel.colour[c] = linear_to_srgb8(albedo[c]);
+  texel.colour[3] = material.unlit ? 255 : 0;
+  if (texel.emission != nullptr && !material.unlit) {
+    glm::dvec3 glow(material.emissive / source.emission_peak);
+    if (material.emissive_image >= 0)
+      glow *= image(material.emissive_image, mesh.emissive_uvs.empty() ? mesh.uvs : mesh.emissive_uvs);
+    for (int c = 0; c < 3; ++c) texel.emission[c] = linear_to_srgb8(glow[c]);
+  }
+  const glm::dvec3 n = normal_toward(source, space, point, face, material.double_sided);
+  for (int c = 0; c < 3; ++c) texel.normal[c] = byte_of(0.5 + 0.5 * n[c]);
+  texel.normal[3] = material.part;
 }
 
 // The box, without its maps' resolution: bounds in the joint's frame, tight around the triangles.
@@ -294,10 +337,25 @@ std::array<glm::vec3, kHullPoints> hull_of(const std::vector<glm::dvec3>& points
   return hull;
 }
 
+// What an axis of a box sees, texel by texel; the winners at texel centres, the nearest and the farthest.
+struct AxisMaps {
+  size_t n;  // texels a side
+  std::array<std::vector<Winner>, 2> winners;
+  std::vector<Touched> touched;
+  std::vector<std::array<double, 2>> intervals;  // least and greatest depth
+  explicit AxisMaps(size_t side)
+      : n(side), winners{std::vector<Winner>(n * n), std::vector<Winner>(n * n)}, touched(n * n), intervals(n * n) {}
+  bool covered(size_t texel) const { return winners[0][texel].triangle != UINT32_MAX; }
+};
+
 // From the winners at texel centres to closed intervals, see ReliefModel.
-void close_gaps(const std::vector<Touched>& touched, size_t n, std::vector<Winner>& front, std::vector<Winner>& back,
-                std::vector<std::array<double, 2>>& intervals) {
-  const auto covered = [&](size_t texel) { return front[texel].triangle != UINT32_MAX; };
+void close_gaps(AxisMaps& maps) {
+  const size_t n = maps.n;
+  const std::vector<Touched>& touched = maps.touched;
+  std::vector<Winner>& front = maps.winners[0];
+  std::vector<Winner>& back = maps.winners[1];
+  std::vector<std::array<double, 2>>& intervals = maps.intervals;
+  const auto covered = [&](size_t texel) { return maps.covered(texel); };
   for (size_t texel = 0; texel < n * n; ++texel) intervals[texel] = {front[texel].depth, back[texel].depth};
   const auto join_all = [&] {
     for (size_t v = 0; v < n; ++v) {
@@ -381,109 +439,139 @@ void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector
   }
 }
 
-void capture_box(const Source& source, const Piece& piece, const std::vector<glm::dvec3>& positions,
-                 const std::vector<glm::dvec3>& normals, const glm::dmat4& capture_from_bind, const Bounds& bounds,
-                 size_t index, ReliefModel& model) {
-  ReliefBox& box = model.boxes[index];
-  const scene::Mesh& mesh = source.character.mesh;
-  const auto n = static_cast<size_t>(box.texels);
-  const glm::dmat4 bind_from_capture = glm::inverse(capture_from_bind);
+// Makes triangle t the winner of every texel whose centre it covers nearest or farthest.
+void compete(const std::array<glm::dvec3, 3>& p, uint32_t t, AxisMaps& maps) {
+  const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
+  if (std::abs(area) < 1e-12) return;
+  const auto first = [](double a, double b, double c) {
+    return std::max(0L, static_cast<long>(std::ceil(std::min({a, b, c}) - 0.5 - 1e-9)));
+  };
+  const auto last = [&](double a, double b, double c) {
+    return std::min(static_cast<long>(maps.n) - 1, static_cast<long>(std::floor(std::max({a, b, c}) - 0.5 + 1e-9)));
+  };
+  for (long j = first(p[0].y, p[1].y, p[2].y); j <= last(p[0].y, p[1].y, p[2].y); ++j) {
+    for (long i = first(p[0].x, p[1].x, p[2].x); i <= last(p[0].x, p[1].x, p[2].x); ++i) {
+      const double x = static_cast<double>(i) + 0.5;
+      const double y = static_cast<double>(j) + 0.5;
+      const double b1 = ((x - p[0].x) * (p[2].y - p[0].y) - (y - p[0].y) * (p[2].x - p[0].x)) / area;
+      const double b2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) / area;
+      if (b1 < -1e-9 || b2 < -1e-9 || b1 + b2 > 1.0 + 1e-9) continue;
+      const double plane = p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z);
+      if (plane < -kOutside || plane > 1.0 + kOutside) continue;
+      const double depth = std::clamp(plane, 0.0, 1.0);
+      const size_t texel = static_cast<size_t>(j) * maps.n + static_cast<size_t>(i);
+      Winner& front = maps.winners[0][texel];
+      Winner& back = maps.winners[1][texel];
+      if (front.triangle == UINT32_MAX || depth < front.depth) front = {t, b1, b2, depth};
+      if (back.triangle == UINT32_MAX || depth > back.depth) back = {t, b1, b2, depth};
+    }
+  }
+}
+
+// A triangle as an axis of the box sees it: u, v in texels, depth in [0, 1].
+std::array<glm::dvec3, 3> in_texels(const Source& source, const BoxSpace& space, int axis, size_t n,
+                                    uint32_t triangle) {
+  const int u_axis = (axis + 1) % 3;
+  const int v_axis = (axis + 2) % 3;
+  std::array<glm::dvec3, 3> p = corners_of(source.character.mesh, triangle, source.positions, space.unit_from_capture);
+  for (glm::dvec3& unit : p)
+    unit = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), unit[axis]};
+  return p;
+}
+
+// The depths and extents of one axis.
+void store_depths(const AxisMaps& maps, const ReliefBox& box, int axis, ReliefModel& model) {
+  const auto stored = [](double d) { return static_cast<uint16_t>(std::clamp(d, 0.0, 1.0) * 65535.0 + 0.5); };
+  const size_t texels = maps.n * maps.n;
+  const size_t map = box.first * 3 + static_cast<size_t>(axis) * texels;
+  for (size_t texel = 0; texel < texels; ++texel) {
+    const bool covered = maps.covered(texel);
+    const Touched& touched = maps.touched[texel];
+    uint16_t* depth = model.depth.data() + (map + texel) * 2;
+    depth[0] = covered ? stored(maps.intervals[texel][0]) : 65535;
+    depth[1] = covered ? stored(maps.intervals[texel][1]) : 0;
+    uint16_t* extent = model.extent.data() + (map + texel) * 2;
+    extent[0] = std::min(depth[0], touched.any() ? stored(touched.low) : uint16_t{65535});
+    extent[1] = std::max(depth[1], touched.any() ? stored(touched.high) : uint16_t{0});
+  }
+}
+
+// The colours, normals and glow of one axis's two faces.
+void store_faces(const Source& source, const BoxSpace& space, const AxisMaps& maps, const ReliefBox& box, int axis,
+                 ReliefModel& model) {
+  const size_t texels = maps.n * maps.n;
+  for (int side = 0; side < 2; ++side) {
+    const size_t face = box.first * 6 + static_cast<size_t>(axis * 2 + side) * texels;
+    for (size_t texel = 0; texel < texels; ++texel) {
+      if (!maps.covered(texel)) continue;
+      const Winner& winner = maps.winners[static_cast<size_t>(side)][texel];
+      const size_t byte = (face + texel) * 4;
+      shade(source, space, winner, {axis, side}, in_texels(source, space, axis, maps.n, winner.triangle),
+            {model.colour.data() + byte, model.normal.data() + byte,
+             model.emission.empty() ? nullptr : model.emission.data() + byte});
+    }
+  }
+}
+
+// What one box captures, and from where.
+struct Capture {
+  Piece piece;
+  glm::dmat4 capture_from_bind;  // of the piece at the capture pose
+  Bounds bounds;
+};
+
+// Lays the box around its bounds: half a texel more a side, so that the extreme vertices fall on texel centres; a flat
+// box gets a thickness.
+BoxSpace place_box(const Source& source, const Capture& capture, ReliefBox& box) {
+  const auto n = static_cast<double>(box.texels);
   const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(box.joints[0])].inverse_bind;
-  // Half a texel a side, so that the extreme vertices fall on texel centres; a flat box gets a thickness.
-  const glm::dvec3 centre = 0.5 * (bounds.low + bounds.high);
-  const glm::dvec3 extent = bounds.high - bounds.low;
+  const glm::dvec3 centre = 0.5 * (capture.bounds.low + capture.bounds.high);
+  const glm::dvec3 extent = capture.bounds.high - capture.bounds.low;
   const double least = 1e-3 * std::max({extent.x, extent.y, extent.z, 1e-9});
-  const glm::dvec3 size = glm::max(extent * (static_cast<double>(n) / static_cast<double>(n - 1)), glm::dvec3(least));
+  const glm::dvec3 size = glm::max(extent * (n / (n - 1)), glm::dvec3(least));
   glm::dmat4 joint_from_unit(1.0);
   for (int a = 0; a < 3; ++a) joint_from_unit[a][a] = size[a];
   joint_from_unit[3] = glm::dvec4(centre - 0.5 * size, 1.0);
   box.bind_from_unit = glm::inverse(joint_from_bind) * joint_from_unit;
-  const glm::dmat4 capture_from_unit = capture_from_bind * box.bind_from_unit;
+  const glm::dmat4 capture_from_unit = capture.capture_from_bind * box.bind_from_unit;
   for (int a = 0; a < 3; ++a) box.size[a] = glm::length(glm::dvec3(capture_from_unit[a]));
-  const glm::dmat4 unit_from_capture = glm::inverse(capture_from_unit);
-  const glm::dmat3 unit_from_bind(glm::inverse(box.bind_from_unit));
-  const glm::dmat3 bind_from_capture3(bind_from_capture);
+  return {glm::inverse(capture_from_unit), glm::dmat3(glm::inverse(box.bind_from_unit)),
+          glm::dmat3(glm::inverse(capture.capture_from_bind))};
+}
 
+// The hull of all that the box holds of its piece.
+std::array<glm::vec3, kHullPoints> hull_within(const Source& source, const BoxSpace& space, const Piece& piece,
+                                               const ReliefBox& box) {
   std::vector<glm::dvec3> points;
   for (const uint32_t t : piece.triangles) {
-    const Polygon part =
-        clipped(corners_of(mesh, t, positions, unit_from_capture), glm::dvec3(-kOutside), glm::dvec3(1.0 + kOutside));
+    const Polygon part = clipped(corners_of(source.character.mesh, t, source.positions, space.unit_from_capture),
+                                 glm::dvec3(-kOutside), glm::dvec3(1.0 + kOutside));
     points.insert(points.end(), part.corners.begin(), part.corners.begin() + static_cast<long>(part.count));
   }
-  box.hull = hull_of(points, box.size, 0.5 / static_cast<double>(n));
+  return hull_of(points, box.size, 0.5 / static_cast<double>(box.texels));
+}
 
-  std::vector<Winner> winners[2];
-  std::vector<Touched> touched;
-  std::vector<std::array<double, 2>> intervals(n * n);
+// Fills in the model's box, and its part of the maps.
+void capture_box(const Source& source, const Capture& capture, ReliefBox& box, ReliefModel& model) {
+  const BoxSpace space = place_box(source, capture, box);
+  box.hull = hull_within(source, space, capture.piece, box);
   for (int axis = 0; axis < 3; ++axis) {
-    const int u_axis = (axis + 1) % 3;
-    const int v_axis = (axis + 2) % 3;
-    for (auto& w : winners) w.assign(n * n, Winner{});
-    touched.assign(n * n, Touched{});
-    const auto in_texels = [&](uint32_t t) {  // u, v in texels, depth in [0, 1]
-      std::array<glm::dvec3, 3> p = corners_of(mesh, t, positions, unit_from_capture);
-      for (glm::dvec3& unit : p)
-        unit = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), unit[axis]};
-      return p;
-    };
-    for (const uint32_t t : piece.triangles) {
-      const std::array<glm::dvec3, 3> p = in_texels(t);
-      touch(p, t, n, touched);
-      const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
-      if (std::abs(area) < 1e-12) continue;
-      const auto first = [](double a, double b, double c) {
-        return std::max(0L, static_cast<long>(std::ceil(std::min({a, b, c}) - 0.5 - 1e-9)));
-      };
-      const auto last = [&](double a, double b, double c) {
-        return std::min(static_cast<long>(n) - 1, static_cast<long>(std::floor(std::max({a, b, c}) - 0.5 + 1e-9)));
-      };
-      for (long j = first(p[0].y, p[1].y, p[2].y); j <= last(p[0].y, p[1].y, p[2].y); ++j) {
-        for (long i = first(p[0].x, p[1].x, p[2].x); i <= last(p[0].x, p[1].x, p[2].x); ++i) {
-          const double x = static_cast<double>(i) + 0.5;
-          const double y = static_cast<double>(j) + 0.5;
-          const double b1 = ((x - p[0].x) * (p[2].y - p[0].y) - (y - p[0].y) * (p[2].x - p[0].x)) / area;
-          const double b2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) / area;
-          if (b1 < -1e-9 || b2 < -1e-9 || b1 + b2 > 1.0 + 1e-9) continue;
-          const double plane = p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z);
-          if (plane < -kOutside || plane > 1.0 + kOutside) continue;
-          const double depth = std::clamp(plane, 0.0, 1.0);
-          const size_t texel = static_cast<size_t>(j) * n + static_cast<size_t>(i);
-          Winner& front = winners[0][texel];
-          Winner& back = winners[1][texel];
-          if (front.triangle == UINT32_MAX || depth < front.depth) front = {t, b1, b2, depth};
-          if (back.triangle == UINT32_MAX || depth > back.depth) back = {t, b1, b2, depth};
-        }
-      }
+    AxisMaps maps(static_cast<size_t>(box.texels));
+    for (const uint32_t t : capture.piece.triangles) {
+      const std::array<glm::dvec3, 3> p = in_texels(source, space, axis, maps.n, t);
+      touch(p, t, maps.n, maps.touched);
+      compete(p, t, maps);
     }
-    close_gaps(touched, n, winners[0], winners[1], intervals);
-    const size_t map = box.first * 3 + static_cast<size_t>(axis) * n * n;
-    for (size_t texel = 0; texel < n * n; ++texel) {
-      const bool covered = winners[0][texel].triangle != UINT32_MAX;
-      uint16_t* depth = model.depth.data() + (map + texel) * 2;
-      const auto stored = [](double d) { return static_cast<uint16_t>(std::clamp(d, 0.0, 1.0) * 65535.0 + 0.5); };
-      depth[0] = covered ? stored(intervals[texel][0]) : 65535;
-      depth[1] = covered ? stored(intervals[texel][1]) : 0;
-      uint16_t* touching = model.extent.data() + (map + texel) * 2;
-      touching[0] = std::min(depth[0], touched[texel].any() ? stored(touched[texel].low) : uint16_t{65535});
-      touching[1] = std::max(depth[1], touched[texel].any() ? stored(touched[texel].high) : uint16_t{0});
-      if (!covered) continue;
-      for (int side = 0; side < 2; ++side) {
-        const Winner& winner = winners[side][texel];
-        const size_t face = box.first * 6 + static_cast<size_t>(axis * 2 + side) * n * n;
-        shade(source, winner, bind_from_capture3, normals, axis, side, unit_from_bind, 1.0, in_texels(winner.triangle),
-              model.colour.data() + (face + texel) * 4, model.normal.data() + (face + texel) * 4,
-              model.emission.empty() ? nullptr : model.emission.data() + (face + texel) * 4);
-      }
-    }
+    close_gaps(maps);
+    store_depths(maps, box, axis, model);
+    store_faces(source, space, maps, box, axis, model);
   }
 }
 
 // The boxes to capture, in the model's order.
 struct Plan {
   std::vector<ReliefBox> boxes;  // joints, texels and place; the rest comes with the capture
-  std::vector<Piece> pieces;
-  std::vector<glm::dmat4> matrices;  // of each piece at the capture pose
-  std::vector<Bounds> bounds;
+  std::vector<Capture> captures;
   size_t texels = 0;  // of one map of every box
 };
 
@@ -500,9 +588,7 @@ Plan plan_boxes(const Character& character, const ReliefBakeOptions& options, co
     const int side = given[static_cast<size_t>(piece.joints[0])];
     plan.boxes.push_back(
         {.joints = piece.joints, .second = piece.second, .texels = side > 0 ? side : options.map_size});
-    plan.pieces.push_back(std::move(piece));
-    plan.matrices.push_back(matrix);
-    plan.bounds.push_back(size);
+    plan.captures.push_back({std::move(piece), matrix, size});
   };
   for (Piece& piece : options.pieces.empty() ? joint_pieces(character, options.rule, options.threshold, carriers)
                                              : std::vector<Piece>(options.pieces)) {
@@ -523,12 +609,12 @@ Plan plan_boxes(const Character& character, const ReliefBakeOptions& options, co
     }
   }
   double longest = 0;
-  for (const Bounds& b : plan.bounds) longest = std::max(longest, b.longest);
+  for (const Capture& capture : plan.captures) longest = std::max(longest, capture.bounds.longest);
   const double texel = std::max(options.texel, longest / options.map_size);
   for (size_t i = 0; i < plan.boxes.size(); ++i) {
     ReliefBox& box = plan.boxes[i];
     if (options.by_area && given[static_cast<size_t>(box.joints[0])] == 0)
-      while (box.texels > 16 && plan.bounds[i].longest <= texel * 0.5 * box.texels) box.texels /= 2;
+      while (box.texels > 16 && plan.captures[i].bounds.longest <= texel * 0.5 * box.texels) box.texels /= 2;
     box.first = plan.texels;
     plan.texels += ReliefModel::box_texels(box);
   }
@@ -556,13 +642,14 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
 
   ReliefModel model;
   model.emission_peak = emission_peak(character);
-  const Source source{character, material_of_triangle, pyramids, model.emission_peak};
+  const Source source{character, positions, normals, material_of_triangle, pyramids, model.emission_peak};
   const Plan plan = plan_boxes(character, options, palette, positions);
   if (plan.boxes.empty())
     throw Error(character.name, "has no triangle that a joint moves, so there is nothing to capture",
                 "use another character");
   model.boxes = plan.boxes;
-  for (const Piece& piece : plan.pieces) model.triangles_of_box.push_back(static_cast<int>(piece.triangles.size()));
+  for (const Capture& capture : plan.captures)
+    model.triangles_of_box.push_back(static_cast<int>(capture.piece.triangles.size()));
   model.depth.resize(plan.texels * 3 * 2);
   model.extent.resize(plan.texels * 3 * 2);
   model.colour.resize(plan.texels * 6 * 4);
@@ -570,10 +657,7 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   if (model.emission_peak > 0) model.emission.resize(plan.texels * 6 * 4);
 
   parallel_for(
-      model.boxes.size(), 0,
-      [&](size_t i) {
-        capture_box(source, plan.pieces[i], positions, normals, plan.matrices[i], plan.bounds[i], i, model);
-      },
+      model.boxes.size(), 0, [&](size_t i) { capture_box(source, plan.captures[i], model.boxes[i], model); },
       [](size_t) { throw_if_interrupted(); });
   return model;
 }

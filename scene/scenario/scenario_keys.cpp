@@ -174,9 +174,7 @@ void add_camera_keys(std::vector<Key>& keys, const char* table) {
       }));
 }
 
-std::vector<Key> make_keys() {
-  std::vector<Key> keys;
-  // --- top level
+void add_top_keys(std::vector<Key>& keys) {
   keys.push_back(key<std::string>(
       "", "name", KeyType::text, "", {}, "the scenario's name, as reports show it",
       [](Scenario & s, size_t) -> auto& { return s.name; }));
@@ -215,7 +213,9 @@ std::vector<Key> make_keys() {
   background.get = [](const Scenario& s, size_t) -> KeyValue { return hex_of(s.background); };
   background.set = [](Scenario& s, size_t, const KeyValue& v) { s.background = linear_of(std::get<std::string>(v)); };
   keys.push_back(background);
-  // --- crowd
+}
+
+void add_crowd_keys(std::vector<Key>& keys) {
   keys.push_back(key<uint32_t>(
       "crowd", "agents", KeyType::integer, "", {0, 1'000'000}, "number of agents",
       [](Scenario & s, size_t) -> auto& { return s.crowd.agents; }));
@@ -272,13 +272,9 @@ std::vector<Key> make_keys() {
       "crowd", "stage_far", KeyType::number, "m", {0.01, 1e6},
       "stages `view` and `frustum`: depth of the farthest agents, at least `stage_near`",
       [](Scenario & s, size_t) -> auto& { return s.crowd.stage_far; }));
-  // --- camera
-  add_camera_keys(keys, "camera");
-  keys.push_back(key<double>(
-      "camera.key", "time", KeyType::number, "s", {0, 1e9}, "when the path passes this view",
-      [](Scenario & s, size_t i) -> auto& { return s.camera.keys[i].time; }));
-  add_camera_keys(keys, "camera.key");
-  // --- light
+}
+
+void add_light_keys(std::vector<Key>& keys) {
   keys.push_back(key<glm::vec3>(
       "light", "direction", KeyType::vector, "", {-1, 1}, "towards the light; any length above 0",
       [](Scenario & s, size_t) -> auto& { return s.light.direction; }));
@@ -288,7 +284,9 @@ std::vector<Key> make_keys() {
   keys.push_back(key<float>(
       "light", "diffuse", KeyType::number, "", {0, 16}, "light from the direction, linear, times the cosine",
       [](Scenario & s, size_t) -> auto& { return s.light.diffuse; }));
-  // --- characters
+}
+
+void add_character_keys(std::vector<Key>& keys) {
   keys.push_back(key<std::string>(
       "character", "source", KeyType::text, "", {},
       "`mannequin[:triangles=N,joints=N]`, or a glTF file seen from the scenario's folder",
@@ -311,6 +309,19 @@ std::vector<Key> make_keys() {
       "character", "share", KeyType::number, "", {1e-6, 1e6},
       "part of the agents, relative to the other characters' shares",
       [](Scenario & s, size_t i) -> auto& { return s.characters[i].share; }));
+}
+
+std::vector<Key> make_keys() {
+  std::vector<Key> keys;
+  add_top_keys(keys);
+  add_crowd_keys(keys);
+  add_camera_keys(keys, "camera");
+  keys.push_back(key<double>(
+      "camera.key", "time", KeyType::number, "s", {0, 1e9}, "when the path passes this view",
+      [](Scenario & s, size_t i) -> auto& { return s.camera.keys[i].time; }));
+  add_camera_keys(keys, "camera.key");
+  add_light_keys(keys);
+  add_character_keys(keys);
   return keys;
 }
 

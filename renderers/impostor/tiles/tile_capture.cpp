@@ -104,23 +104,20 @@ TileRect tile_bounds(const std::vector<glm::vec3>& points, const glm::dvec3& cen
 struct TileCapture::State {
   gl::Context& context;
   scene::Cast cast;
-  glm::dvec3 centre;
-  double texel, range;
+  CaptureScale scale;
   bool glows;
   FrameResources resources;
   std::unique_ptr<Representation> mesh;
   gl::VertexArray no_vertices;
   gl::Program resolve;
 
-  State(gl::Context& context_, scene::Cast cast_, const glm::dvec3& centre_, double texel_, double range_, float peak)
+  State(gl::Context& context_, scene::Cast cast_, const CaptureScale& scale_)
       : context(context_),
         cast(std::move(cast_)),
-        centre(centre_),
-        texel(texel_),
-        range(range_),
-        glows(peak > 0),
+        scale(scale_),
+        glows(scale.peak > 0),
         resources(context, cast),
-        mesh(make_mesh_capture({.context = context, .cast = cast}, peak)),
+        mesh(make_mesh_capture({.context = context, .cast = cast}, scale.peak)),
         no_vertices(context),
         resolve(context, {"renderers/shaders/screen.vert", "renderers/impostor/tiles/resolve.frag"},
                 glows ? gl::Defines{{"CB_SAMPLES", std::to_string(kSamples)}, {"CB_EMISSIVE", ""}}
@@ -128,13 +125,12 @@ struct TileCapture::State {
 };
 
 TileCapture::TileCapture(gl::Context& context, std::shared_ptr<const scene::Character> character,
-                         std::shared_ptr<const scene::PoseBank> bank, const glm::dvec3& centre, double texel,
-                         double range, float peak) {
+                         std::shared_ptr<const scene::PoseBank> bank, const CaptureScale& scale) {
   scene::Cast cast;
   cast.characters = {std::move(character)};
   cast.banks = {std::move(bank)};
   cast.shares = {1.0};
-  state_ = std::make_unique<State>(context, std::move(cast), centre, texel, range, peak);
+  state_ = std::make_unique<State>(context, std::move(cast), scale);
 }
 
 TileCapture::~TileCapture() = default;
@@ -200,12 +196,12 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
       const CaptureTile& t = tiles[i];
       const PackPlace& place = packing.places[i];
       const auto row = [&](const glm::dvec3& axis, double scale, double offset) {
-        return glm::vec4(glm::dvec4(axis * scale, offset - glm::dot(axis, s.centre) * scale));
+        return glm::vec4(glm::dvec4(axis * scale, offset - glm::dot(axis, s.scale.centre) * scale));
       };
       views.push_back(
-          {row(t.basis.right, 2 / (s.texel * packing.width), 2.0 * (place.x - t.rect.x) / packing.width - 1),
-           row(t.basis.up, 2 / (s.texel * packing.height), 2.0 * (place.y - t.rect.y) / packing.height - 1),
-           row(t.basis.to_eye, 0.5 / s.range, 0.5)});
+          {row(t.basis.right, 2 / (s.scale.texel * packing.width), 2.0 * (place.x - t.rect.x) / packing.width - 1),
+           row(t.basis.up, 2 / (s.scale.texel * packing.height), 2.0 * (place.y - t.rect.y) / packing.height - 1),
+           row(t.basis.to_eye, 0.5 / s.scale.range, 0.5)});
       scene::FrameAgent agent;
       agent.pose = t.pose;
       frame.agents[0].push_back(agent);

@@ -43,13 +43,19 @@ struct CaptureTile {
   bool wanted = true;
 };
 
+// What the numbers of a captured tile stand for.
+struct CaptureScale {
+  glm::dvec3 centre{0.0};  // that the planes of all views go through: metres, model space
+  double texel = 0;        // metres
+  double range = 0;        // metres that the depth code's ends stand for
+  float peak = 0;  // of the light that the whole character gives off (renderers/bake/emission.h); 0: none is captured
+};
+
 class TileCapture {
  public:
-  // texel: metres. range: metres that the depth code's ends stand for. Poses come from `bank`. peak: of the light that
-  // the whole character gives off (renderers/bake/emission.h); 0: none is captured.
+  // Poses come from `bank`.
   TileCapture(gl::Context& context, std::shared_ptr<const scene::Character> character,
-              std::shared_ptr<const scene::PoseBank> bank, const glm::dvec3& centre, double texel, double range,
-              float peak);
+              std::shared_ptr<const scene::PoseBank> bank, const CaptureScale& scale);
   ~TileCapture();
   TileCapture(const TileCapture&) = delete;
   TileCapture& operator=(const TileCapture&) = delete;
