@@ -3,38 +3,26 @@
 #include <optional>
 #include <vector>
 
-#include "metrics/ssim.h"
+#include "metrics/registry.h"
 
 namespace crowdbench::metrics {
 
-// Over the pixels that carry the agent's id in the reference or in the test (`union`).
-struct AgentScore {
+struct AgentRow {
   uint32_t id = 0;  // as in the buffers: agent index + 1
   uint64_t pixels_ref = 0;
   uint64_t pixels_test = 0;
   uint64_t pixels_both = 0;
-  double iou = 0;   // pixels_both / union; 1 = the same pixels
-  double mae = 0;   // code values, as difference()
-  double mse = 0;   // code values squared
-  double psnr = 0;  // dB, +infinity when equal
-  // Mean of the picture's SSIM map over the union; windows reach 5 pixels beyond it. Empty when no pixel of the union
-  // is at least 5 pixels from the picture's edge.
-  std::optional<double> ssim_union;
-  // Mean absolute difference of linear depth over the pixels that carry the id in both, metres. Empty without depths or
-  // without such pixels.
-  std::optional<double> depth_mae;
+  std::vector<std::optional<double>> values;  // of AgentScores::scores; nothing where the score does not exist
 };
 
-struct Depths {
-  const ImageF* reference = nullptr;  // one channel, eye-space metres, +infinity where empty
-  const ImageF* test = nullptr;
+// Each score over the pixels that carry the agent's id in the reference or in the test. Maps (SSIM) are those of the
+// whole pictures, so that their windows reach beyond the agent.
+struct AgentScores {
+  std::vector<const Score*> scores;  // of the table: defined for an agent, and their needs are met
+  std::vector<AgentRow> agents;      // by ascending id; ids in neither buffer are left out, 0 is the background
 };
 
-// By ascending id; ids that are in neither buffer are left out, 0 is the background. Ids may be any 32-bit numbers.
-// similarity: ssim() of the two pictures' luma, where the caller has it; computed otherwise. Throws Error when any two
-// sizes differ.
-std::vector<AgentScore> score_agents(const Image8& reference, const Image8& test, const ImageU32& reference_ids,
-                                     const ImageU32& test_ids, const Depths& depths = {},
-                                     const Ssim* similarity = nullptr);
+// input: with ids, which may be any 32-bit numbers; its region is not used. Throws Error when any two sizes differ.
+AgentScores score_agents(ScoreTable table, const ScoreInput& input, Shared& shared);
 
 }  // namespace crowdbench::metrics

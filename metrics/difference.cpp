@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "metrics/intermediates.h"
 #include "metrics/sizes.h"
 
 namespace crowdbench::metrics {
@@ -154,5 +155,200 @@ LinearDifference linear_difference(const ImageF& a, const ImageF& b) {
   const double samples = static_cast<double>(a.pixels() * colours);
   return {sum / samples, std::sqrt(squares / samples)};
 }
+
+namespace {
+
+struct RegionDifference {
+  std::optional<Difference> of;
+};
+struct LinearErrors {
+  LinearDifference of;
+};
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::string_view kEmptyRegion = "no pixel is in the region";
+
+// Calls use(reference, test) with both pictures as they are, 8 or 16 bits.
+template <typename Use>
+auto with_codes(const ScoreInput& input, const Use& use) {
+  return input.reference.codes && input.test.codes ? use(*input.reference.codes, *input.test.codes)
+                                                   : use(*input.reference.codes16, *input.test.codes16);
+}
+
+// The sum over R, G, B of use(|difference|) at a pixel, the differences in code values.
+template <typename T, typename Use>
+double sum_at(const Image<T>& a, const Image<T>& b, int x, int y, const Use& use) {
+  const T* p = a.at(x, y);
+  const T* q = b.at(x, y);
+  const size_t a1 = a.channels >= 3 ? 1 : 0;
+  const size_t b1 = b.channels >= 3 ? 1 : 0;
+  double sum = 0;
+  for (size_t c = 0; c < 3; ++c) sum += use(std::abs(int{p[c * a1]} - int{q[c * b1]}) / kUnit<T>);
+  return sum;
+}
+double itself(double d) { return d; }
+double square(double d) { return d * d; }
+
+// The mean of the same over an agent's pixels and R, G, B.
+template <typename Use>
+double mean_of_agent(const ScoreInput& input, const AgentPixels& agent, const Use& use) {
+  return with_codes(input, [&](const auto& a, const auto& b) {
+    double sum = 0;
+    for (const auto& [x, y] : agent.pixels) sum += sum_at(a, b, x, y, use);
+    return sum / (3 * static_cast<double>(agent.pixels.size()));
+  });
+}
+
+ScoreResult of_region(const ScoreInput& input, Shared& shared, double Difference::*member) {
+  const std::optional<Difference>& d = region_difference(input, shared);
+  if (!d) return absent(std::string(kEmptyRegion));
+  ScoreResult result;
+  result.value = (*d).*member;
+  return result;
+}
+
+ScoreResult mae(const ScoreInput& input, Shared& shared) {
+  ScoreResult result = of_region(input, shared, &Difference::mae);
+  if (!input.maps) return result;
+  ScoreMap& map = result.map.emplace();
+  map.worst = 255;
+  map.unit = "code values";
+  map.values = with_codes(input, [](const auto& a, const auto& b) {
+    Plane values(a.width, a.height, 1);
+    for (int y = 0; y < a.height; ++y)
+      for (int x = 0; x < a.width; ++x) *values.at(x, y) = sum_at(a, b, x, y, itself) / 3;
+    return values;
+  });
+  return result;
+}
+
+const LinearDifference& linear_errors(const ScoreInput& input, Shared& shared) {
+  return shared
+      .get<LinearErrors>([&] { return LinearErrors{linear_difference(*input.reference.linear, *input.test.linear)}; })
+      .of;
+}
+
+}  // namespace
+
+const LumaPair& luma_pair(const ScoreInput& input, Shared& shared) {
+  return shared.get<LumaPair>([&] {
+    return with_codes(input, [](const auto& a, const auto& b) { return LumaPair{luma601(a), luma601(b)}; });
+  });
+}
+
+const std::optional<Difference>& region_difference(const ScoreInput& input, Shared& shared) {
+  return shared
+      .get<RegionDifference>([&] {
+        return with_codes(
+            input, [&](const auto& a, const auto& b) { return RegionDifference{difference(a, b, input.region)}; });
+      })
+      .of;
+}
+
+extern const Score score_mae = {
+    .name = "mae",
+    .title = "mean absolute error",
+    .column = "MAE",
+    .unit = "code values",
+    .direction = Direction::lower_is_better,
+    .digits = 2,
+    .least = 0,
+    .greatest = 255,
+    .needs = kNeedsCodes,
+    .scope = Scope::region,
+    .uses = kInTables | kRanking,
+    .computes = "mean of abs(a - b) over pixels and R, G, B",
+    .source = "",
+    .absence = kEmptyRegion,
+    .map_file = "error_pseudocolour",
+    .compute = mae,
+    .by_agent = [](const ScoreInput& input, Shared&, const AgentPixels& agent) -> std::optional<double> {
+      return mean_of_agent(input, agent, itself);
+    },
+};
+
+extern const Score score_mse = {
+    .name = "mse",
+    .title = "mean squared error",
+    .column = "MSE",
+    .unit = "code values squared",
+    .direction = Direction::lower_is_better,
+    .digits = 2,
+    .least = 0,
+    .greatest = 255.0 * 255.0,
+    .needs = kNeedsCodes,
+    .scope = Scope::region,
+    .computes = "mean of (a - b)^2 over pixels and R, G, B",
+    .source = "",
+    .absence = kEmptyRegion,
+    .compute = [](const ScoreInput& input, Shared& shared) { return of_region(input, shared, &Difference::mse); },
+    .by_agent = [](const ScoreInput& input, Shared&, const AgentPixels& agent) -> std::optional<double> {
+      return mean_of_agent(input, agent, square);
+    },
+};
+
+extern const Score score_psnr = {
+    .name = "psnr",
+    .title = "PSNR",
+    .column = "PSNR",
+    .unit = "dB",
+    .direction = Direction::higher_is_better,
+    .digits = 2,
+    .least = 0,
+    .greatest = kInfinity,
+    .needs = kNeedsCodes,
+    .scope = Scope::region,
+    .uses = kInTables,
+    .computes = "10 log10(255^2 / mse); infinite where the pictures are equal",
+    .source = "",
+    .absence = kEmptyRegion,
+    .compute = [](const ScoreInput& input, Shared& shared) { return of_region(input, shared, &Difference::psnr); },
+    .by_agent = [](const ScoreInput& input, Shared&, const AgentPixels& agent) -> std::optional<double> {
+      const double mse = mean_of_agent(input, agent, square);
+      return mse == 0 ? kInfinity : 10 * std::log10(255.0 * 255.0 / mse);
+    },
+};
+
+extern const Score score_linear_mae = {
+    .name = "linear_mae",
+    .title = "mean absolute error of floats",
+    .column = "lin MAE",
+    .unit = "",
+    .direction = Direction::lower_is_better,
+    .digits = 6,
+    .least = 0,
+    .greatest = kInfinity,
+    .needs = kNeedsLinear,
+    .computes = "mean of abs(a - b) over pixels and colours, in the pictures' own unit",
+    .source = "",
+    .absence = "a pixel is not a number",
+    .compute =
+        [](const ScoreInput& input, Shared& shared) {
+          ScoreResult result;
+          result.value = linear_errors(input, shared).mae;
+          return result;
+        },
+};
+
+extern const Score score_linear_rms = {
+    .name = "linear_rms",
+    .title = "root mean square error of floats",
+    .column = "lin RMS",
+    .unit = "",
+    .direction = Direction::lower_is_better,
+    .digits = 6,
+    .least = 0,
+    .greatest = kInfinity,
+    .needs = kNeedsLinear,
+    .computes = "root of the mean of (a - b)^2 over pixels and colours, in the pictures' own unit",
+    .source = "",
+    .absence = "a pixel is not a number",
+    .compute =
+        [](const ScoreInput& input, Shared& shared) {
+          ScoreResult result;
+          result.value = linear_errors(input, shared).rms;
+          return result;
+        },
+};
 
 }  // namespace crowdbench::metrics

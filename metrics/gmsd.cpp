@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "metrics/intermediates.h"
 #include "metrics/sizes.h"
 #include "metrics/ssim.h"
 
@@ -73,5 +74,26 @@ double gmsd(const Plane& a, const Plane& b) {
   for (const double s : similarity) squares += (s - mean) * (s - mean);
   return std::sqrt(squares / static_cast<double>(count - 1));
 }
+
+extern const Score score_gmsd = {
+    .name = "gmsd",
+    .title = "GMSD",
+    .column = "GMSD",
+    .unit = "",
+    .direction = Direction::lower_is_better,
+    .digits = 4,
+    .least = 0,
+    .greatest = 1,
+    .needs = kNeedsCodes,
+    .computes = "standard deviation of the similarity of gradient magnitudes, on luma halved",
+    .source = "Xue et al. 2014",
+    .compute =
+        [](const ScoreInput& input, Shared& shared) {
+          const LumaPair& luma = luma_pair(input, shared);
+          ScoreResult result;
+          result.value = gmsd(luma.reference, luma.test);
+          return result;
+        },
+};
 
 }  // namespace crowdbench::metrics

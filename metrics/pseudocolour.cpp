@@ -1,6 +1,8 @@
 // Based on: B. Ottosson, "A perceptual color space for image processing" (OKLab), 2020, for the spacing of the colours.
 #include "metrics/pseudocolour.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -98,7 +100,7 @@ Image8 pseudocolour(const Image8& levels) {
   return out;
 }
 
-Image8 with_colour_bar(const Image8& picture, const std::string& caption) {
+Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first, double last) {
   constexpr int kNarrowest = 360;
   const double scale = std::max(1.0, std::min(picture.width, picture.height * 2) / 960.0);
   const auto scaled = [&](double pixels) { return static_cast<int>(std::lround(pixels * scale)); };
@@ -130,7 +132,7 @@ Image8 with_colour_bar(const Image8& picture, const std::string& caption) {
   for (const int level : {0, 64, 128, 191, 255}) {
     const int x = bar_left + static_cast<int>(std::lround(level / 255.0 * (bar_width - 1)));
     cv::line(canvas, {x, bar_top + bar_height}, {x, bar_top + bar_height + scaled(4)}, ink, thickness);
-    text(std::to_string(level), x, bar_top + bar_height + scaled(17), 0.4);
+    text(fmt::format("{:.3g}", first + level / 255.0 * (last - first)), x, bar_top + bar_height + scaled(17), 0.4);
   }
   text(caption, width / 2, bar_top + bar_height + scaled(34), 0.4);
   return out;

@@ -20,8 +20,9 @@ Image8 error_levels(const Image16& a, const Image16& b);
 // One channel of 0..255 through error_colours(): RGB, same size.
 Image8 pseudocolour(const Image8& levels);
 
-// `picture` (RGB) with the colour bar below it, its ends and quarters labelled in code values and `caption` beneath. At
-// least 360 pixels wide: a narrow picture is centred on white. Larger pictures get a larger bar.
-Image8 with_colour_bar(const Image8& picture, const std::string& caption);
+// `picture` (RGB) with the colour bar below it, its ends and quarters labelled from `first` (dark blue) to `last` (red)
+// and `caption` beneath. At least 360 pixels wide: a narrow picture is centred on white. Larger pictures get a larger
+// bar.
+Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first = 0, double last = 255);
 
 }  // namespace crowdbench::metrics

@@ -1,12 +1,13 @@
 #include "metrics/silhouette.h"
 
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "core/statistics.h"
+#include "metrics/intermediates.h"
 #include "metrics/mat.h"
 #include "metrics/sizes.h"
-#include "metrics/ssim.h"
 
 namespace crowdbench::metrics {
 namespace {
@@ -107,33 +108,105 @@ std::optional<Box> crop_box(const Mask& a, const Mask& b, int margin) {
   return Box{left, top, right - left + 1, bottom - top + 1};
 }
 
-FigureScores score_figure(const Image8& reference, const Image8& test, const Mask& reference_mask,
-                          const Mask& test_mask) {
-  require_same_size(reference, test);
-  require_same_size(reference, reference_mask);
-  FigureScores out;
-  out.silhouette_iou = silhouette_iou(reference_mask, test_mask);
-  out.boundary = boundary_distance(reference_mask, test_mask);
-  const auto box = crop_box(reference_mask, test_mask);
-  if (!box) return out;
-  const Mask either = union_of(reference_mask, test_mask);
-  const auto inside = difference(reference, test, &either);
-  out.psnr = inside->psnr;
-  out.mae = inside->mae;
-  const auto similarity = ssim(luma601(crop(reference, *box)), luma601(crop(test, *box)));
-  if (!similarity) return out;
-  out.ssim = similarity->mean;
-  double sum = 0;
-  size_t count = 0;
-  for (int y = 0; y < similarity->map.height; ++y) {
-    for (int x = 0; x < similarity->map.width; ++x) {
-      if (*either.at(box->x + x + kSsimRadius, box->y + y + kSsimRadius) == 0) continue;
-      sum += *similarity->map.at(x, y);
-      ++count;
-    }
-  }
-  if (count > 0) out.ssim_union = sum / static_cast<double>(count);
-  return out;
+namespace {
+
+struct Boundary {
+  std::optional<BoundaryDistance> of;
+};
+
+constexpr std::string_view kNothingDrawn = "nothing is drawn in either picture";
+constexpr std::string_view kNoBoundary = "a silhouette has no boundary";
+
+ScoreResult overlap(const ScoreInput& input, Shared& shared) {
+  const SilhouettePair& pair = silhouettes(input, shared);
+  ScoreResult result;
+  result.value = silhouette_iou(pair.reference, pair.test);
+  if (!result.value) result.reason = kNothingDrawn;
+  return result;
 }
+
+// An agent covers a pixel in both when both carry its id.
+std::optional<double> overlap_of_agent(const ScoreInput& input, Shared&, const AgentPixels& agent) {
+  size_t both = 0;
+  for (const auto& [x, y] : agent.pixels) both += *input.reference.ids->at(x, y) == *input.test.ids->at(x, y) ? 1 : 0;
+  return static_cast<double>(both) / static_cast<double>(agent.pixels.size());
+}
+
+ScoreResult boundary(const ScoreInput& input, Shared& shared, double BoundaryDistance::*member) {
+  const std::optional<BoundaryDistance>& distance = silhouette_boundary(input, shared);
+  if (!distance) return absent(std::string(kNoBoundary));
+  ScoreResult result;
+  result.value = (*distance).*member;
+  return result;
+}
+
+}  // namespace
+
+const SilhouettePair& silhouettes(const ScoreInput& input, Shared& shared) {
+  return shared.get<SilhouettePair>([&] {
+    return SilhouettePair{mask_of(*input.reference.ids), mask_of(*input.test.ids)};
+  });
+}
+
+const std::optional<BoundaryDistance>& silhouette_boundary(const ScoreInput& input, Shared& shared) {
+  return shared
+      .get<Boundary>([&] {
+        const SilhouettePair& pair = silhouettes(input, shared);
+        return Boundary{boundary_distance(pair.reference, pair.test)};
+      })
+      .of;
+}
+
+extern const Score score_silhouette_iou = {
+    .name = "silhouette_iou",
+    .title = "silhouette IoU",
+    .column = "IoU",
+    .unit = "",
+    .direction = Direction::higher_is_better,
+    .digits = 4,
+    .least = 0,
+    .greatest = 1,
+    .needs = kNeedsIds,
+    .uses = kInTables | kHeadline | kCharted,
+    .computes = "pixels that both cover over pixels that either covers",
+    .source = "",
+    .absence = kNothingDrawn,
+    .compute = overlap,
+    .by_agent = overlap_of_agent,
+};
+
+extern const Score score_boundary_px_mean = {
+    .name = "boundary_px_mean",
+    .title = "boundary distance",
+    .column = "bound",
+    .unit = "px",
+    .direction = Direction::lower_is_better,
+    .digits = 3,
+    .least = 0,
+    .greatest = std::numeric_limits<double>::infinity(),
+    .needs = kNeedsIds,
+    .uses = kInTables,
+    .computes = "mean distance from each boundary pixel of one silhouette to the nearest of the other, both ways",
+    .source = "",
+    .absence = kNoBoundary,
+    .compute = [](const ScoreInput& input, Shared& shared) { return boundary(input, shared, &BoundaryDistance::mean); },
+};
+
+extern const Score score_boundary_px_p95 = {
+    .name = "boundary_px_p95",
+    .title = "95th percentile of the boundary distance",
+    .column = "b p95",
+    .unit = "px",
+    .direction = Direction::lower_is_better,
+    .digits = 2,
+    .least = 0,
+    .greatest = std::numeric_limits<double>::infinity(),
+    .needs = kNeedsIds,
+    .uses = kInTables,
+    .computes = "95th percentile of the same distances",
+    .source = "",
+    .absence = kNoBoundary,
+    .compute = [](const ScoreInput& input, Shared& shared) { return boundary(input, shared, &BoundaryDistance::p95); },
+};
 
 }  // namespace crowdbench::metrics

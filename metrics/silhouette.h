@@ -1,5 +1,4 @@
-// Silhouettes: how well two masks cover each other, how far their boundaries lie apart, and the scores of one agent's
-// picture within its silhouette (what `quality` reports).
+// Silhouettes: how well two masks cover each other, how far their boundaries lie apart, and the box around them.
 #pragma once
 #include <algorithm>
 #include <optional>
@@ -38,20 +37,7 @@ constexpr int kCropMargin = 5;
 // are empty.
 std::optional<Box> crop_box(const Mask& a, const Mask& b, int margin = kCropMargin);
 
-// One figure in front of a plain background, reference against test.
-struct FigureScores {
-  std::optional<double> silhouette_iou;
-  std::optional<BoundaryDistance> boundary;
-  std::optional<double> ssim;        // mean of the SSIM map over the valid region of the crop_box()
-  std::optional<double> ssim_union;  // mean over those windows of it whose centre is a pixel of A or B
-  std::optional<double> psnr;        // over the pixels of A or B, dB, +infinity when equal
-  std::optional<double> mae;         // over the pixels of A or B, code values
-};
-// Scores that do not exist (nothing drawn; a crop below 11 pixels) are empty. Throws Error when the sizes differ.
-FigureScores score_figure(const Image8& reference, const Image8& test, const Mask& reference_mask,
-                          const Mask& test_mask);
-
-// A part of a picture. The box must lie inside.
+// The pixels of a box. It must lie inside.
 template <typename T>
 Image<T> crop(const Image<T>& image, const Box& box) {
   Image<T> out(box.width, box.height, image.channels);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "metrics/intermediates.h"
 #include "metrics/sizes.h"
 
 namespace crowdbench::metrics {
@@ -163,5 +164,133 @@ Image8 ssim_picture(const Ssim& ssim) {
     out.data[i] = static_cast<uint8_t>(std::clamp(ssim.map.data[i], 0.0, 1.0) * 255 + 0.5);
   return out;
 }
+
+namespace {
+
+struct Similarity {
+  std::optional<Ssim> of;
+};
+
+constexpr std::string_view kTooSmall = "a side is below the window's 11 pixels";
+static_assert(kSsimWindow == 11);
+constexpr std::string_view kTooSmallForScales = "a side is below 176 pixels, the least for five scales";
+static_assert(kMsSsimSmallest == 176);
+constexpr std::string_view kNoWindow = "no window lies in the region";
+
+ScoreMap map_of(const Ssim& ssim) { return {ssim.map, kSsimRadius, kSsimRadius, 1, 0, ""}; }
+
+ScoreResult mean_ssim(const ScoreInput& input, Shared& shared) {
+  const std::optional<Ssim>& s = similarity(input, shared);
+  if (!s) return absent(std::string(kTooSmall));
+  ScoreResult result;
+  result.value = s->mean;
+  if (input.maps) result.map = map_of(*s);
+  return result;
+}
+
+ScoreResult region_ssim(const ScoreInput& input, Shared& shared) {
+  const std::optional<Ssim>& s = similarity(input, shared);
+  if (!s) return absent(std::string(kTooSmall));
+  require_same_size(luma_pair(input, shared).reference, *input.region);
+  double sum = 0;
+  size_t count = 0;
+  for (int y = 0; y < s->map.height; ++y)
+    for (int x = 0; x < s->map.width; ++x)
+      if (*input.region->at(x + kSsimRadius, y + kSsimRadius) != 0) {
+        sum += *s->map.at(x, y);
+        ++count;
+      }
+  if (count == 0) return absent(std::string(kNoWindow));
+  ScoreResult result;
+  result.value = sum / static_cast<double>(count);
+  return result;
+}
+
+std::optional<double> ssim_of_agent(const ScoreInput& input, Shared& shared, const AgentPixels& agent) {
+  const std::optional<Ssim>& s = similarity(input, shared);
+  return s ? mean_over(s->map, kSsimRadius, kSsimRadius, agent) : std::nullopt;
+}
+
+ScoreResult five_scales(const ScoreInput& input, Shared& shared) {
+  const LumaPair& luma = luma_pair(input, shared);
+  const std::optional<Ssim>& s = similarity(input, shared);
+  const std::optional<double> value = ms_ssim(luma.reference, luma.test, s ? &*s : nullptr);
+  if (!value) return absent(std::string(kTooSmallForScales));
+  ScoreResult result;
+  result.value = value;
+  return result;
+}
+
+// White = equal, black = no or inverted similarity, one pixel a window.
+Image8 grey_map(const ScoreMap& map) {
+  Ssim ssim;
+  ssim.map = map.values;
+  return ssim_picture(ssim);
+}
+
+}  // namespace
+
+const std::optional<Ssim>& similarity(const ScoreInput& input, Shared& shared) {
+  return shared
+      .get<Similarity>([&] {
+        const LumaPair& luma = luma_pair(input, shared);
+        return Similarity{ssim(luma.reference, luma.test)};
+      })
+      .of;
+}
+
+extern const Score score_ssim = {
+    .name = "ssim",
+    .title = "SSIM",
+    .column = "SSIM",
+    .unit = "",
+    .direction = Direction::higher_is_better,
+    .digits = 4,
+    .least = -1,
+    .greatest = 1,
+    .needs = kNeedsCodes,
+    .uses = kInTables | kHeadline | kByCause,
+    .computes = "structural similarity of luma, 11 x 11 Gaussian window, mean over the windows inside",
+    .source = "Wang et al. 2004",
+    .absence = kTooSmall,
+    .map_file = "ssim_map",
+    .compute = mean_ssim,
+    .paint = grey_map,
+};
+
+extern const Score score_ssim_union = {
+    .name = "ssim_union",
+    .title = "SSIM in the figure",
+    .column = "SSIM fig.",
+    .unit = "",
+    .direction = Direction::higher_is_better,
+    .digits = 4,
+    .least = -1,
+    .greatest = 1,
+    .needs = kNeedsCodes | kNeedsRegion,
+    .scope = Scope::region,
+    .uses = kInTables | kCharted,
+    .computes = "ssim, mean over the windows whose centre is in the region",
+    .source = "Wang et al. 2004",
+    .absence = kTooSmall,
+    .compute = region_ssim,
+    .by_agent = ssim_of_agent,
+};
+
+extern const Score score_ms_ssim = {
+    .name = "ms_ssim",
+    .title = "MS-SSIM",
+    .column = "MS-SSIM",
+    .unit = "",
+    .direction = Direction::higher_is_better,
+    .digits = 4,
+    .least = 0,
+    .greatest = 1,
+    .needs = kNeedsCodes,
+    .computes = "product of contrast over five scales and of the last scale's ssim, each to its power",
+    .source = "Wang, Simoncelli and Bovik 2003",
+    .absence = kTooSmallForScales,
+    .compute = five_scales,
+};
 
 }  // namespace crowdbench::metrics

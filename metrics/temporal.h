@@ -1,5 +1,6 @@
 // Scores over successive frames of a still camera.
 #pragma once
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,9 +11,28 @@ namespace crowdbench::metrics {
 
 // Mean of |(T[t] - 2 T[t-1] + T[t-2]) - (R[t] - 2 R[t-1] + R[t-2])| over every t >= 2 and every pixel of the
 // silhouettes of frames t-2 .. t, in luma601() code values: shimmer that the reference has not. 0 = the test changes as
-// the reference does; 1020 the most. reference, test: as many frames each, all of one size. silhouettes: a frame's
-// union of both masks, as many as frames; none = every pixel counts. Nothing for fewer than three frames or empty
-// silhouettes. Throws Error when sizes differ.
+// the reference does; 1020 the most. Frame by frame, so that a clip need not fit in memory.
+class Flicker {
+ public:
+  // All of one size. reference, test: luma601(). silhouette: the frame's union of both masks; none = every pixel
+  // counts. Throws Error when sizes differ.
+  void take(const Plane& reference, const Plane& test, const Mask* silhouette);
+  // Nothing for fewer than three frames or empty silhouettes.
+  std::optional<double> value() const;
+  size_t frames() const { return frames_; }
+
+ private:
+  struct Frame {
+    Plane error;      // luma of the test less luma of the reference
+    Mask silhouette;  // empty: every pixel
+  };
+  std::array<Frame, 3> last_;  // frame t is at t % 3
+  size_t frames_ = 0;
+  double sum_ = 0;
+  uint64_t count_ = 0;
+};
+
+// The same of pictures in hand. reference, test: as many frames each. silhouettes: as many as frames, or none.
 std::optional<double> flicker(std::span<const Image8> reference, std::span<const Image8> test,
                               std::span<const Mask> silhouettes = {});
 

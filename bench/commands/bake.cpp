@@ -44,7 +44,9 @@ ordered_json number(double value) {
 }
 
 ordered_json json_of(const AuditError& e) {
-  return {{"views", e.views}, {"silhouette_iou", e.silhouette_iou}, {"ssim", e.ssim}, {"psnr", e.psnr}};
+  ordered_json out = {{"views", e.views}};
+  for (const auto& [score, mean] : e.means) out[std::string(score->name)] = mean;
+  return out;
 }
 
 ordered_json json_of(const ViewAudit& a) {
@@ -85,8 +87,12 @@ void print(const ViewAudit& a) {
     fmt::print("  smooth        no: steps above {:g} degrees are seen to jump; {} ({} views, {:.1f} MiB) would do\n",
                kSmoothViewStepDeg, a.limit_grid, a.limit_views, mib(a.limit_bytes));
   const auto line = [](const char* name, const AuditError& e) {
-    fmt::print("  {:<14}IoU {:.3f}  SSIM {:.3f}  PSNR {:.1f} dB  ({} views)\n", name, e.silhouette_iou, e.ssim, e.psnr,
-               e.views);
+    fmt::print("  {:<14}", name);
+    for (const auto& [score, mean] : e.means)
+      if ((score->uses & metrics::kInTables) != 0)
+        fmt::print("{} {}{}{}  ", score->column, metrics::value_text(*score, mean), score->unit.empty() ? "" : " ",
+                   score->unit);
+    fmt::print("({} views)\n", e.views);
   };
   line("stored views", a.stored);
   line("between", a.between);

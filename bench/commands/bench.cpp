@@ -7,6 +7,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
+#include "bench/experiments/score_rows.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/progress.h"
@@ -82,7 +83,7 @@ int run_bench(const Options& options) {
   }
   const StoreContents contents = read_store(options.out, false, false);
   if (options.json) {
-    fmt::print("{}", reports::results_json(contents));
+    fmt::print("{}", reports::results_json(contents, score_docs(metrics::scores())));
     for (const std::string& remark : summary.remarks) fmt::print(stderr, "{}\n", remark);
     return summary.invalid == 0 ? 0 : 1;
   }

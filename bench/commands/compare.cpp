@@ -2,9 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <cmath>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,14 +12,13 @@
 #include <variant>
 #include <vector>
 
-#include "bench/commands/commands.h"
+#include "bench/commands/score_commands.h"
+#include "bench/commands/score_json.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "metrics/agents.h"
 #include "metrics/difference.h"
-#include "metrics/pseudocolour.h"
-#include "metrics/silhouette.h"
-#include "metrics/ssim.h"
+#include "metrics/intermediates.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -38,29 +35,21 @@ struct Options {
   bool json = false;
 };
 
+// The two pictures as they were read, brought to one kind of number.
+struct Pictures {
+  AnyImage reference, test;
+  ImageU32 reference_ids, test_ids;  // empty: not asked for
+};
+
 struct Result {
   int width = 0;
   int height = 0;
-  ordered_json scores = ordered_json::object();
-  ordered_json reasons = ordered_json::object();
+  std::vector<metrics::Scored> scores;
   std::vector<std::string> warnings;
   std::vector<std::string> maps;
-  ordered_json worst;       // null without code values
-  ordered_json silhouette;  // null without ids
-  std::vector<metrics::AgentScore> agents;
+  std::optional<metrics::Difference> worst;      // with code values
+  std::optional<metrics::AgentScores> by_agent;  // with ids
 };
-
-// JSON has no infinity and no NaN.
-ordered_json number(double value) {
-  if (std::isnan(value)) return nullptr;
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return value;
-}
-
-void put(Result& result, const std::string& score, std::optional<double> value, const std::string& reason) {
-  result.scores[score] = value ? number(*value) : ordered_json(nullptr);
-  if (result.scores[score].is_null()) result.reasons[score] = reason;
-}
 
 std::array<uint8_t, 3> parse_colour(const std::string& text) {
   const bool shape =
@@ -75,56 +64,6 @@ int channels_of(const AnyImage& image) {
   return std::visit([](const auto& i) { return i.channels; }, image);
 }
 
-// The scores and maps of a pair of integer pictures. Returns SSIM for what is scored by agent.
-template <typename T>
-std::optional<metrics::Ssim> score_codes(const Image<T>& reference, const Image<T>& test, const Options& options,
-                                         Result& result) {
-  const auto d = metrics::difference(reference, test);
-  const auto a = metrics::luma601(reference);
-  const auto b = metrics::luma601(test);
-  auto similarity = metrics::ssim(a, b);
-  put(result, "mae", d->mae, "");
-  put(result, "mse", d->mse, "");
-  put(result, "psnr", d->psnr, "");
-  put(result, "ssim", similarity ? std::optional(similarity->mean) : std::nullopt,
-      fmt::format("a side is below the window's {} pixels", metrics::kSsimWindow));
-  put(result, "ms_ssim", metrics::ms_ssim(a, b, similarity ? &*similarity : nullptr),
-      fmt::format("a side is below {} pixels, the least for five scales", metrics::kMsSsimSmallest));
-  put(result, "gmsd", metrics::gmsd(a, b), "");
-  result.worst = {{"difference", d->worst}, {"x", d->worst_x}, {"y", d->worst_y}};
-  if (options.maps.empty()) return similarity;
-
-  const std::filesystem::path folder = options.maps;
-  const auto save = [&](const char* name, const Image8& image) {
-    write_png(folder / name, image);
-    result.maps.push_back((folder / name).string());
-  };
-  save("absdiff.png", metrics::absolute_difference(reference, test));
-  save("error_pseudocolour.png", metrics::with_colour_bar(metrics::pseudocolour(metrics::error_levels(reference, test)),
-                                                          "absolute difference, mean of R, G, B (code values)"));
-  if (similarity)
-    save("ssim_map.png", metrics::ssim_picture(*similarity));
-  else
-    result.warnings.push_back("no ssim_map.png: " + result.reasons["ssim"].get<std::string>());
-  return similarity;
-}
-
-// Neither has code values: say so for each, and give what there is.
-void score_floats(const AnyImage& reference, const AnyImage& test, const Options& options, Result& result) {
-  const auto* a = std::get_if<ImageF>(&reference);
-  const auto* b = std::get_if<ImageF>(&test);
-  const std::string why =
-      a && b ? "float pictures have no 8-bit code values" : "float or 32-bit pictures have no 8-bit code values";
-  for (const char* score : {"mae", "mse", "psnr", "ssim", "ms_ssim", "gmsd"}) put(result, score, std::nullopt, why);
-  if (a && b) {
-    const auto d = metrics::linear_difference(*a, *b);
-    put(result, "linear_mae", d.mae, "a pixel is not a number");
-    put(result, "linear_rms", d.rms, "a pixel is not a number");
-  }
-  if (!options.maps.empty()) result.warnings.push_back("no maps: " + why);
-  if (!options.over.empty()) result.warnings.push_back("--over has no effect: " + why);
-}
-
 ImageU32 read_ids(const std::string& path) {
   AnyImage image = read_image(path);
   auto* ids = std::get_if<ImageU32>(&image);
@@ -133,52 +72,35 @@ ImageU32 read_ids(const std::string& path) {
   return std::move(*ids);
 }
 
-void score_ids(const AnyImage& reference, const AnyImage& test, const Options& options, Result& result,
-               const metrics::Ssim* similarity) {
-  const auto* a = std::get_if<Image8>(&reference);
-  const auto* b = std::get_if<Image8>(&test);
-  if (!a || !b) throw Error("--ids-ref", "scores by agent need 8-bit pictures", "compare the PNG files");
-  const ImageU32 ids_a = read_ids(options.ids_reference);
-  const ImageU32 ids_b = read_ids(options.ids_test);
-  for (const auto& [ids, path] : {std::pair{&ids_a, &options.ids_reference}, std::pair{&ids_b, &options.ids_test}})
-    if (ids->width != a->width || ids->height != a->height)
-      throw Error(
-          *path,
-          fmt::format("is {} x {} pixels, the pictures are {} x {}", ids->width, ids->height, a->width, a->height),
-          "name the ids of the same frame");
-  result.agents = metrics::score_agents(*a, *b, ids_a, ids_b, {}, similarity);
-  const auto mask_a = metrics::mask_of(ids_a);
-  const auto mask_b = metrics::mask_of(ids_b);
-  const auto iou = metrics::silhouette_iou(mask_a, mask_b);
-  const auto boundary = metrics::boundary_distance(mask_a, mask_b);
-  result.silhouette = {{"iou", iou ? number(*iou) : nullptr},
-                       {"boundary_px_mean", boundary ? number(boundary->mean) : nullptr},
-                       {"boundary_px_p95", boundary ? number(boundary->p95) : nullptr}};
-  if (!iou) result.reasons["silhouette.iou"] = "both id pictures are empty";
-  if (!boundary) result.reasons["silhouette.boundary_px_mean"] = "an id picture has no boundary";
+void require_size(const AnyImage& image, int width, int height, const std::string& path, const std::string& of,
+                  const std::string& advice) {
+  std::visit(
+      [&](const auto& i) {
+        if (i.width != width || i.height != height)
+          throw Error(path, fmt::format("is {} x {} pixels, {} {} x {}", i.width, i.height, of, width, height), advice);
+      },
+      image);
 }
 
-Result compare(const Options& options) {
-  const auto colour = options.over.empty() ? std::nullopt : std::optional(parse_colour(options.over));
-  AnyImage reference = read_image(options.reference);
-  AnyImage test = read_image(options.test);
-  Result result;
-  const auto size = [](const AnyImage& image) {
-    return std::visit([](const auto& i) { return std::pair{i.width, i.height}; }, image);
-  };
-  std::tie(result.width, result.height) = size(reference);
-  const auto [width, height] = size(test);
-  if (width != result.width || height != result.height)
-    throw Error(
-        options.test,
-        fmt::format("is {} x {} pixels, {} is {} x {}", width, height, options.reference, result.width, result.height),
-        "compare pictures of one size");
+void read_both_ids(const Options& options, Pictures& pictures, const Result& result) {
+  if (!std::holds_alternative<Image8>(pictures.reference) || !std::holds_alternative<Image8>(pictures.test))
+    throw Error("--ids-ref", "scores by agent need 8-bit pictures", "compare the PNG files");
+  for (auto& [ids, path] : {std::pair<ImageU32&, const std::string&>{pictures.reference_ids, options.ids_reference},
+                            std::pair<ImageU32&, const std::string&>{pictures.test_ids, options.ids_test}}) {
+    ids = read_ids(path);
+    require_size(ids, result.width, result.height, path, "the pictures are", "name the ids of the same frame");
+  }
+}
 
-  const auto has_codes = [](const AnyImage& image) {
-    return std::holds_alternative<Image8>(image) || std::holds_alternative<Image16>(image);
-  };
-  for (auto& [image, path] : {std::pair<AnyImage&, const std::string&>{reference, options.reference},
-                              std::pair<AnyImage&, const std::string&>{test, options.test}}) {
+bool has_codes(const AnyImage& image) {
+  return std::holds_alternative<Image8>(image) || std::holds_alternative<Image16>(image);
+}
+
+// Alpha is composited away where a colour was given, else ignored with a warning; 8 bits beside 16 become 16.
+void prepare(const Options& options, Pictures& pictures, Result& result) {
+  const auto colour = options.over.empty() ? std::nullopt : std::optional(parse_colour(options.over));
+  for (auto& [image, path] : {std::pair<AnyImage&, const std::string&>{pictures.reference, options.reference},
+                              std::pair<AnyImage&, const std::string&>{pictures.test, options.test}}) {
     if (channels_of(image) != 4) continue;
     if (!colour || !has_codes(image))
       result.warnings.push_back(printable(path) + ": alpha is ignored" +
@@ -188,90 +110,159 @@ Result compare(const Options& options) {
     else
       image = metrics::over(std::get<Image16>(image), *colour);
   }
-
-  std::optional<metrics::Ssim> similarity;
-  if (!has_codes(reference) || !has_codes(test)) {
-    score_floats(reference, test, options, result);
-  } else if (std::holds_alternative<Image8>(reference) && std::holds_alternative<Image8>(test)) {
-    similarity = score_codes(std::get<Image8>(reference), std::get<Image8>(test), options, result);
-  } else {
-    const auto wide = [](const AnyImage& image) {
-      const auto* sixteen = std::get_if<Image16>(&image);
-      return sixteen ? *sixteen : metrics::widen(std::get<Image8>(image));
-    };
-    score_codes(wide(reference), wide(test), options, result);
-  }
-  if (!options.ids_reference.empty()) score_ids(reference, test, options, result, similarity ? &*similarity : nullptr);
-  return result;
+  const bool both_have_codes = has_codes(pictures.reference) && has_codes(pictures.test);
+  if (both_have_codes && pictures.reference.index() != pictures.test.index())
+    for (AnyImage* image : {&pictures.reference, &pictures.test})
+      if (const auto* eight = std::get_if<Image8>(image)) *image = metrics::widen(*eight);
+  if (both_have_codes) return;
+  if (!options.maps.empty()) result.warnings.push_back("no maps: the pictures have no 8-bit code values");
+  if (!options.over.empty()) result.warnings.push_back("--over has no effect: the pictures have no 8-bit code values");
 }
 
-ordered_json to_json(const Options& options, const Result& result) {
-  ordered_json out = {{"reference", options.reference}, {"test", options.test},    {"width", result.width},
-                      {"height", result.height},        {"scores", result.scores}, {"reasons", result.reasons}};
-  if (!result.worst.is_null()) out["worst"] = result.worst;
-  if (!options.over.empty()) out["over"] = options.over;
-  out["warnings"] = result.warnings;
-  out["maps"] = result.maps;
-  if (result.silhouette.is_null()) return out;
-  out["silhouette"] = result.silhouette;
-  out["agents"] = ordered_json::array();
-  for (const metrics::AgentScore& agent : result.agents)
-    out["agents"].push_back({{"id", agent.id},
-                             {"pixels_ref", agent.pixels_ref},
-                             {"pixels_test", agent.pixels_test},
-                             {"iou", agent.iou},
-                             {"mae", agent.mae},
-                             {"mse", agent.mse},
-                             {"psnr", number(agent.psnr)},
-                             {"ssim_union", agent.ssim_union ? ordered_json(*agent.ssim_union) : nullptr}});
+metrics::Buffers buffers_of(const AnyImage& image, const ImageU32& ids) {
+  metrics::Buffers out;
+  out.codes = std::get_if<Image8>(&image);
+  out.codes16 = std::get_if<Image16>(&image);
+  out.linear = std::get_if<ImageF>(&image);
+  if (!ids.empty()) out.ids = &ids;
   return out;
 }
 
-std::string text_of(const ordered_json& value) {
-  return value.is_null()     ? "-"
-         : value.is_string() ? value.get<std::string>()
-                             : fmt::format("{:.6f}", value.get<double>());
+void write_maps(const std::filesystem::path& folder, const metrics::ScoreInput& input, Result& result) {
+  const auto save = [&](const std::string& name, const Image8& image) {
+    write_png(folder / name, image);
+    result.maps.push_back((folder / name).string());
+  };
+  save("absdiff.png", input.reference.codes
+                          ? metrics::absolute_difference(*input.reference.codes, *input.test.codes)
+                          : metrics::absolute_difference(*input.reference.codes16, *input.test.codes16));
+  for (const auto& [score, scored] : result.scores) {
+    if (score->map_file.empty()) continue;
+    const std::string name = std::string(score->map_file) + ".png";
+    if (scored.map)
+      save(name, metrics::map_picture(*score, *scored.map));
+    else
+      result.warnings.push_back(fmt::format("no {}: {}", name, scored.reason));
+  }
+}
+
+Result compare(const Options& options, metrics::ScoreTable table) {
+  Pictures pictures{read_image(options.reference), read_image(options.test), {}, {}};
+  Result result;
+  std::tie(result.width, result.height) = std::visit(
+      [](const auto& i) {
+        return std::pair{i.width, i.height};
+      },
+      pictures.reference);
+  require_size(pictures.test, result.width, result.height, options.test, options.reference + " is",
+               "compare pictures of one size");
+  prepare(options, pictures, result);
+  if (!options.ids_reference.empty()) read_both_ids(options, pictures, result);
+
+  metrics::ScoreInput input{buffers_of(pictures.reference, pictures.reference_ids),
+                            buffers_of(pictures.test, pictures.test_ids)};
+  const bool codes = (metrics::given(input) & metrics::kNeedsCodes) != 0;
+  input.maps = codes && !options.maps.empty();
+  metrics::Shared shared;
+  // Scores of code values are what people expect: pictures without them say why there are none.
+  result.scores = metrics::score_pictures(table, input, shared, metrics::kNeedsCodes);
+  if (codes) result.worst = metrics::region_difference(input, shared);
+  if (input.maps) write_maps(options.maps, input, result);
+  if (input.reference.ids) result.by_agent = metrics::score_agents(table, input, shared);
+  return result;
+}
+
+// The scores of the silhouettes alone, under the names that they have among themselves.
+ordered_json silhouettes_json(const Result& result, ordered_json& reasons) {
+  ordered_json out = ordered_json::object();
+  for (const auto& [score, scored] : result.scores) {
+    if (score->needs != metrics::kNeedsIds) continue;
+    const std::string name(metrics::name_among_silhouettes(*score));
+    out[name] = score_json(scored);
+    if (!scored.value) reasons["silhouette." + name] = scored.reason;
+  }
+  return out;
+}
+
+ordered_json agents_json(const metrics::AgentScores& scores) {
+  ordered_json out = ordered_json::array();
+  for (const metrics::AgentRow& agent : scores.agents) {
+    ordered_json row = {{"id", agent.id}, {"pixels_ref", agent.pixels_ref}, {"pixels_test", agent.pixels_test}};
+    for (size_t s = 0; s < scores.scores.size(); ++s)
+      row[std::string(metrics::name_among_silhouettes(*scores.scores[s]))] = json_number(agent.values[s]);
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+ordered_json to_json(const Options& options, const Result& result) {
+  ordered_json scores = ordered_json::object();
+  ordered_json reasons = ordered_json::object();
+  put_scores(scores, reasons, result.scores);
+  ordered_json out = {{"reference", options.reference}, {"test", options.test}, {"width", result.width},
+                      {"height", result.height},        {"scores", scores},     {"reasons", reasons}};
+  if (result.worst)
+    out["worst"] = {{"difference", result.worst->worst}, {"x", result.worst->worst_x}, {"y", result.worst->worst_y}};
+  if (!options.over.empty()) out["over"] = options.over;
+  out["warnings"] = result.warnings;
+  out["maps"] = result.maps;
+  if (!result.by_agent) return out;
+  out["silhouette"] = silhouettes_json(result, out["reasons"]);
+  out["agents"] = agents_json(*result.by_agent);
+  return out;
+}
+
+void print_agents(const metrics::AgentScores& scores) {
+  fmt::print("{:>8} {:>9} {:>9}", "agent id", "px ref", "px test");
+  for (const metrics::Score* score : scores.scores) fmt::print(" {:>9}", score->column);
+  fmt::print("\n");
+  for (const metrics::AgentRow& agent : scores.agents) {
+    fmt::print("{:>8} {:>9} {:>9}", agent.id, agent.pixels_ref, agent.pixels_test);
+    for (size_t s = 0; s < scores.scores.size(); ++s)
+      fmt::print(" {:>9}", metrics::value_text(*scores.scores[s], agent.values[s]));
+    fmt::print("\n");
+  }
 }
 
 void print_text(const Result& result) {
-  const std::map<std::string, std::string> meanings = {
-      {"mae", "mean absolute error, code values; 0 = equal, 255 = the most"},
-      {"mse", "mean squared error, code values squared; 0 = equal"},
-      {"psnr", "peak signal to noise, dB; inf = equal"},
-      {"ssim", "structural similarity (luma); 1 = equal"},
-      {"ms_ssim", "structural similarity over five scales; 1 = equal"},
-      {"gmsd", "gradient magnitude similarity deviation; 0 = equal"},
-      {"linear_mae", "mean absolute error in the pictures' own unit"},
-      {"linear_rms", "root mean square error in the pictures' own unit"}};
   fmt::print("{} x {} pixels\n", result.width, result.height);
-  for (const auto& [name, value] : result.scores.items())
-    fmt::print("  {:<10} {:>14}  {}\n", name, text_of(value),
-               value.is_null() ? "not available: " + result.reasons[name].get<std::string>() : meanings.at(name));
-  if (!result.worst.is_null())
-    fmt::print("  largest difference {} at pixel ({}, {})\n", result.worst["difference"].get<double>(),
-               result.worst["x"].get<int>(), result.worst["y"].get<int>());
+  for (const auto& [score, scored] : result.scores) {
+    fmt::print("  {:<16} {:>12}  ", score->name, metrics::value_text(*score, scored.value));
+    if (scored.value)
+      fmt::print("{}{}{}; {:g} = equal\n", score->title, score->unit.empty() ? "" : ", ", score->unit,
+                 metrics::best_value(*score));
+    else
+      fmt::print("not available: {}\n", scored.reason);
+    for (const auto& [name, value] : scored.pooled)
+      fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
+  }
+  if (result.worst)
+    fmt::print("  largest difference {} at pixel ({}, {})\n", result.worst->worst, result.worst->worst_x,
+               result.worst->worst_y);
   for (const std::string& map : result.maps) fmt::print("  wrote {}\n", map);
-  if (result.silhouette.is_null()) return;
-  fmt::print("silhouettes: IoU {}, boundary {} px on average, {} px at the 95th percentile\n",
-             text_of(result.silhouette["iou"]), text_of(result.silhouette["boundary_px_mean"]),
-             text_of(result.silhouette["boundary_px_p95"]));
-  fmt::print("{:>8} {:>9} {:>9} {:>8} {:>9} {:>9} {:>10}\n", "agent id", "px ref", "px test", "IoU", "MAE", "PSNR",
-             "SSIM union");
-  for (const metrics::AgentScore& a : result.agents)
-    fmt::print("{:>8} {:>9} {:>9} {:>8.4f} {:>9.3f} {:>9.3f} {:>10}\n", a.id, a.pixels_ref, a.pixels_test, a.iou, a.mae,
-               a.psnr, a.ssim_union ? fmt::format("{:.4f}", *a.ssim_union) : "-");
+  if (result.by_agent) print_agents(*result.by_agent);
+}
+
+// "; error_pseudocolour.png mean absolute error; ..."
+std::string maps_text(metrics::ScoreTable table) {
+  std::string text;
+  for (const metrics::Score* score : table)
+    if (!score->map_file.empty()) text += fmt::format(";\n  {}.png {}", score->map_file, score->title);
+  return text;
 }
 
 }  // namespace
 
-void add_compare(CLI::App& app, Run& run) {
+void add_compare(CLI::App& app, Run& run) { add_compare(app, run, metrics::scores()); }
+
+void add_compare(CLI::App& app, Run& run, metrics::ScoreTable table) {
   CLI::App* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
   command->footer(
-      "Scores are over sRGB code values of 0..255 as they lie in the files; SSIM, MS-SSIM and GMSD are of BT.601 "
-      "luma.\n"
-      "Maps: absdiff.png |a - b| by channel; error_pseudocolour.png dark blue (equal) to red (the most), with its "
-      "colour\n"
-      "bar; ssim_map.png white (equal) to black, one pixel a window, so 10 pixels narrower and lower.\n\n"
+      std::string(
+          "Scores are over sRGB code values of 0..255 as they lie in the files, those of structure over BT.601 luma;\n"
+          "`crowdbench schema --scores` says what each is.\n") +
+      "Maps: absdiff.png |a - b| by channel" + maps_text(table) +
+      ".\n\n"
       "Examples:\n"
       "  crowdbench compare mesh.png flat.png\n"
       "  crowdbench compare mesh.png flat.png --maps out/maps --json\n"
@@ -290,9 +281,9 @@ void add_compare(CLI::App& app, Run& run) {
   ids_ref->needs(ids_test);
   ids_test->needs(ids_ref);
   command->add_flag("--json", options->json, "print JSON");
-  command->callback([options, &run] {
-    run = [options] {
-      const Result result = compare(*options);
+  command->callback([options, table, &run] {
+    run = [options, table] {
+      const Result result = compare(*options, table);
       for (const std::string& warning : result.warnings) fmt::print(stderr, "crowdbench: warning: {}\n", warning);
       if (options->json)
         fmt::print("{}\n", to_json(*options, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));

@@ -8,6 +8,7 @@
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/quality.h"
+#include "bench/experiments/score_rows.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -126,16 +127,7 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
     comparison.elevation_deg = row.view.elevation_deg;
     comparison.clip = motion != nullptr ? motion->name : "none";
     comparison.time = row.view.time;
-    const auto score = [&](const char* name, const std::optional<double>& value) {
-      comparison.scores.push_back({name, value, value ? "" : "does not exist for this picture"});
-    };
-    const metrics::FigureScores& scores = row.scores;
-    score("silhouette_iou", scores.silhouette_iou);
-    score("boundary_px_mean", scores.boundary ? std::optional(scores.boundary->mean) : std::nullopt);
-    score("boundary_px_p95", scores.boundary ? std::optional(scores.boundary->p95) : std::nullopt);
-    score("ssim", scores.ssim);
-    score("ssim_union", scores.ssim_union);
-    score("psnr", scores.psnr);
+    comparison.scores = score_rows(row.scores.scores);
     const int64_t id = store.write(comparison);
     // One view of each height is shown.
     if (row.view.azimuth_deg != azimuths[azimuths.size() / 4] || row.view.elevation_deg != 15.0 ||
@@ -232,7 +224,8 @@ int run_demo(const Options& options) {
   }
   steps.next("writing the report");
   const std::filesystem::path page = folder / "report.html";
-  write_file(page, std::string_view(reports::report_page(read_store(results), {results.filename().string()})));
+  write_file(page, std::string_view(reports::report_page(
+                       read_store(results), {results.filename().string(), score_docs(metrics::scores())})));
   fmt::print("{}\n", std::filesystem::absolute(page).lexically_normal().string());
   return status;
 }

@@ -2,14 +2,17 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
+#include "bench/commands/score_commands.h"
+#include "bench/commands/score_json.h"
 #include "bench/experiments/pop_map.h"
+#include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
@@ -44,14 +47,15 @@ struct Options {
   bool json = false;
 };
 
-Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+using Scores = std::vector<const metrics::Score*>;
 
-Json to_json(const PopCell& cell) {
-  const auto scores = [](const PopScores& s) {
-    return Json{{"mae", number(s.cut.mae)},
-                {"ssim_union", number(s.cut.ssim_union)},
-                {"fade_step_mae", number(s.fade_step.mae)},
-                {"fade_step_ssim_union", number(s.fade_step.ssim_union)}};
+Json to_json(const PopCell& cell, const Scores& scores) {
+  const auto values = [&](const PopScores& s) {
+    Json out = Json::object();
+    for (const auto& [prefix, of_kind] : {std::pair("", &s.cut), std::pair("fade_step_", &s.fade_step)})
+      for (size_t i = 0; i < scores.size(); ++i)
+        out[prefix + std::string(scores[i]->name)] = json_number((*of_kind)[i]);
+    return out;
   };
   return {{"ratio", cell.ratio > 0 ? Json(cell.ratio) : Json(nullptr)},
           {"height_px", cell.height_px},
@@ -59,8 +63,8 @@ Json to_json(const PopCell& cell) {
           {"elevation_deg", cell.elevation_deg},
           {"phase", cell.phase},
           {"shown_phase", cell.shown_phase},
-          {"own_pose", scores(cell.own)},
-          {"matched_pose", scores(cell.matched)}};
+          {"own_pose", values(cell.own)},
+          {"matched_pose", values(cell.matched)}};
 }
 
 struct Way {
@@ -69,9 +73,9 @@ struct Way {
   const char* text;
 };
 constexpr Way kSwitchKinds[] = {{false, false, "own_cut", "own pose, cut"},
-                         {false, true, "own_fade", "own pose, fade step"},
-                         {true, false, "matched_cut", "matched pose, cut"},
-                         {true, true, "matched_fade", "matched pose, fade step"}};
+                                {false, true, "own_fade", "own pose, fade step"},
+                                {true, false, "matched_cut", "matched pose, cut"},
+                                {true, true, "matched_fade", "matched pose, fade step"}};
 
 // Cells of one size.
 std::vector<std::vector<PopCell>> by_size(const std::vector<PopCell>& cells) {
@@ -88,48 +92,49 @@ std::string size_text(const PopCell& cell) {
                         : fmt::format("{:.0f} px tall", cell.height_px);
 }
 
-Json statistics_json(const std::vector<PopCell>& cells) {
+Json statistics_json(const std::vector<PopCell>& cells, const Scores& scores) {
   Json out = Json::object();
   for (const Way& way : kSwitchKinds)
-    for (const auto& [measure, name] :
-         {std::pair(PopMeasure::mae, "mae"), std::pair(PopMeasure::ssim_union, "ssim_union")}) {
-      const auto s = summarise_pops(cells, measure, way.matched, way.fade);
+    for (size_t i = 0; i < scores.size(); ++i) {
+      Json& place = out[way.key][std::string(scores[i]->name)];
+      const auto s = summarise_pops(cells, *scores[i], i, way.matched, way.fade);
       if (!s) {
-        out[way.key][name] = nullptr;
+        place = nullptr;
         continue;
       }
       const PopCell& worst = cells[s->worst_cell];
-      out[way.key][name] = {{"mean", s->mean},
-                            {measure == PopMeasure::mae ? "p95" : "p05", s->tail},
-                            {"worst", s->worst},
-                            {"worst_at",
-                             {{"azimuth_deg", worst.azimuth_deg},
-                              {"elevation_deg", worst.elevation_deg},
-                              {"phase", worst.phase},
-                              {"height_px", worst.height_px}}}};
+      place = {{"mean", json_number(s->mean)},
+               {tail_name(*scores[i]), json_number(s->tail)},
+               {"worst", json_number(s->worst)},
+               {"worst_at",
+                {{"azimuth_deg", worst.azimuth_deg},
+                 {"elevation_deg", worst.elevation_deg},
+                 {"phase", worst.phase},
+                 {"height_px", worst.height_px}}}};
     }
   return out;
 }
 
-std::string csv(const std::vector<PopCell>& cells) {
-  std::string out =
-      "ratio,height_px,azimuth_deg,elevation_deg,phase,shown_phase,own_mae,own_ssim_union,own_fade_step_mae,"
-      "own_fade_step_ssim_union,matched_mae,matched_ssim_union,matched_fade_step_mae,matched_fade_step_ssim_union\n";
-  const auto text = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string(); };
+std::string csv(const std::vector<PopCell>& cells, const Scores& scores) {
+  std::string out = "ratio,height_px,azimuth_deg,elevation_deg,phase,shown_phase";
+  for (const char* pose : {"own_", "matched_"})
+    for (const char* kind : {"", "fade_step_"})
+      for (const metrics::Score* score : scores) out += fmt::format(",{}{}{}", pose, kind, score->name);
+  out += "\n";
   for (const PopCell& c : cells) {
     out += fmt::format("{},{},{},{},{},{}", c.ratio > 0 ? fmt::format("{}", c.ratio) : "", c.height_px, c.azimuth_deg,
                        c.elevation_deg, c.phase, c.shown_phase);
     for (const PopScores* s : {&c.own, &c.matched})
-      for (const std::optional<double>* v :
-           {&s->cut.mae, &s->cut.ssim_union, &s->fade_step.mae, &s->fade_step.ssim_union})
-        out += "," + text(*v);
+      for (const auto* of_kind : {&s->cut, &s->fade_step})
+        for (const std::optional<double>& v : *of_kind) out += v ? fmt::format(",{}", *v) : ",";
     out += "\n";
   }
   return out;
 }
 
-// Means over the phases, elevation upwards, azimuth to the right: a panel a size and a way of switching.
-Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& request) {
+// Means of a score over the phases, elevation upwards, azimuth to the right: a panel a size and a way of switching.
+Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& request, const metrics::Score& score,
+                     size_t place) {
   std::vector<std::vector<metrics::HeatPanel>> panels;
   double high = 0;
   std::vector<double> elevations = request.elevations_deg;
@@ -148,9 +153,9 @@ Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& reques
           int count = 0;
           for (const PopCell& cell : size)
             if (cell.azimuth_deg == a && cell.elevation_deg == e) {
-              const std::optional<double>& mae = (way.matched ? cell.matched : cell.own).cut.mae;
-              sum += mae.value_or(0);
-              count += mae ? 1 : 0;
+              const std::optional<double>& value = (way.matched ? cell.matched : cell.own).cut[place];
+              sum += value.value_or(0);
+              count += value ? 1 : 0;
             }
           panel.values.push_back(count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN());
           if (count > 0) high = std::max(high, panel.values.back());
@@ -162,7 +167,8 @@ Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& reques
   }
   return metrics::heat_map(
       panels, high > 0 ? high : 1.0,
-      "MAE over the silhouettes, code values, mean of the phases; azimuth across, elevation up, degrees");
+      fmt::format("{} over the silhouettes, {}{}mean of the phases; azimuth across, elevation up, degrees",
+                  score.column, score.unit, score.unit.empty() ? "" : ", "));
 }
 
 // Mesh, impostor and their difference next to each other, cut to the figures.
@@ -187,7 +193,7 @@ Image8 draw_worst(const PopPictures& pictures) {
 
 // Pictures of a cell, cut to the figures.
 struct Worst {
-  double mae = -1;
+  std::optional<double> value;
   PopPictures pictures;
 };
 
@@ -201,26 +207,27 @@ reports::PopPicture picture_of(const Image8& image, const metrics::Box& box, con
   return {caption, rgb.width * zoom, rgb.height * zoom, encode_png(rgb)};
 }
 
-reports::PopPoint point_of(const PopCell& cell) {
-  reports::PopPoint point{cell.ratio, cell.height_px, cell.azimuth_deg, cell.elevation_deg, cell.phase, {}, {}};
+reports::PopPoint point_of(const PopCell& cell, const Scores& scores) {
+  reports::PopPoint point{cell.ratio, cell.height_px, cell.azimuth_deg, cell.elevation_deg, cell.phase, {}};
+  point.scores.resize(scores.size());
   for (size_t w = 0; w < std::size(kSwitchKinds); ++w) {
-    const PopScores& scores = kSwitchKinds[w].matched ? cell.matched : cell.own;
-    const PopScore& score = kSwitchKinds[w].fade ? scores.fade_step : scores.cut;
-    point.mae[w] = score.mae;
-    point.ssim_union[w] = score.ssim_union;
+    const PopScores& of_pose = kSwitchKinds[w].matched ? cell.matched : cell.own;
+    for (size_t i = 0; i < scores.size(); ++i)
+      point.scores[i][w] = (kSwitchKinds[w].fade ? of_pose.fade_step : of_pose.cut)[i];
   }
   return point;
 }
 
-reports::PopSize page_size(const std::vector<PopCell>& cells, const PopPictures* pictures, int fade) {
+reports::PopSize page_size(const std::vector<PopCell>& cells, const Scores& scores, const PopPictures* pictures,
+                           int fade) {
   static_assert(std::size(kSwitchKinds) == reports::kPopSwitchKinds);
   reports::PopSize size;
-  for (const PopCell& cell : cells) size.points.push_back(point_of(cell));
-  for (size_t w = 0; w < std::size(kSwitchKinds); ++w)
-    for (const auto& [measure, to] :
-         {std::pair(PopMeasure::mae, &size.mae), std::pair(PopMeasure::ssim_union, &size.ssim_union)})
-      if (const auto s = summarise_pops(cells, measure, kSwitchKinds[w].matched, kSwitchKinds[w].fade))
-        (*to)[w] = reports::PopSummary{s->mean, s->tail, s->worst, size.points[s->worst_cell]};
+  for (const PopCell& cell : cells) size.points.push_back(point_of(cell, scores));
+  size.summaries.resize(scores.size());
+  for (size_t i = 0; i < scores.size(); ++i)
+    for (size_t w = 0; w < std::size(kSwitchKinds); ++w)
+      if (const auto s = summarise_pops(cells, *scores[i], i, kSwitchKinds[w].matched, kSwitchKinds[w].fade))
+        size.summaries[i][w] = reports::PopSummary{s->mean, s->tail, s->worst, size.points[s->worst_cell]};
   if (pictures == nullptr) return size;
   const auto box = metrics::crop_box(metrics::mask_of(pictures->mesh.ids), metrics::mask_of(pictures->impostor.ids));
   if (!box) return size;
@@ -235,8 +242,9 @@ reports::PopSize page_size(const std::vector<PopCell>& cells, const PopPictures*
   return size;
 }
 
-int run_popmap(const Options& options) {
+PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   PopRequest request;
+  request.table = table;
   request.representation = renderers::parse_spec(options.representation);
   request.azimuths_deg = parse_numbers(options.azimuths, "--azimuth-deg", -360, 360);
   request.elevations_deg = parse_numbers(options.elevations, "--elevation-deg", -90, 90);
@@ -252,83 +260,130 @@ int run_popmap(const Options& options) {
                        : scene::require_clip(*request.character, options.clip);
   request.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
   request.use_cache = !options.no_cache;
-  const size_t sizes = request.heights_px.empty() ? request.ratios.size() : request.heights_px.size();
-  const size_t total = sizes * request.azimuths_deg.size() * request.elevations_deg.size() * request.phases.size();
-  constexpr size_t kMost = 200'000;
-  if (total > kMost)
-    throw Error("popmap", fmt::format("{} cells are more than {}", total, kMost), "ask for fewer views");
+  return request;
+}
 
-  const auto context = open_context(options.device);
-  std::vector<Worst> worst(sizes);  // by size
+size_t sizes_of(const PopRequest& request) {
+  return request.heights_px.empty() ? request.ratios.size() : request.heights_px.size();
+}
+size_t cells_of(const PopRequest& request) {
+  return sizes_of(request) * request.azimuths_deg.size() * request.elevations_deg.size() * request.phases.size();
+}
+
+// What was found, and the worst cell of each size by the ranking score.
+struct PopMap {
   std::vector<PopCell> cells;
-  {
-    Progress progress("pop map", total);
-    size_t done = 0;
-    cells = compute_pop_map(*context, request, [&](const PopCell& cell, const PopPictures& pictures) {
-      Worst& here = worst[done++ / (total / sizes)];
-      progress.advance(1);
-      if (cell.own.cut.mae && *cell.own.cut.mae > here.mae) here = {*cell.own.cut.mae, pictures};
-    });
-  }
+  Scores scores;
+  size_t ranking = 0;  // into scores
+  std::vector<Worst> worst;
+};
+
+PopMap measure(gl::Context& context, const PopRequest& request) {
+  PopMap map;
+  map.scores = pop_scores(request.table);
+  if (map.scores.empty()) throw Error("popmap", "there is no score of a figure to draw a map of");
+  const metrics::Score& ranking = metrics::ranking_score(map.scores);
+  map.ranking = static_cast<size_t>(std::find(map.scores.begin(), map.scores.end(), &ranking) - map.scores.begin());
+  map.worst.resize(sizes_of(request));
+  const size_t total = cells_of(request);
+  Progress progress("pop map", total);
+  size_t done = 0;
+  map.cells = compute_pop_map(context, request, [&](const PopCell& cell, const PopPictures& pictures) {
+    Worst& here = map.worst[done++ / (total / map.worst.size())];
+    progress.advance(1);
+    const std::optional<double>& value = cell.own.cut[map.ranking];
+    if (value && (!here.value || metrics::is_worse(ranking, *value, *here.value))) here = {*value, pictures};
+  });
+  return map;
+}
+
+Json report_of(const PopMap& map, const PopRequest& request, const std::string& renderer) {
   Json report = {{"character", request.character->name},
                  {"representation", request.representation.text()},
                  {"fade", request.fade},
-                 {"renderer", context->renderer()},
+                 {"renderer", renderer},
                  {"sizes", Json::array()}};
-  for (const auto& size : by_size(cells))
+  for (const auto& size : by_size(map.cells))
     report["sizes"].push_back({{"ratio", size.front().ratio > 0 ? Json(size.front().ratio) : Json(nullptr)},
                                {"height_px", size.front().height_px},
                                {"cells", size.size()},
-                               {"switch", statistics_json(size)}});
-  if (!options.out.empty()) {
-    const std::filesystem::path folder = options.out;
-    std::filesystem::create_directories(folder);
-    Json whole = report;
-    whole["cells"] = Json::array();
-    for (const PopCell& cell : cells) whole["cells"].push_back(to_json(cell));
-    write_file(folder / "popmap.json", whole.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
-    write_file(folder / "popmap.csv", csv(cells));
-    write_png(folder / "heat_map.png", draw_heat_map(cells, request));
-    const auto worst_of_all =
-        std::max_element(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) { return a.mae < b.mae; });
-    if (worst_of_all->mae >= 0) write_png(folder / "worst.png", draw_worst(worst_of_all->pictures));
-    reports::PopPage page{request.representation.text(),
-                          request.character->name,
-                          request.clip < 0 ? "none" : request.character->clips[static_cast<size_t>(request.clip)].name,
-                          context->renderer(),
-                          fmt::format("crowdbench {} ({})", version(), git_revision()),
-                          context->is_software(),
-                          request.fade,
-                          {}};
-    const auto groups = by_size(cells);
-    for (size_t i = 0; i < groups.size(); ++i)
-      page.sizes.push_back(page_size(groups[i], worst[i].mae >= 0 ? &worst[i].pictures : nullptr, request.fade));
-    write_file(folder / "popmap.html", std::string_view(reports::pop_page(page)));
+                               {"switch", statistics_json(size, map.scores)}});
+  return report;
+}
+
+void write_page(const std::filesystem::path& path, const PopMap& map, const PopRequest& request,
+                const gl::Context& context) {
+  reports::PopPage page;
+  page.representation = request.representation.text();
+  page.character = request.character->name;
+  page.clip = request.clip < 0 ? "none" : request.character->clips[static_cast<size_t>(request.clip)].name;
+  page.renderer = context.renderer();
+  page.program = fmt::format("crowdbench {} ({})", version(), git_revision());
+  page.software = context.is_software();
+  page.fade = request.fade;
+  page.scores = score_docs(map.scores);
+  page.ranking = map.ranking;
+  const auto groups = by_size(map.cells);
+  for (size_t i = 0; i < groups.size(); ++i)
+    page.sizes.push_back(
+        page_size(groups[i], map.scores, map.worst[i].value ? &map.worst[i].pictures : nullptr, request.fade));
+  write_file(path, std::string_view(reports::pop_page(page)));
+}
+
+void write_folder(const std::filesystem::path& folder, const PopMap& map, const PopRequest& request, Json report,
+                  const gl::Context& context) {
+  std::filesystem::create_directories(folder);
+  const metrics::Score& ranking = *map.scores[map.ranking];
+  report["cells"] = Json::array();
+  for (const PopCell& cell : map.cells) report["cells"].push_back(to_json(cell, map.scores));
+  write_file(folder / "popmap.json", report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file(folder / "popmap.csv", csv(map.cells, map.scores));
+  write_png(folder / "heat_map.png", draw_heat_map(map.cells, request, ranking, map.ranking));
+  const auto worst = std::max_element(map.worst.begin(), map.worst.end(), [&](const Worst& a, const Worst& b) {
+    return b.value && (!a.value || metrics::is_worse(ranking, *b.value, *a.value));
+  });
+  if (worst->value) write_png(folder / "worst.png", draw_worst(worst->pictures));
+  write_page(folder / "popmap.html", map, request, context);
+}
+
+void print_text(const PopMap& map, const PopRequest& request) {
+  fmt::print("{} against the mesh of {}: {} azimuths x {} elevations x {} phases, cross-fade of {} ticks\n",
+             request.representation.text(), printable(request.character->name), request.azimuths_deg.size(),
+             request.elevations_deg.size(), request.phases.size(), request.fade);
+  for (const auto& size : by_size(map.cells)) {
+    fmt::print("{}\n  {:<26} {:<10}{:>8}{:>13}{:>9}   worst at\n", size_text(size.front()), "", "", "mean",
+               "95 % within", "worst");
+    for (const Way& way : kSwitchKinds)
+      for (size_t i = 0; i < map.scores.size(); ++i) {
+        const metrics::Score& score = *map.scores[i];
+        if ((score.uses & metrics::kInTables) == 0) continue;
+        const auto s = summarise_pops(size, score, i, way.matched, way.fade);
+        if (!s) {
+          fmt::print("  {:<26} {:<10} not available: {}\n", way.text, score.column, score.absence);
+          continue;
+        }
+        const PopCell& at = size[s->worst_cell];
+        fmt::print("  {:<26} {:<10}{:>8}{:>13}{:>9}   azimuth {:g}, elevation {:g}, phase {:g}\n", way.text,
+                   score.column, metrics::value_text(score, s->mean), metrics::value_text(score, s->tail),
+                   metrics::value_text(score, s->worst), at.azimuth_deg, at.elevation_deg, at.phase);
+      }
   }
+}
+
+int run_popmap(const Options& options, metrics::ScoreTable table) {
+  const PopRequest request = read_options(options, table);
+  constexpr size_t kMost = 200'000;
+  if (const size_t total = cells_of(request); total > kMost)
+    throw Error("popmap", fmt::format("{} cells are more than {}", total, kMost), "ask for fewer views");
+  const auto context = open_context(options.device);
+  const PopMap map = measure(*context, request);
+  const Json report = report_of(map, request, context->renderer());
+  if (!options.out.empty()) write_folder(options.out, map, request, report, *context);
   if (options.json) {
     fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
     return 0;
   }
-  fmt::print("{} against the mesh of {}: {} azimuths x {} elevations x {} phases, cross-fade of {} ticks\n",
-             request.representation.text(), printable(request.character->name), request.azimuths_deg.size(),
-             request.elevations_deg.size(), request.phases.size(), request.fade);
-  for (const auto& size : by_size(cells)) {
-    fmt::print("{}\n  {:<26}{:>8}{:>8}{:>8}   {:>8}{:>8}{:>8}   worst at (MAE)\n", size_text(size.front()), "", "MAE",
-               "p95", "worst", "SSIM", "p05", "worst");
-    for (const Way& way : kSwitchKinds) {
-      const auto mae = summarise_pops(size, PopMeasure::mae, way.matched, way.fade);
-      const auto ssim = summarise_pops(size, PopMeasure::ssim_union, way.matched, way.fade);
-      if (!mae) {
-        fmt::print("  {:<26} nothing is drawn\n", way.text);
-        continue;
-      }
-      const PopCell& at = size[mae->worst_cell];
-      const std::string similarity = ssim ? fmt::format("{:>8.3f}{:>8.3f}{:>8.3f}", ssim->mean, ssim->tail, ssim->worst)
-                                          : fmt::format("{:>24}", "too small");
-      fmt::print("  {:<26}{:>8.2f}{:>8.2f}{:>8.2f}   {}   azimuth {:g}, elevation {:g}, phase {:g}\n", way.text,
-                 mae->mean, mae->tail, mae->worst, similarity, at.azimuth_deg, at.elevation_deg, at.phase);
-    }
-  }
+  print_text(map, request);
   if (!options.out.empty())
     fmt::print("popmap.html, popmap.json, popmap.csv, heat_map.png, worst.png in {}\n", printable(options.out));
   return 0;
@@ -336,11 +391,13 @@ int run_popmap(const Options& options) {
 
 }  // namespace
 
-void add_popmap(CLI::App& app, Run& run) {
+void add_popmap(CLI::App& app, Run& run) { add_popmap(app, run, metrics::scores()); }
+
+void add_popmap(CLI::App& app, Run& run, metrics::ScoreTable table) {
   CLI::App* command =
       app.add_subcommand("popmap", "What a switch from the mesh would show, over views, phases and sizes");
   command->footer(
-      "Mesh and impostor at the identical camera and frame: MAE and SSIM over their silhouettes. `own pose`: the mesh\n"
+      "Mesh and impostor at the identical camera and frame: scores over their silhouettes. `own pose`: the mesh\n"
       "shows the exact phase, the impostor its stored frame; `matched pose`: the mesh shows the stored frame too.\n"
       "`fade step`: the largest step of a cross-fade.\n\n"
       "Examples:\n"
@@ -362,7 +419,7 @@ void add_popmap(CLI::App& app, Run& run) {
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   add_device_option(*command, options->device);
   command->add_flag("--json", options->json, "print JSON");
-  command->callback([options, &run] { run = [options] { return run_popmap(*options); }; });
+  command->callback([options, table, &run] { run = [options, table] { return run_popmap(*options, table); }; });
 }
 
 }  // namespace crowdbench::bench

@@ -10,13 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
+#include "bench/commands/score_commands.h"
+#include "bench/commands/score_json.h"
+#include "bench/experiments/score_rows.h"
 #include "core/error.h"
+#include "core/hash.h"
 #include "core/image_io.h"
 #include "core/progress.h"
-#include "metrics/pseudocolour.h"
-#include "metrics/temporal.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
@@ -46,29 +47,25 @@ struct Options {
   bool json = false;
 };
 
-ordered_json number(std::optional<double> value) {
-  if (!value || std::isnan(*value)) return nullptr;
-  if (std::isinf(*value)) return *value > 0 ? "inf" : "-inf";
-  return *value;
-}
-
-ordered_json to_json(const QualityRow& row, const std::string& clip) {
-  const metrics::FigureScores& s = row.scores;
-  return {{"representation", row.representation},
-          {"height_px", row.view.height_px},
-          {"azimuth_deg", row.view.azimuth_deg},
-          {"elevation_deg", row.view.elevation_deg},
-          {"clip", clip},
-          {"time", row.view.time},
-          {"phase", row.phase},
-          {"distance_m", row.distance},
-          {"silhouette_iou", number(s.silhouette_iou)},
-          {"boundary_px_mean", number(s.boundary ? std::optional(s.boundary->mean) : std::nullopt)},
-          {"boundary_px_p95", number(s.boundary ? std::optional(s.boundary->p95) : std::nullopt)},
-          {"ssim", number(s.ssim)},
-          {"ssim_union", number(s.ssim_union)},
-          {"psnr", number(s.psnr)},
-          {"mae", number(s.mae)}};
+// Representations as parts of file names: letters, digits and . = - stay, the rest becomes _. Long texts are cut, and
+// those that then look alike get some digits of the text's hash.
+std::vector<std::string> file_names(const std::vector<std::string>& representations) {
+  constexpr size_t kLongest = 80;
+  std::vector<std::string> names;
+  for (const std::string& text : representations) {
+    std::string name;
+    for (const char c : text.substr(0, kLongest))
+      name +=
+          (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '=' || c == '-'
+              ? c
+              : '_';
+    names.push_back(std::move(name));
+  }
+  std::vector<std::string> out = names;
+  for (size_t i = 0; i < names.size(); ++i)
+    if (representations[i].size() > kLongest || std::count(names.begin(), names.end(), names[i]) > 1)
+      out[i] += "-" + sha256_hex(representations[i]).substr(0, 8);
+  return out;
 }
 
 // Two pictures of one height next to each other, four grey pixels between them.
@@ -82,59 +79,73 @@ Image8 side_by_side(const Image8& a, const Image8& b) {
   return out;
 }
 
-void write_maps(const std::filesystem::path& folder, const QualityRow& row, const QualityPictures& pictures,
-                size_t representation) {
-  const auto box = metrics::crop_box(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids));
-  if (!box) return;
-  const Image8 reference = metrics::crop(pictures.reference.colour, *box);
-  const Image8 test = metrics::crop(pictures.test.colour, *box);
-  const std::string name =
-      fmt::format("{}h{:g}_a{:g}_e{:g}_t{:g}", representation == 0 ? "" : fmt::format("r{}_", representation),
-                  row.view.height_px, row.view.azimuth_deg, row.view.elevation_deg, row.view.time);
+// "relief_map=64_h120_a45_e0_t0.25": which representation, height, azimuth, elevation and time.
+std::string stem(const std::string& representation, const QualityView& view) {
+  return fmt::format("{}_h{}_a{}_e{}_t{}", representation, view.height_px, view.azimuth_deg, view.elevation_deg,
+                     view.time);
+}
+
+void write_maps(const std::filesystem::path& folder, const std::string& name, const QualityRow& row,
+                const QualityPictures& pictures) {
+  if (!row.scores.box) return;
+  const Image8 reference = metrics::crop(pictures.reference.colour, *row.scores.box);
+  const Image8 test = metrics::crop(pictures.test.colour, *row.scores.box);
   write_png(folder / (name + "_reference.png"), reference);
   write_png(folder / (name + "_test.png"), test);
   write_png(folder / (name + "_side_by_side.png"), side_by_side(reference, test));
-  write_png(folder / (name + "_difference.png"),
-            metrics::with_colour_bar(metrics::pseudocolour(metrics::error_levels(reference, test)),
-                                     "absolute difference, mean of R, G, B (code values)"));
+  for (const auto& [score, result] : row.scores.scores)
+    if (result.map)
+      write_png(folder / fmt::format("{}_{}.png", name, score->map_file), metrics::map_picture(*score, *result.map));
 }
 
-// A view's pictures in the order of the times: representation, height, elevation, azimuth.
+// One view through the times, in their order: representation, height, elevation, azimuth.
 using FilmKey = std::tuple<size_t, double, double, double>;
-struct Film {
-  std::vector<Image8> reference, test;
-  std::vector<metrics::Mask> silhouettes;
+using Films = std::map<FilmKey, metrics::ClipScores>;
+
+void add_to_films(Films& films, const QualityRow& row, const QualityPictures& pictures, metrics::ScoreTable table) {
+  const FilmKey key(row.index, row.view.height_px, row.view.elevation_deg, row.view.azimuth_deg);
+  const metrics::Mask either =
+      metrics::union_of(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids));
+  metrics::ScoreInput frame{buffers_of(pictures.reference), buffers_of(pictures.test)};
+  frame.region = &either;
+  films.try_emplace(key, table).first->second.take(frame);
+}
+
+// What is asked of compute_quality, and what the times and the clip of its views are called.
+struct Asked {
+  QualitySetup setup;
+  std::string clip;
+  size_t times = 0;
 };
 
-std::string cell(std::optional<double> value, int digits) {
-  if (!value) return "-";
-  return std::isinf(*value) ? "inf" : fmt::format("{:.{}f}", *value, digits);
-}
-
-int run_quality(const Options& options) {
-  QualitySetup setup;
-  for (const std::string& text : options.representations) {
-    renderers::Spec spec = renderers::parse_spec(text);
-    if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
-    setup.representations.push_back(spec.text());
-  }
+Asked read_options(const Options& options, metrics::ScoreTable table) {
+  if (options.flicker && options.exact_pose)
+    throw Error("--flicker", "an exact pose has no frames between which it could jump", "leave --exact-pose out");
+  Asked asked;
+  QualitySetup& setup = asked.setup;
+  // A text that cannot be read is refused before anything is drawn.
+  for (const std::string& text : options.representations)
+    setup.representations.push_back(renderers::parse_spec(text).text());
+  setup.debug = options.debug;
   setup.character = std::make_shared<const scene::Character>(scene::open_character(options.character));
   const scene::Character& character = *setup.character;
   setup.rows = options.rows;
   setup.exact_pose = options.exact_pose;
   setup.use_cache = !options.no_cache;
   setup.causes = options.causes;
+  setup.maps = !options.maps.empty();
+  setup.table = table;
   setup.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
 
   QualityView view;
   view.clip = options.clip == "none" ? -1
               : options.clip.empty() ? character.placement.default_clip
                                      : scene::require_clip(character, options.clip);
+  asked.clip = view.clip < 0 ? "none" : character.clips[static_cast<size_t>(view.clip)].name;
   const double start = view.clip < 0 ? 0.0 : character.clips[static_cast<size_t>(view.clip)].start;
-  if (options.flicker && options.exact_pose)
-    throw Error("--flicker", "an exact pose has no frames between which it could jump", "leave --exact-pose out");
   const std::vector<double> times =
       options.times.empty() ? std::vector<double>{start} : parse_numbers(options.times, "--time", -1e6, 1e6);
+  asked.times = times.size();
   std::vector<double> azimuths;
   for (const double a : parse_numbers(options.azimuths, "--azimuth-deg", -3600, 3600))
     if (std::none_of(azimuths.begin(), azimuths.end(),
@@ -150,94 +161,140 @@ int run_quality(const Options& options) {
           view.azimuth_deg = azimuth;
           setup.views.push_back(view);
         }
+  return asked;
+}
 
-  gl::Context context({.device = options.device});
-  Progress progress("quality", setup.views.size() * setup.representations.size());
-  size_t done = 0;
-  std::map<FilmKey, Film> films;
-  const auto rows = compute_quality(context, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
-    if (options.flicker) {
-      Film& film = films[{done / setup.views.size(), row.view.height_px, row.view.elevation_deg, row.view.azimuth_deg}];
-      film.reference.push_back(pictures.reference.colour);
-      film.test.push_back(pictures.test.colour);
-      film.silhouettes.push_back(
-          metrics::union_of(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids)));
-    }
-    if (!options.maps.empty()) write_maps(options.maps, row, pictures, done / setup.views.size());
-    ++done;
-    progress.advance();
-  });
+ordered_json row_json(const QualityRow& row, const Asked& asked) {
+  ordered_json out = {{"representation", row.representation},
+                      {"height_px", row.view.height_px},
+                      {"azimuth_deg", row.view.azimuth_deg},
+                      {"elevation_deg", row.view.elevation_deg},
+                      {"clip", asked.clip},
+                      {"time", row.view.time},
+                      {"phase", row.phase},
+                      {"distance_m", row.distance}};
+  ordered_json reasons = ordered_json::object();
+  put_scores(out, reasons, row.scores.scores);
+  if (!reasons.empty()) out["reasons"] = reasons;
+  if (!row.refused.empty()) out["refused"] = row.refused;
+  if (const metrics::Score* score = metrics::score_by_cause(asked.setup.table); score && asked.setup.causes)
+    out[std::string(score->name) + "_if_right"] = {{"silhouette", json_number(row.causes.silhouette)},
+                                                   {"surface", json_number(row.causes.surface)},
+                                                   {"shading", json_number(row.causes.shading)}};
+  return out;
+}
 
-  const std::string clip = view.clip < 0 ? "none" : character.clips[static_cast<size_t>(view.clip)].name;
-  if (options.json) {
-    ordered_json out = {{"representations", setup.representations},
-                        {"character", character.name},
-                        {"renderer", context.renderer()},
-                        {"exact_pose", setup.exact_pose}};
-    out["rows"] = ordered_json::array();
-    for (const QualityRow& row : rows) {
-      out["rows"].push_back(to_json(row, clip));
-      if (options.causes)
-        out["rows"].back()["ssim_if_right"] = {{"silhouette", number(row.causes.silhouette)},
-                                               {"surface", number(row.causes.surface)},
-                                               {"shading", number(row.causes.shading)}};
+// A list for each score over time, under its name.
+void put_films(ordered_json& out, const Films& films, const Asked& asked) {
+  for (const auto& [key, film] : films) {
+    const auto& [index, height, elevation, azimuth] = key;
+    for (const auto& [score, result] : film.finish()) {
+      const std::string name(score->name);
+      out[name].push_back({{"representation", asked.setup.representations[index]},
+                           {"height_px", height},
+                           {"elevation_deg", elevation},
+                           {"azimuth_deg", azimuth},
+                           {"frames", film.frames()},
+                           {name, score_json(result)}});
+      if (!result.value) out[name].back()["reason"] = result.reason;
     }
-    for (const auto& [key, film] : films) {
-      const auto& [spec, height, elevation, azimuth] = key;
-      const auto score = metrics::flicker(film.reference, film.test, film.silhouettes);
-      out["flicker"].push_back({{"representation", setup.representations[spec]},
-                                {"height_px", height},
-                                {"elevation_deg", elevation},
-                                {"azimuth_deg", azimuth},
-                                {"frames", film.test.size()},
-                                {"flicker", score ? ordered_json(*score) : ordered_json(nullptr)}});
-    }
-    fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
-    return 0;
   }
-  fmt::print("{}, clip {}, against the mesh at the same view; {}\n", character.name, printable(clip),
-             context.renderer());
-  std::string shown;
+}
+
+void print_json(const std::vector<QualityRow>& rows, const Films& films, const Asked& asked,
+                const std::string& renderer) {
+  ordered_json out = {{"representations", asked.setup.representations},
+                      {"character", asked.setup.character->name},
+                      {"renderer", renderer},
+                      {"exact_pose", asked.setup.exact_pose}};
+  out["rows"] = ordered_json::array();
+  for (const QualityRow& row : rows) out["rows"].push_back(row_json(row, asked));
+  put_films(out, films, asked);
+  fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+}
+
+void print_scores(const QualityRow& row, const Asked& asked) {
+  fmt::print("{:>7g} {:>7g} {:>7g} {:>7.3f} |", row.view.height_px, row.view.azimuth_deg, row.view.elevation_deg,
+             row.view.time);
+  if (!row.refused.empty()) {
+    fmt::print(" refused: {}\n", row.refused);
+    return;
+  }
+  for (const auto& [score, result] : row.scores.scores)
+    if ((score->uses & metrics::kInTables) != 0) fmt::print(" {:>9}", metrics::value_text(*score, result.value));
+  if (const metrics::Score* score = metrics::score_by_cause(asked.setup.table); score && asked.setup.causes)
+    fmt::print(" | {} with the mesh's silhouette {}, surface {}, shading {}", score->title,
+               metrics::value_text(*score, row.causes.silhouette), metrics::value_text(*score, row.causes.surface),
+               metrics::value_text(*score, row.causes.shading));
+  fmt::print("\n");
+}
+
+void print_films(const Films& films, const Asked& asked) {
+  for (const auto& [key, film] : films) {
+    const auto& [index, height, elevation, azimuth] = key;
+    for (const auto& [score, result] : film.finish())
+      fmt::print("{:>7g} {:>7g} {:>7g} | {} {}{}{}, {}\n", height, azimuth, elevation, score->title,
+                 metrics::value_text(*score, result.value), score->unit.empty() ? "" : " ", score->unit,
+                 asked.setup.representations[index]);
+  }
+}
+
+void print_text(const std::vector<QualityRow>& rows, const Films& films, const Asked& asked,
+                const std::string& renderer) {
+  fmt::print("{}, clip {}, against the mesh at the same view; {}\n", asked.setup.character->name, printable(asked.clip),
+             renderer);
+  std::optional<size_t> shown;
   for (const QualityRow& row : rows) {
-    if (row.representation != shown) {
-      shown = row.representation;
-      fmt::print("{}\n{:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n", shown, "height", "azimuth",
-                 "elev", "time", "IoU", "bound", "b p95", "ssim", "union", "psnr");
+    if (row.index != shown) {
+      shown = row.index;
+      fmt::print("{}\n{:>7} {:>7} {:>7} {:>7} |", row.representation, "height", "azimuth", "elev", "time");
+      for (const auto& [score, result] : row.scores.scores)
+        if ((score->uses & metrics::kInTables) != 0) fmt::print(" {:>9}", score->column);
+      fmt::print("\n");
     }
-    const metrics::FigureScores& s = row.scores;
-    fmt::print("{:>7g} {:>7g} {:>7g} {:>7.3f} | {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}", row.view.height_px,
-               row.view.azimuth_deg, row.view.elevation_deg, row.view.time, cell(s.silhouette_iou, 4),
-               cell(s.boundary ? std::optional(s.boundary->mean) : std::nullopt, 3),
-               cell(s.boundary ? std::optional(s.boundary->p95) : std::nullopt, 2), cell(s.ssim, 4),
-               cell(s.ssim_union, 4), cell(s.psnr, 2));
-    if (options.causes)
-      fmt::print(" | ssim with the mesh's silhouette {}, surface {}, shading {}", cell(row.causes.silhouette, 4),
-                 cell(row.causes.surface, 4), cell(row.causes.shading, 4));
-    fmt::print("\n");
+    print_scores(row, asked);
   }
-  if (!films.empty()) {
-    fmt::print("\nflicker over {} times: mean |second difference in time, less the mesh's| over the silhouettes\n",
-               times.size());
-    for (const auto& [key, film] : films) {
-      const auto& [spec, height_px, elevation, azimuth] = key;
-      fmt::print("{:>7g} {:>7g} {:>7g} | {:>7}  {}\n", height_px, azimuth, elevation,
-                 cell(metrics::flicker(film.reference, film.test, film.silhouettes), 3), setup.representations[spec]);
-    }
+  if (films.empty()) return;
+  fmt::print("\nover {} times as successive frames, over the silhouettes\n", asked.times);
+  print_films(films, asked);
+}
+
+int run_quality(const Options& options, metrics::ScoreTable table) {
+  const Asked asked = read_options(options, table);
+  const std::vector<std::string> names = file_names(asked.setup.representations);
+  gl::Context context({.device = options.device});
+  Films films;
+  std::vector<QualityRow> rows;
+  {
+    Progress progress("quality", asked.setup.views.size() * asked.setup.representations.size());
+    rows = compute_quality(context, asked.setup, [&](const QualityRow& row, const QualityPictures& pictures) {
+      if (options.flicker) add_to_films(films, row, pictures, table);
+      if (!options.maps.empty()) write_maps(options.maps, stem(names[row.index], row.view), row, pictures);
+      progress.advance();
+    });
   }
-  return 0;
+  if (options.json)
+    print_json(rows, films, asked, context.renderer());
+  else
+    print_text(rows, films, asked, context.renderer());
+  return std::all_of(rows.begin(), rows.end(), [](const QualityRow& row) { return row.refused.empty(); }) ? 0 : 1;
 }
 
 }  // namespace
 
-void add_quality(CLI::App& app, Run& run) {
+void add_quality(CLI::App& app, Run& run) { add_quality(app, run, metrics::scores()); }
+
+void add_quality(CLI::App& app, Run& run, metrics::ScoreTable table) {
   CLI::App* command =
       app.add_subcommand("quality", "Score one agent, drawn by a representation, against the mesh at the same view");
   command->footer(
       "Vertical field of view 30 degrees, background sRGB 128, light fixed to the scene. Lists (30,60,120) and ranges\n"
-      "(0:315:45) give a row each. IoU: of the silhouettes; bound: mean and 95th percentile of the distance between\n"
-      "their boundaries, pixels; ssim: over the crop; union, psnr: over the pixels of either silhouette.\n"
+      "(0:315:45) give a row each. Scores are over the crop around both silhouettes, or the pixels of either;\n"
+      "`crowdbench schema --scores` says what each is.\n"
       "The mesh shows the exact time; the representation shows the frame that it stored for it, unless "
-      "--exact-pose.\n\n"
+      "--exact-pose.\n"
+      "A representation that cannot be baked or drawn has rows that say why, and the status is 1; 2 where all are "
+      "refused.\n\n"
       "Examples:\n"
       "  crowdbench quality --representation flat\n"
       "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
@@ -251,14 +308,17 @@ void add_quality(CLI::App& app, Run& run) {
   command->add_option("--elevation-deg", options->elevations, "0 = level, 90 = from straight above (0)");
   command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
   command->add_option("--time", options->times, "seconds on the file's own axis (the clip's start)");
-  command->add_option("--maps", options->maps, "a folder for the pictures and their differences; made where missing");
+  command->add_option(
+      "--maps", options->maps,
+      "a folder for the pictures and the scores' maps, named by representation, height and view; made where "
+      "missing");
   command->add_option("--debug", options->debug,
                       "a debug view of the representation instead of its picture, for --maps: relief has boxes, steps "
                       "(taps a ray),\nhit-face and misses, polypostor wire, lines, parts and stretch");
   command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
       ->check(CLI::Range(16, 8192));
   command->add_flag("--flicker", options->flicker,
-                    "also the flicker of each view, over the times as successive frames (three at least)");
+                    "also the scores over time of each view, with the times as successive frames (three at least)");
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
       ->check(CLI::Range(1.0, 1e6));
@@ -268,7 +328,7 @@ void add_quality(CLI::App& app, Run& run) {
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
   command->add_flag("--json", options->json, "print JSON");
-  command->callback([options, &run] { run = [options] { return run_quality(*options); }; });
+  command->callback([options, table, &run] { run = [options, table] { return run_quality(*options, table); }; });
 }
 
 }  // namespace crowdbench::bench

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bench/commands/commands.h"
+#include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "reports/exports/exports.h"
@@ -26,16 +27,17 @@ int run_report(const Options& options) {
   const bool samples = !options.json.empty() || !options.google_benchmark.empty();
   const StoreContents contents = read_store(options.file, samples, !options.out.empty());
   const std::string source = std::filesystem::path(options.file).filename().string();
+  const std::vector<reports::ScoreDoc> scores = score_docs(metrics::scores());
   const auto write = [](const std::string& path, const auto& make) {
     if (path.empty()) return;
     write_file(path, std::string_view(make()));
     fmt::print("{}\n", path);
   };
-  write(options.out, [&] { return reports::report_page(contents, {source}); });
-  write(options.markdown, [&] { return reports::report_markdown(contents, source); });
+  write(options.out, [&] { return reports::report_page(contents, {source, scores}); });
+  write(options.markdown, [&] { return reports::report_markdown(contents, source, scores); });
   write(options.csv, [&] { return reports::results_csv(contents); });
   write(options.scores_csv, [&] { return reports::scores_csv(contents); });
-  write(options.json, [&] { return reports::results_json(contents); });
+  write(options.json, [&] { return reports::results_json(contents, scores); });
   write(options.google_benchmark, [&] { return reports::google_benchmark_json(contents); });
   return 0;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bench/commands/commands.h"
+#include "metrics/registry.h"
 #include "reports/exports/results_schema.h"
 #include "scene/scenario/scenario.h"
 #include "scene/scenario/scenario_writer.h"
@@ -16,11 +17,13 @@ void add_schema(CLI::App& app, Run& run) {
   command->footer(
       "Examples:\n  crowdbench schema > scenario.schema.json\n  crowdbench schema --markdown | less\n"
       "  crowdbench schema --defaults > my.toml     a scenario with every key at its default\n"
-      "  crowdbench schema --results | less         every column of a result file");
+      "  crowdbench schema --results | less         every column of a result file\n"
+      "  crowdbench schema --scores | less          what every score is");
   struct Options {
     bool markdown = false;
     bool defaults = false;
     bool results = false;
+    bool scores = false;
     bool json = false;
   };
   auto options = std::make_shared<Options>();
@@ -33,11 +36,18 @@ void add_schema(CLI::App& app, Run& run) {
                                  "every table and column of a result file with type, unit and meaning, as Markdown")
                       ->excludes(markdown)
                       ->excludes(defaults);
+  command
+      ->add_flag("--scores", options->scores, "every score with unit, direction, range, needs and formula, as Markdown")
+      ->excludes(markdown)
+      ->excludes(defaults)
+      ->excludes(results);
   command->add_flag("--json", options->json, "with --results: the same as JSON")->needs(results);
   command->callback([options, &run] {
     run = [options] {
       if (options->results)
         fmt::print("{}", options->json ? reports::results_schema_json() : reports::results_schema_markdown());
+      else if (options->scores)
+        fmt::print("{}", metrics::scores_markdown(metrics::scores()));
       else if (options->markdown)
         fmt::print("{}", scene::scenario_markdown());
       else if (options->defaults)

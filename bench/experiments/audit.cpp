@@ -17,14 +17,23 @@ namespace {
 constexpr double kDegrees = std::numbers::pi / 180;
 constexpr int kDirections = 30;
 
+// Equal pictures have no finite PSNR: they count as 100 dB.
+constexpr double kMostCounted = 100;
+
 AuditError mean_of(std::span<const QualityRow> rows) {
   AuditError out;
   out.views = rows.size();
-  const auto n = static_cast<double>(std::max<size_t>(rows.size(), 1));
-  for (const QualityRow& r : rows) {
-    out.silhouette_iou += r.scores.silhouette_iou.value_or(0) / n;
-    out.ssim += r.scores.ssim.value_or(0) / n;
-    out.psnr += std::min(r.scores.psnr.value_or(0), 100.0) / n;
+  if (rows.empty()) return out;
+  for (size_t s = 0; s < rows[0].scores.scores.size(); ++s) {
+    const metrics::Score* score = rows[0].scores.scores[s].score;
+    double sum = 0;
+    size_t count = 0;
+    for (const QualityRow& row : rows)
+      if (const auto& value = row.scores.scores[s].result.value) {
+        sum += std::isinf(score->greatest) ? std::min(*value, kMostCounted) : *value;
+        ++count;
+      }
+    if (count == rows.size()) out.means.emplace_back(score, sum / static_cast<double>(count));
   }
   return out;
 }
@@ -47,6 +56,12 @@ metrics::Box middle(const Image8& image) {
 }
 
 }  // namespace
+
+std::optional<double> AuditError::mean(std::string_view name) const {
+  for (const auto& [score, value] : means)
+    if (score->name == name) return value;
+  return std::nullopt;
+}
 
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                       const renderers::Spec& spec, uint64_t bake_budget, bool use_cache) {

@@ -5,8 +5,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "metrics/registry.h"
 #include "renderers/representation.h"
 #include "scene/character/character.h"
 
@@ -20,12 +23,12 @@ namespace crowdbench::bench {
 // Vickstroem 2020, of which the middle is taken.
 inline constexpr double kSmoothViewStepDeg = 6;
 
-// Means over views of one figure, 120 pixels tall, against the mesh at the identical camera.
+// Means over views of one figure, 120 pixels tall, against the mesh at the identical camera: of every score that all
+// views have.
 struct AuditError {
   size_t views = 0;
-  double silhouette_iou = 0;
-  double ssim = 0;
-  double psnr = 0;
+  std::vector<std::pair<const metrics::Score*, double>> means;
+  std::optional<double> mean(std::string_view name) const;  // nothing without such a score
 };
 
 struct ViewAudit {

@@ -10,16 +10,14 @@
 #include <ctime>
 #include <map>
 
+#include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/image_io.h"
 #include "core/machine.h"
 #include "core/progress.h"
 #include "core/version.h"
-#include "metrics/difference.h"
 #include "metrics/pseudocolour.h"
-#include "metrics/silhouette.h"
-#include "metrics/ssim.h"
 #include "scene/cast/cast.h"
 #include "scene/scenario/scenario_writer.h"
 
@@ -289,7 +287,7 @@ class Sweep {
     row.character = point.character;
     row.agents = point.agents;
     row.requested_occupancy = point.requested_occupancy;
-    row.scores = score_crowd(reference, test);
+    row.scores = score_crowd(request_.table, reference, test);
     const int64_t id = store_.write(row);
     if (keep_pictures)
       write_pictures(store_, run_.id, id, reference.colour, test.colour, row.reference, row.representation);
@@ -417,18 +415,10 @@ SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const Timi
   return Sweep(context, cast, method, run, request, store, progress).run();
 }
 
-std::vector<ScoreRow> score_crowd(const renderers::Capture& reference, const renderers::Capture& test) {
-  std::vector<ScoreRow> scores;
-  if (const auto difference = metrics::difference(reference.colour, test.colour)) {
-    scores.push_back({"mae", difference->mae, ""});
-    scores.push_back({"mse", difference->mse, ""});
-    scores.push_back({"psnr", difference->psnr, ""});
-  }
-  const auto ssim = metrics::ssim(metrics::luma601(reference.colour), metrics::luma601(test.colour));
-  scores.push_back({"ssim", ssim ? std::optional(ssim->mean) : std::nullopt, ssim ? "" : "a side is below 11 pixels"});
-  const auto overlap = metrics::silhouette_iou(metrics::mask_of(reference.ids), metrics::mask_of(test.ids));
-  scores.push_back({"silhouette_iou", overlap, overlap ? "" : "nothing was drawn"});
-  return scores;
+std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const renderers::Capture& reference,
+                                  const renderers::Capture& test) {
+  metrics::Shared shared;
+  return score_rows(metrics::score_pictures(table, {buffers_of(reference), buffers_of(test)}, shared));
 }
 
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bench/timing/timed_representation.h"
+#include "metrics/registry.h"
 #include "scene/cast/cast.h"
 #include "store/store.h"
 
@@ -23,6 +24,7 @@ struct SweepRequest {
   bool floors = true;             // also time each representation's floor
   uint32_t picture_agents = 250;  // pictures are kept of the largest measured crowd up to this, at each occupancy
   uint64_t bake_budget = uint64_t{512} << 20;
+  metrics::ScoreTable table = metrics::scores();  // of the pictures
 };
 
 // "mesh,flat:views=64,frames=8,hybrid(mesh,flat,distance=10)" to three representations: a comma separates where the
@@ -51,8 +53,10 @@ SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const Timi
 // The latest rows of this run's scenario as a table for a terminal, curve by curve.
 std::string sweep_table(const StoreContents& contents, const RunRow& run);
 
-// Whole-frame scores of a representation's picture against the reference's (same view, ids for the silhouettes).
-std::vector<ScoreRow> score_crowd(const renderers::Capture& reference, const renderers::Capture& test);
+// Whole-frame scores of a representation's picture against the reference's (same view): each of the table's that
+// colours, ids and depths have.
+std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const renderers::Capture& reference,
+                                  const renderers::Capture& test);
 // The pictures of one comparison: reference, test, pseudocolour difference, with its colour bar where `bar`.
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,
                     const std::string& reference_name, const std::string& test_name, bool bar = true);

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/statistics.h"
-#include "metrics/ssim.h"
+#include "metrics/silhouette.h"
 #include "renderers/gl/context.h"
 #include "renderers/shaders/dither.shared.h"
 #include "scene/crowd/crowd.h"
@@ -14,40 +14,51 @@
 namespace crowdbench::bench {
 namespace {
 
-// mae over the union; ssim_union over the crop around it, as metrics::score_figure has them.
-PopScore score(const Image8& a, const Image8& b, const metrics::Mask& either) {
-  PopScore out;
+using Scores = std::vector<const metrics::Score*>;
+using Values = std::vector<std::optional<double>>;
+
+// Over the crop around the region, as metrics::score_figure has them.
+Values score(const Scores& scores, const Image8& a, const Image8& b, const metrics::Mask& either) {
+  Values values(scores.size());
   const auto box = metrics::crop_box(either, either);
-  if (!box) return out;
-  const metrics::Mask mask = metrics::crop(either, *box);
+  if (!box) return values;
+  const metrics::Mask region = metrics::crop(either, *box);
   const Image8 left = metrics::crop(a, *box);
   const Image8 right = metrics::crop(b, *box);
-  if (const auto difference = metrics::difference(left, right, &mask)) out.mae = difference->mae;
-  if (const auto map = metrics::ssim(metrics::luma601(left), metrics::luma601(right))) {
-    double sum = 0;
-    size_t count = 0;
-    for (int y = 0; y < map->map.height; ++y)
-      for (int x = 0; x < map->map.width; ++x)
-        if (mask.at(x + metrics::kSsimRadius, y + metrics::kSsimRadius)[0] != 0) {
-          sum += map->map.at(x, y)[0];
-          ++count;
-        }
-    if (count > 0) out.ssim_union = sum / static_cast<double>(count);
+  metrics::ScoreInput input;
+  input.reference.codes = &left;
+  input.test.codes = &right;
+  input.region = &region;
+  metrics::Shared shared;
+  const auto scored = metrics::score_pictures(scores, input, shared);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = scored[i].result.value;
+  return values;
+}
+
+PopScores score_switch(const Scores& scores, const renderers::Capture& from, const renderers::Capture& to, int fade) {
+  const metrics::Mask either = metrics::union_of(metrics::mask_of(from.ids), metrics::mask_of(to.ids));
+  PopScores out;
+  out.cut = score(scores, from.colour, to.colour, either);
+  out.fade_step.resize(scores.size());
+  const std::vector<Image8> pictures = fade_pictures(from.colour, to.colour, fade);
+  for (size_t i = 1; i < pictures.size(); ++i) {
+    const Values step = score(scores, pictures[i - 1], pictures[i], either);
+    for (size_t s = 0; s < scores.size(); ++s)
+      if (step[s] && (!out.fade_step[s] || metrics::is_worse(*scores[s], *step[s], *out.fade_step[s])))
+        out.fade_step[s] = step[s];
   }
   return out;
 }
 
-PopScores score_switch(const renderers::Capture& from, const renderers::Capture& to, int fade) {
-  const metrics::Mask either = metrics::union_of(metrics::mask_of(from.ids), metrics::mask_of(to.ids));
-  PopScores out;
-  out.cut = score(from.colour, to.colour, either);
-  const std::vector<Image8> pictures = fade_pictures(from.colour, to.colour, fade);
-  for (size_t i = 1; i < pictures.size(); ++i) {
-    const PopScore step = score(pictures[i - 1], pictures[i], either);
-    if (step.mae) out.fade_step.mae = std::max(out.fade_step.mae.value_or(0), *step.mae);
-    if (step.ssim_union) out.fade_step.ssim_union = std::min(out.fade_step.ssim_union.value_or(1), *step.ssim_union);
-  }
-  return out;
+// The quantile of values of which some may be infinite: what lies between a finite value and infinity is infinite.
+double quantile_with_infinity(std::vector<double> values, double q) {
+  std::sort(values.begin(), values.end());
+  if (std::isfinite(values.front()) && std::isfinite(values.back())) return quantile(values, q);
+  const double position = q * static_cast<double>(values.size() - 1);
+  const double low = values[static_cast<size_t>(std::floor(position))];
+  const double high = values[static_cast<size_t>(std::ceil(position))];
+  if (low == high || std::isinf(low)) return low;
+  return std::isinf(high) ? high : low + (position - std::floor(position)) * (high - low);
 }
 
 }  // namespace
@@ -67,26 +78,38 @@ std::vector<Image8> fade_pictures(const Image8& a, const Image8& b, int fade) {
   return out;
 }
 
-std::optional<PopStatistic> summarise_pops(const std::vector<PopCell>& cells, PopMeasure measure, bool matched,
-                                           bool fade) {
+std::vector<const metrics::Score*> pop_scores(metrics::ScoreTable table) {
+  std::vector<const metrics::Score*> out;
+  for (const metrics::Score* score : table)
+    if (score->compute && score->scope == metrics::Scope::region &&
+        (score->needs & ~(metrics::kNeedsCodes | metrics::kNeedsRegion)) == 0)
+      out.push_back(score);
+  return out;
+}
+
+const char* tail_name(const metrics::Score& score) {
+  return score.direction == metrics::Direction::lower_is_better ? "p95" : "p05";
+}
+
+std::optional<PopStatistic> summarise_pops(const std::vector<PopCell>& cells, const metrics::Score& score, size_t place,
+                                           bool matched, bool fade) {
   std::vector<double> values;
   PopStatistic out;
-  const bool high_is_bad = measure == PopMeasure::mae;
   for (size_t i = 0; i < cells.size(); ++i) {
     const PopScores& scores = matched ? cells[i].matched : cells[i].own;
-    const PopScore& one = fade ? scores.fade_step : scores.cut;
-    const std::optional<double>& value = high_is_bad ? one.mae : one.ssim_union;
-    if (!value) continue;
-    if (values.empty() || (high_is_bad ? *value > out.worst : *value < out.worst)) {
-      out.worst = *value;
+    const Values& of_kind = fade ? scores.fade_step : scores.cut;
+    if (place >= of_kind.size() || !of_kind[place]) continue;
+    const double value = *of_kind[place];
+    if (values.empty() || metrics::is_worse(score, value, out.worst)) {
+      out.worst = value;
       out.worst_cell = i;
     }
-    values.push_back(*value);
-    out.mean += *value;
+    values.push_back(value);
+    out.mean += value;
   }
   if (values.empty()) return std::nullopt;
   out.mean /= static_cast<double>(values.size());
-  out.tail = quantile(values, high_is_bad ? 0.95 : 0.05);
+  out.tail = quantile_with_infinity(values, score.direction == metrics::Direction::lower_is_better ? 0.95 : 0.05);
   return out;
 }
 
@@ -121,6 +144,7 @@ std::vector<PopCell> compute_pop_map(gl::Context& context, const PopRequest& req
   }
 
   const glm::dvec3 centre = 0.5 * (glm::dvec3(bank.bounds_min()) + glm::dvec3(bank.bounds_max()));
+  const Scores scores = pop_scores(request.table);
   std::vector<PopCell> cells;
   for (const Size& size : sizes)
     for (const double elevation : request.elevations_deg)
@@ -150,8 +174,8 @@ std::vector<PopCell> compute_pop_map(gl::Context& context, const PopRequest& req
           pictures.mesh = renderer.capture(at(phase), *mesh);
           pictures.matched = renderer.capture(at(cell.shown_phase), *mesh);
           pictures.impostor = renderer.capture(at(phase), *impostor);
-          cell.own = score_switch(pictures.mesh, pictures.impostor, request.fade);
-          cell.matched = score_switch(pictures.matched, pictures.impostor, request.fade);
+          cell.own = score_switch(scores, pictures.mesh, pictures.impostor, request.fade);
+          cell.matched = score_switch(scores, pictures.matched, pictures.impostor, request.fade);
           if (seen) seen(cell, pictures);
           cells.push_back(cell);
         }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bench/experiments/quality.h"
+#include "metrics/registry.h"
 #include "renderers/frame/capture.h"
 
 namespace crowdbench::bench {
@@ -29,17 +30,14 @@ struct PopRequest {
   double pose_rate = 30;
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
+  metrics::ScoreTable table = metrics::scores();
 };
 
-// Differences over the union of the silhouettes of mesh and impostor, in code values (mae) and as ssim_union; nothing
-// where they do not exist.
-struct PopScore {
-  std::optional<double> mae, ssim_union;
-};
-// One kind of switch.
+// One kind of switch, over the union of the silhouettes of mesh and impostor: a value for each of pop_scores(); nothing
+// where it does not exist.
 struct PopScores {
-  PopScore cut;        // from one tick to the next
-  PopScore fade_step;  // the worst step of the cross-fade: largest mae, least ssim_union
+  std::vector<std::optional<double>> cut;        // from one tick to the next
+  std::vector<std::optional<double>> fade_step;  // the worst step of the cross-fade
 };
 
 struct PopCell {
@@ -51,15 +49,21 @@ struct PopCell {
   PopScores matched;  // the mesh in the stored frame's pose
 };
 
-// Over cells: mean, the bad end's 5 % (95th percentile of mae, 5th of ssim_union) and the worst. Of the cells that have
-// the score; none: nothing.
+// The scores of a table that a switch can have: over a region, of two pictures of code values.
+std::vector<const metrics::Score*> pop_scores(metrics::ScoreTable table);
+
+// Of one score over cells: mean, the bad end's 5 % (the 95th percentile where lower is better, else the 5th) and the
+// worst. Of the cells that have the score; none: nothing. Infinite where cells are (equal pictures have no finite
+// PSNR).
 struct PopStatistic {
   double mean = 0, tail = 0, worst = 0;
   size_t worst_cell = 0;
 };
-enum class PopMeasure : uint8_t { mae, ssim_union };
-std::optional<PopStatistic> summarise_pops(const std::vector<PopCell>& cells, PopMeasure measure, bool matched,
-                                           bool fade);
+// place: of the score in pop_scores().
+std::optional<PopStatistic> summarise_pops(const std::vector<PopCell>& cells, const metrics::Score& score, size_t place,
+                                           bool matched, bool fade);
+// "p95" or "p05": which percentile the tail is.
+const char* tail_name(const metrics::Score& score);
 
 // Pictures of a cell: mesh in its own pose, mesh in the stored frame's, impostor.
 struct PopPictures {

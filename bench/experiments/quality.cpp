@@ -5,7 +5,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
+#include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
@@ -43,27 +45,181 @@ struct Side {
   }
 };
 
-QualityCauses causes_of(const QualityPictures& pictures, double height) {
+enum class Wrong { silhouette, surface, shading };
+
+// The test's picture with the pixels of one kind taken from the mesh's.
+Image8 mended(const QualityPictures& pictures, double height, Wrong wanted) {
   const renderers::Capture& mesh = pictures.reference;
   const renderers::Capture& test = pictures.test;
-  enum Kind { silhouette, surface, shading };
-  const auto without = [&](Kind wanted) {
-    Image8 mended = test.colour;
-    for (int y = 0; y < mended.height; ++y) {
-      for (int x = 0; x < mended.width; ++x) {
-        const bool in_mesh = *mesh.ids.at(x, y) != 0;
-        const bool in_test = *test.ids.at(x, y) != 0;
-        if (!in_mesh && !in_test) continue;
-        const double gap =
-            std::abs(static_cast<double>(*mesh.depth.at(x, y)) - static_cast<double>(*test.depth.at(x, y)));
-        const Kind kind = in_mesh != in_test ? silhouette : gap > 0.01 * height ? surface : shading;
-        if (kind == wanted) std::copy_n(mesh.colour.at(x, y), mended.channels, mended.at(x, y));
-      }
+  Image8 out = test.colour;
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      const bool in_mesh = *mesh.ids.at(x, y) != 0;
+      const bool in_test = *test.ids.at(x, y) != 0;
+      if (!in_mesh && !in_test) continue;
+      const double gap =
+          std::abs(static_cast<double>(*mesh.depth.at(x, y)) - static_cast<double>(*test.depth.at(x, y)));
+      const Wrong kind = in_mesh != in_test ? Wrong::silhouette : gap > 0.01 * height ? Wrong::surface : Wrong::shading;
+      if (kind == wanted) std::copy_n(mesh.colour.at(x, y), out.channels, out.at(x, y));
     }
-    return metrics::score_figure(mesh.colour, mended, metrics::mask_of(mesh.ids), metrics::mask_of(test.ids)).ssim;
-  };
-  return {without(silhouette), without(surface), without(shading)};
+  }
+  return out;
 }
+
+QualityCauses causes_of(const QualityPictures& pictures, double height, metrics::ScoreTable table) {
+  const metrics::Score* score = metrics::score_by_cause(table);
+  if (!score) return {};
+  const auto without = [&](Wrong kind) {
+    const Image8 picture = mended(pictures, height, kind);
+    metrics::Buffers test = buffers_of(pictures.test);
+    test.codes = &picture;
+    return metrics::score_figure({&score, 1}, buffers_of(pictures.reference), test).value(score->name);
+  };
+  return {without(Wrong::silhouette), without(Wrong::surface), without(Wrong::shading)};
+}
+
+// What the scores of a figure may ask for.
+constexpr metrics::Needs kOffered =
+    metrics::kNeedsCodes | metrics::kNeedsIds | metrics::kNeedsDepth | metrics::kNeedsRegion;
+
+// All of one call: what the views have in common is made once.
+class Comparison {
+ public:
+  Comparison(gl::Context& context, const QualitySetup& setup)
+      : context_(context), setup_(setup), references_(setup.views.size()) {}
+
+  // Every view of one representation. Where it is refused, the rows from there on say why, and the Error is kept.
+  void run(size_t index, const std::function<void(const QualityRow&, const QualityPictures&)>& seen) {
+    std::string text = setup_.representations[index];
+    std::map<std::pair<int, double>, Side> sides;
+    std::string refused;
+    std::optional<renderers::Spec> spec;
+    const auto attempt = [&](const auto& step) {
+      if (!refused.empty()) return;
+      try {
+        step();
+      } catch (const Error& error) {
+        refused = error.what();
+        if (!refused_) refused_ = error;
+      }
+    };
+    attempt([&] {
+      spec = renderers::parse_spec(text);
+      if (!setup_.debug.empty()) renderers::set_debug_view(*spec, setup_.debug);
+      text = spec->text();
+    });
+    for (size_t v = 0; v < setup_.views.size(); ++v) {
+      QualityRow row = described(v);
+      row.index = index;
+      row.representation = text;
+      attempt([&] { draw_and_score(v, *spec, sides, index + 1 == setup_.representations.size(), row, seen); });
+      row.refused = refused;
+      if (refused.empty())
+        any_drawn_ = true;
+      else
+        row.scores.scores = metrics::absent_scores(setup_.table, kOffered, refused);
+      rows_.push_back(std::move(row));
+    }
+  }
+
+  std::vector<QualityRow> finish() {
+    if (!any_drawn_ && refused_) throw Error(*refused_);
+    return std::move(rows_);
+  }
+
+ private:
+  const scene::PoseBank& bank(int clip) {
+    auto found = banks_.find(clip);
+    if (found == banks_.end())
+      found = banks_.emplace(clip, scene::PoseBank(*setup_.character, {clip}, setup_.pose_rate)).first;
+    return found->second;
+  }
+  glm::dvec3 centre(const QualityView& view) {
+    const scene::PoseBank& of = bank(view.clip);
+    return 0.5 * (glm::dvec3(of.bounds_min()) + glm::dvec3(of.bounds_max()));
+  }
+  double height(const QualityView& view) {
+    const double own = setup_.character->placement.height;
+    return own > 0 ? own : bank(view.clip).bounds_max().y - bank(view.clip).bounds_min().y;
+  }
+  // The mesh at the exact time.
+  Side& exact_mesh(const QualityView& view) {
+    const std::pair<int, double> moment(view.clip, view.time);
+    auto found = exact_mesh_.find(moment);
+    if (found == exact_mesh_.end())
+      found =
+          exact_mesh_
+              .emplace(std::piecewise_construct, std::forward_as_tuple(moment),
+                       std::forward_as_tuple(
+                           context_, setup_,
+                           cast_of(setup_.character, scene::PoseBank::exact(*setup_.character, view.clip, view.time)),
+                           renderers::parse_spec("mesh")))
+              .first;
+    return found->second;
+  }
+
+  QualityRow described(size_t v) {
+    QualityRow row;
+    row.view = setup_.views[v];
+    row.phase = row.view.clip < 0 ? 0.0 : scene::phase_of_time(*setup_.character, row.view.clip, row.view.time);
+    const scene::Camera camera =
+        quality_camera(row.view, centre(row.view), height(row.view), quality_size(setup_, row.view.height_px).height);
+    row.distance = glm::distance(camera.eye, centre(row.view));
+    return row;
+  }
+
+  // One figure at the origin, seen from the view.
+  scene::Frame frame_of(const QualityView& view) {
+    const QualitySize size = quality_size(setup_, view.height_px);
+    scene::Frame frame;
+    frame.camera = quality_camera(view, centre(view), height(view), size.height);
+    frame.origin = frame.camera.eye;
+    frame.width = size.width;
+    frame.height = size.height;
+    frame.outfits.resize(1);
+    for (glm::vec4& colour : frame.outfits[0].colours) colour = glm::vec4(1.0F);
+    frame.agents.resize(1);
+    scene::FrameAgent agent;
+    agent.position = glm::vec3(-frame.origin);
+    frame.agents[0] = {agent};
+    return frame;
+  }
+
+  void draw_and_score(size_t v, const renderers::Spec& spec, std::map<std::pair<int, double>, Side>& sides, bool last,
+                      QualityRow& row, const std::function<void(const QualityRow&, const QualityPictures&)>& seen) {
+    const QualityView& view = setup_.views[v];
+    Side& mesh = exact_mesh(view);
+    const std::pair<int, double> key(view.clip, setup_.exact_pose ? view.time : 0.0);
+    auto side = sides.find(key);
+    if (side == sides.end())
+      side = sides
+                 .emplace(std::piecewise_construct, std::forward_as_tuple(key),
+                          std::forward_as_tuple(
+                              context_, setup_,
+                              setup_.exact_pose ? mesh.cast : cast_of(setup_.character, bank(view.clip)), spec))
+                 .first;
+    const scene::Frame frame = frame_of(view);
+    QualityPictures pictures;
+    if (references_[v].colour.empty()) references_[v] = mesh.capture(frame, row.phase);
+    // After the last representation nobody will ask again.
+    pictures.reference = last ? std::move(references_[v]) : references_[v];
+    pictures.test = side->second.capture(frame, row.phase);
+    row.scores =
+        metrics::score_figure(setup_.table, buffers_of(pictures.reference), buffers_of(pictures.test), setup_.maps);
+    if (setup_.causes) row.causes = causes_of(pictures, height(view), setup_.table);
+    if (seen) seen(row, pictures);
+    for (metrics::Scored& one : row.scores.scores) one.result.map.reset();
+  }
+
+  gl::Context& context_;
+  const QualitySetup& setup_;
+  std::map<std::pair<int, double>, Side> exact_mesh_;
+  std::map<int, scene::PoseBank> banks_;
+  std::vector<renderers::Capture> references_;  // by view; the reference does not depend on the representation
+  std::vector<QualityRow> rows_;
+  std::optional<Error> refused_;  // the first
+  bool any_drawn_ = false;
+};
 
 }  // namespace
 
@@ -92,80 +248,9 @@ scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, 
 
 std::vector<QualityRow> compute_quality(gl::Context& context, const QualitySetup& setup,
                                         const std::function<void(const QualityRow&, const QualityPictures&)>& seen) {
-  const scene::Character& character = *setup.character;
-  std::vector<renderers::Spec> specs;
-  for (const std::string& text : setup.representations) specs.push_back(renderers::parse_spec(text));
-
-  // The reference does not depend on the representation, so every view of it is drawn once.
-  const renderers::Spec mesh = renderers::parse_spec("mesh");
-  std::map<std::pair<int, double>, Side> exact_mesh;
-  std::map<int, scene::PoseBank> banks;
-  std::vector<QualityRow> rows;
-  std::vector<renderers::Capture> references(setup.views.size());
-  for (size_t s = 0; s < specs.size(); ++s) {
-    std::map<std::pair<int, double>, Side> sides;
-    for (size_t v = 0; v < setup.views.size(); ++v) {
-      const QualityView& view = setup.views[v];
-      const std::pair<int, double> moment(view.clip, view.time);
-      auto reference = exact_mesh.find(moment);
-      if (reference == exact_mesh.end())
-        reference =
-            exact_mesh
-                .emplace(std::piecewise_construct, std::forward_as_tuple(moment),
-                         std::forward_as_tuple(
-                             context, setup,
-                             cast_of(setup.character, scene::PoseBank::exact(character, view.clip, view.time)), mesh))
-                .first;
-      auto bank = banks.find(view.clip);
-      if (bank == banks.end())
-        bank = banks.emplace(view.clip, scene::PoseBank(character, {view.clip}, setup.pose_rate)).first;
-      const std::pair<int, double> key(view.clip, setup.exact_pose ? view.time : 0.0);
-      auto side = sides.find(key);
-      if (side == sides.end())
-        side = sides
-                   .emplace(std::piecewise_construct, std::forward_as_tuple(key),
-                            std::forward_as_tuple(
-                                context, setup,
-                                setup.exact_pose ? reference->second.cast : cast_of(setup.character, bank->second),
-                                specs[s]))
-                   .first;
-
-      QualityRow row;
-      row.representation = specs[s].text();
-      row.view = view;
-      row.phase = view.clip < 0 ? 0.0 : scene::phase_of_time(character, view.clip, view.time);
-      const QualitySize size = quality_size(setup, view.height_px);
-      const glm::dvec3 centre = 0.5 * (glm::dvec3(bank->second.bounds_min()) + glm::dvec3(bank->second.bounds_max()));
-      const double height = character.placement.height > 0 ? character.placement.height
-                                                           : bank->second.bounds_max().y - bank->second.bounds_min().y;
-      scene::Frame frame;
-      frame.camera = quality_camera(view, centre, height, size.height);
-      frame.origin = frame.camera.eye;
-      frame.width = size.width;
-      frame.height = size.height;
-      frame.outfits.resize(1);
-      for (glm::vec4& colour : frame.outfits[0].colours) colour = glm::vec4(1.0F);
-      frame.agents.resize(1);
-      scene::FrameAgent agent;
-      agent.position = glm::vec3(-frame.origin);
-      frame.agents[0] = {agent};
-      row.distance = glm::distance(frame.camera.eye, centre);
-
-      QualityPictures pictures;
-      if (references[v].colour.empty()) references[v] = reference->second.capture(frame, row.phase);
-      if (s + 1 == specs.size())
-        pictures.reference = std::move(references[v]);  // nobody will ask again
-      else
-        pictures.reference = references[v];
-      pictures.test = side->second.capture(frame, row.phase);
-      row.scores = metrics::score_figure(pictures.reference.colour, pictures.test.colour,
-                                         metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids));
-      if (setup.causes) row.causes = causes_of(pictures, height);
-      if (seen) seen(row, pictures);
-      rows.push_back(std::move(row));
-    }
-  }
-  return rows;
+  Comparison comparison(context, setup);
+  for (size_t i = 0; i < setup.representations.size(); ++i) comparison.run(i, seen);
+  return comparison.finish();
 }
 
 std::vector<double> parse_numbers(const std::string& text, const std::string& option, double low, double high) {

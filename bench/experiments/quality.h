@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "metrics/silhouette.h"
+#include "metrics/figure.h"
 #include "renderers/frame/capture.h"
 #include "scene/character/character.h"
 
@@ -23,7 +23,7 @@ struct QualityView {
   double time = 0;           // the file's own seconds
 };
 
-// What a score owes to each kind of wrong pixel: `ssim` had the pixels of that kind been the mesh's own.
+// What each kind of wrong pixel costs: metrics::score_by_cause() had the pixels of that kind been the mesh's own.
 struct QualityCauses {
   std::optional<double> silhouette;  // covered by one of the two only
   std::optional<double> surface;  // covered by both, at depths that differ by more than 1 % of the character's height
@@ -31,11 +31,13 @@ struct QualityCauses {
 };
 
 struct QualityRow {
-  std::string representation;  // canonical text
+  size_t index = 0;            // into QualitySetup::representations
+  std::string representation;  // canonical text; as it was asked for where that cannot be read
   QualityView view;
   double phase = 0;     // of the clip at that time, as the agent carries it
   double distance = 0;  // metres, eye to capture centre
   metrics::FigureScores scores;
+  std::string refused;   // why the representation could not be drawn: nothing is scored; empty where it was
   QualityCauses causes;  // only when asked for
 };
 
@@ -53,6 +55,9 @@ struct QualitySetup {
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
   bool causes = false;  // fill QualityRow::causes
+  bool maps = false;    // fill the scores' maps, over FigureScores::box
+  std::string debug;    // a debug view of the representations instead of their pictures
+  metrics::ScoreTable table = metrics::scores();
 };
 
 // The picture's size for a figure of that height.
@@ -64,7 +69,9 @@ QualitySize quality_size(const QualitySetup& setup, double height_px);
 // height: the character's, metres. centre: metres, world.
 scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, double height, int rows);
 
-// One row a representation and view, in that order; `seen` is shown every pair of pictures as it is made. Throws Error.
+// One row a representation and view, in that order; `seen` is shown every pair of pictures as it is made. A
+// representation that is refused (a text that cannot be read, a bake over its budget) has rows that say why. Throws
+// Error: where all are refused, that of the first.
 std::vector<QualityRow> compute_quality(
     gl::Context& context, const QualitySetup& setup,
     const std::function<void(const QualityRow&, const QualityPictures&)>& seen = {});

@@ -307,8 +307,8 @@ std::string speed_chart(const Scene& scene) {
   return spec.dump();
 }
 
-std::string score_chart(const Scene& scene, const std::string& score, const std::string& title) {
-  const std::vector<ScoreByHeight> points = scores_by_height(scene, score);
+std::string score_chart(const Scene& scene, const ScoreDoc& score) {
+  const std::vector<ScoreByHeight> points = scores_by_height(scene, score.name);
   if (points.empty()) return {};
   Json values = Json::array();
   std::vector<double> heights;
@@ -319,8 +319,8 @@ std::string score_chart(const Scene& scene, const std::string& score, const std:
                       {"least", point.least},
                       {"greatest", point.greatest},
                       {"pixels", fmt::format("{:.0f}", point.height_px)},
-                      {"value", fmt::format("{:.3f}", point.mean)},
-                      {"range", fmt::format("{:.3f} to {:.3f}", point.least, point.greatest)},
+                      {"value", score_text(score, point.mean)},
+                      {"range", score_text(score, point.least) + " to " + score_text(score, point.greatest)},
                       {"views", point.views}});
     heights.push_back(point.height_px);
   }
@@ -335,7 +335,7 @@ std::string score_chart(const Scene& scene, const std::string& score, const std:
   const Json y = {{"field", "mean"},
                   {"type", "quantitative"},
                   {"scale", {{"zero", false}, {"nice", true}}},
-                  {"axis", {{"title", title}, {"tickCount", 5}}}};
+                  {"axis", {{"title", heading(score)}, {"tickCount", 5}}}};
   Json least = y;
   least["field"] = "least";
   spec["data"] = {{"values", values}};
@@ -356,23 +356,28 @@ std::string score_chart(const Scene& scene, const std::string& score, const std:
   return spec.dump();
 }
 
-std::string pop_chart(const PopSize& size, double high) {
+std::string pop_chart(const PopSize& size, const std::vector<ScoreDoc>& scores, size_t ranking, double high) {
+  const auto text = [&](const PopPoint& point, size_t score, size_t kind) {
+    const std::optional<double>& value = point.scores[score][kind];
+    return value ? score_text(scores[score], *value) : std::string("too small");
+  };
   Json values = Json::array();
   for (size_t w = 0; w < kPopSwitchKinds; ++w)
     for (const PopPoint& point : size.points) {
-      if (!point.mae[w]) continue;
-      values.push_back({{"switch", kPopSwitchTitles[w]},
-                        {"phase", fmt::format("phase {:g}", point.phase)},
-                        {"azimuth", point.azimuth_deg},
-                        {"elevation", point.elevation_deg},
-                        {"mae", *point.mae[w]},
-                        {"value", fmt::format("{:.2f}", *point.mae[w])},
-                        {"ssim", point.ssim_union[w] ? fmt::format("{:.3f}", *point.ssim_union[w]) : "too small"}});
+      const std::optional<double>& coloured = point.scores[ranking][w];
+      if (!coloured) continue;
+      Json value = {{"switch", kPopSwitchTitles[w]},
+                    {"phase", fmt::format("phase {:g}", point.phase)},
+                    {"azimuth", point.azimuth_deg},
+                    {"elevation", point.elevation_deg},
+                    {"coloured", std::isfinite(*coloured) ? Json(*coloured) : Json(high)}};
+      for (size_t i = 0; i < scores.size(); ++i) value["score_" + scores[i].name] = text(point, i, w);
+      values.push_back(std::move(value));
     }
   if (values.empty()) return {};
   Json spec = frame(0);
   for (const char* key : {"width", "height", "autosize"}) spec.erase(key);
-  const auto tip = [](const char* field, const char* title) {
+  const auto tip = [](const std::string& field, const std::string& title) {
     return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
   };
   spec["config"]["header"] = {{"labelFontSize", 12}, {"labelColor", kInk}, {"labelPadding", 4}};
@@ -384,7 +389,7 @@ std::string pop_chart(const PopSize& size, double high) {
     const bool first = w == 0;
     const bool last = w + 1 == kPopSwitchKinds;
     Json legend = nullptr;
-    if (first) legend = {{"title", "MAE over the figure, code values"}, {"gradientLength", 240}};
+    if (first) legend = {{"title", heading(scores[ranking])}, {"gradientLength", 240}};
     Json encoding;
     encoding["x"] = {{"field", "azimuth"},
                      {"type", "ordinal"},
@@ -400,13 +405,13 @@ std::string pop_chart(const PopSize& size, double high) {
                      {"type", "ordinal"},
                      {"sort", "descending"},
                      {"axis", {{"title", "elevation"}, {"labelOverlap", "greedy"}}}};
-    encoding["color"] = {{"field", "mae"},
+    encoding["color"] = {{"field", "coloured"},
                          {"type", "quantitative"},
                          {"scale", {{"scheme", "viridis"}, {"domain", {0, high}}}},
                          {"legend", legend}};
-    encoding["tooltip"] =
-        Json::array({tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"),
-                     tip("elevation", "elevation"), tip("value", "MAE"), tip("ssim", "SSIM in the figure")});
+    encoding["tooltip"] = Json::array(
+        {tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"), tip("elevation", "elevation")});
+    for (const ScoreDoc& doc : scores) encoding["tooltip"].push_back(tip("score_" + doc.name, heading(doc)));
     Json column = {{"field", "phase"}, {"type", "nominal"}, {"sort", nullptr}};
     column["header"] = {{"title", nullptr}, {"labels", first}};
     Json row;

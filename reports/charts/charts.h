@@ -5,6 +5,7 @@
 
 #include "reports/model/pop_model.h"
 #include "reports/model/scene.h"
+#include "reports/model/score_doc.h"
 
 namespace crowdbench::reports {
 
@@ -16,11 +17,11 @@ std::vector<std::string> representation_colours(size_t count);
 std::string time_chart(const Scene& scene, double occupancy);
 // How many times as fast as the reference, log-log, one line a representation and occupancy.
 std::string speed_chart(const Scene& scene);
-// A score of single agents against their height in pixels; empty text when no agent was compared.
-std::string score_chart(const Scene& scene, const std::string& score, const std::string& title);
+// A score of single agents against their height in pixels; empty text when no agent has it.
+std::string score_chart(const Scene& scene, const ScoreDoc& score);
 
-// Azimuth by elevation, a panel a clip phase and kind of switch; colours from 0 to `high` code values, the same in
-// every chart.
-std::string pop_chart(const PopSize& size, double high);
+// Azimuth by elevation, a panel a clip phase and kind of switch, coloured by one score from 0 to `high`, the same in
+// every chart. scores: those of the points, `ranking` the place of the one that colours.
+std::string pop_chart(const PopSize& size, const std::vector<ScoreDoc>& scores, size_t ranking, double high);
 
 }  // namespace crowdbench::reports

@@ -9,10 +9,10 @@
 
 #include "core/error.h"
 #include "core/statistics.h"
+#include "reports/exports/scores_markdown.h"
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
-#include "reports/model/scores.h"
 #include "store/columns.h"
 
 namespace crowdbench::reports {
@@ -161,38 +161,6 @@ double mean_of(const std::vector<double>& values) {
   return mean;
 }
 
-// Every score of every whole frame, one a line.
-std::string frame_scores(const Scene& scene) {
-  std::string lines;
-  for (const ComparisonRow* row : scene.crowd_comparisons)
-    for (const ScoreRow& score : row->scores)
-      lines += fmt::format("| {} | {} | {} | {} | {} |\n", cell(row->representation), count_text(row->agents),
-                           percent_or_dash(row->requested_occupancy), cell(score.name),
-                           score.value ? score_text(score.name, *score.value) : cell(score.reason));
-  if (lines.empty()) return {};
-  return "\n## Difference of whole frames\n\n| representation | agents | occupancy | score | value |\n"
-         "|---|--:|--:|---|--:|\n" +
-         lines;
-}
-
-// Every score of single agents by height, one a line.
-std::string agent_scores(const Scene& scene) {
-  std::vector<std::string> names;  // in the order of the rows
-  for (const ComparisonRow* row : scene.agent_comparisons)
-    for (const ScoreRow& score : row->scores)
-      if (std::find(names.begin(), names.end(), score.name) == names.end()) names.push_back(score.name);
-  std::string lines;
-  for (const std::string& name : names)
-    for (const ScoreByHeight& row : scores_by_height(scene, name))
-      lines += fmt::format("| {} | {:.0f} | {} | {} | {} | {} | {} |\n", cell(row.representation), row.height_px,
-                           cell(name), row.views, score_text(name, row.mean), score_text(name, row.least),
-                           score_text(name, row.greatest));
-  if (lines.empty()) return {};
-  return "\n## Difference of single agents\n\n"
-         "| representation | height, px | score | views | mean | least | greatest |\n|---|--:|---|--:|--:|--:|--:|\n" +
-         lines;
-}
-
 // Every column of the largest timed crowd of each representation, one a line; columns without any value are left out.
 std::string largest_crowds(const Scene& scene) {
   std::vector<const MeasurementRow*> largest;
@@ -239,12 +207,9 @@ std::string provenance(const RunRow& run) {
 
 }  // namespace
 
-std::string score_text([[maybe_unused]] const std::string& name, double value) {
-  return std::isinf(value) ? (value > 0 ? "∞" : "-∞") : fmt::format("{:.3f}", value);
-}
-
-std::string report_markdown(const StoreContents& contents, const std::string& source) {
-  const std::vector<Scene> scenes = scenes_of(contents);
+std::string report_markdown(const StoreContents& contents, const std::string& source,
+                            const std::vector<ScoreDoc>& scores) {
+  const std::vector<Scene> scenes = scenes_of(contents, scores);
   if (scenes.empty()) throw Error(source, "holds no measurement", "run `crowdbench bench --out` first");
   std::string out;
   const auto add = [&]<typename... Args>(fmt::format_string<Args...> format, Args&&... args) {
@@ -289,7 +254,7 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
                         : fmt::format("{} from {} to {} agents", cell(line.cheaper_beyond), count_text(line.from),
                                       count_text(line.to)));
     }
-    out += frame_scores(scene) + agent_scores(scene) + largest_crowds(scene) + provenance(run);
+    out += scores_markdown(scene) + largest_crowds(scene) + provenance(run);
   }
   return out;
 }
@@ -330,13 +295,20 @@ std::string scores_csv(const StoreContents& contents) {
   return csv.take();
 }
 
-std::string results_json(const StoreContents& contents) {
+std::string results_json(const StoreContents& contents, const std::vector<ScoreDoc>& docs) {
   Json all = Json::object();
   for_each_table([&]<typename Row>(const Table<Row>& table) {
     if (table.rows == nullptr || has_bytes(table.description)) return;
     Json& rows = all[table.description.rows] = Json::array();
     for (const Row& row : contents.*table.rows) rows.push_back(row_json(row));
   });
+  for (const ScoreDoc& doc : docs)
+    all["scores"].push_back({{"name", doc.name},
+                             {"title", doc.title},
+                             {"unit", doc.unit},
+                             {"better", doc.higher_is_better ? "higher" : "lower"},
+                             {"equal", doc.best ? number(*doc.best) : Json(nullptr)},
+                             {"computes", doc.computes}});
   return all.dump(2) + "\n";
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
@@ -37,6 +38,25 @@ const ScoreByHeight* nearest_height(const std::vector<ScoreByHeight>& scores, co
   return nearest;
 }
 
+// The headline scores of single agents of one height, the first of them saying which; empty without any.
+std::string difference_text(const Scene& scene, const std::string& name) {
+  std::string text;
+  std::optional<double> height;
+  for (const ScoreDoc& doc : scene.scores) {
+    if (!doc.headline) continue;
+    const auto values = scores_by_height(scene, doc.name);
+    const ScoreByHeight* shown = nearest_height(values, name);
+    if (shown == nullptr || (height && shown->height_px != *height)) continue;
+    if (!height)
+      text = fmt::format("Seen {:.0f} pixels tall in {} views, {} has against {}, on average,", shown->height_px,
+                         shown->views, name, scene.reference);
+    text += fmt::format("{} {} {} ({} in the worst view{})", height ? ";" : "", doc.title, score_text(doc, shown->mean),
+                        score_text(doc, worst_of(doc, *shown)), best_text(doc));
+    height = shown->height_px;
+  }
+  return text.empty() ? text : text + ".";
+}
+
 }  // namespace
 
 std::vector<std::string> answer(const Scene& scene) {
@@ -66,17 +86,7 @@ std::vector<std::string> answer(const Scene& scene) {
       }
       paragraphs.push_back(text);
     }
-    const auto overlap = scores_by_height(scene, "silhouette_iou");
-    const ScoreByHeight* shown = nearest_height(overlap, name);
-    if (shown == nullptr) continue;
-    std::string text = fmt::format(
-        "Seen {:.0f} pixels tall, the silhouette of {} overlaps that of {} by {} on average over {} views "
-        "(intersection over union; {} in the worst view)",
-        shown->height_px, name, scene.reference, percent_text(shown->mean), shown->views, percent_text(shown->least));
-    for (const ScoreByHeight& s : scores_by_height(scene, "ssim"))
-      if (s.representation == name && s.height_px == shown->height_px)
-        text += "; SSIM is " + score_text("ssim", s.mean);
-    paragraphs.push_back(text + ".");
+    if (const std::string text = difference_text(scene, name); !text.empty()) paragraphs.push_back(text);
   }
   return paragraphs;
 }
@@ -117,13 +127,16 @@ std::vector<Tile> tiles(const Scene& scene) {
                      fmt::format("from there on {} is the cheaper one{}", line.cheaper_beyond, at)});
       break;
     }
-  const auto overlap = scores_by_height(scene, "silhouette_iou");
-  const ScoreByHeight* nearest = nearest_height(overlap, name);
-  if (nearest != nullptr)
-    all.push_back(
-        {percent_text(nearest->mean), fmt::format("of the silhouette right, {:.0f} pixels tall (intersection over "
-                                                  "union, mean of {} views)",
-                                                  nearest->height_px, nearest->views)});
+  for (const ScoreDoc& doc : scene.scores) {
+    if (!doc.headline) continue;
+    const auto values = scores_by_height(scene, doc.name);
+    const ScoreByHeight* nearest = nearest_height(values, name);
+    if (nearest == nullptr) continue;
+    all.push_back({score_text(doc, nearest->mean), fmt::format("{}{}{}, {:.0f} pixels tall (mean of {} views{})",
+                                                               doc.title, doc.unit.empty() ? "" : ", ", doc.unit,
+                                                               nearest->height_px, nearest->views, best_text(doc))});
+    break;
+  }
   for (const MeasurementRow* row : scene.rows)
     if (row->key.representation == name && row->texture_bytes && row->buffer_bytes) {
       all.push_back({bytes_text(*row->texture_bytes + *row->buffer_bytes), "of textures and buffers on the GPU"});

@@ -13,15 +13,16 @@ namespace crowdbench::reports {
 constexpr size_t kPopSwitchKinds = 4;
 extern const std::array<const char*, kPopSwitchKinds> kPopSwitchTitles;
 
-// Mean over the union of the silhouettes; nothing where it does not exist. mae in code values, ssim_union in [-1, 1].
+// One view and moment. Scores are over the union of the silhouettes, in the order of the page's descriptions; nothing
+// where one does not exist.
 struct PopPoint {
   double ratio = 0;      // pixels a texel spans; 0: the representation has no texels
   double height_px = 0;  // the character's
   double azimuth_deg = 0, elevation_deg = 0, phase = 0;
-  std::array<std::optional<double>, kPopSwitchKinds> mae, ssim_union;
+  std::vector<std::array<std::optional<double>, kPopSwitchKinds>> scores;
 };
 
-// tail: the 95th percentile of mae, the 5th of ssim_union.
+// Of one score over points. tail: the 95th percentile where lower is better, else the 5th.
 struct PopSummary {
   double mean = 0, tail = 0, worst = 0;
   PopPoint worst_at;
@@ -34,8 +35,8 @@ struct PopPicture {
 // One size of the figure.
 struct PopSize {
   std::vector<PopPoint> points;
-  std::array<std::optional<PopSummary>, kPopSwitchKinds> mae, ssim_union;
-  std::vector<PopPicture> worst;  // of the cell whose own-pose cut has the largest mae
+  std::vector<std::array<std::optional<PopSummary>, kPopSwitchKinds>> summaries;  // by score, as in the points
+  std::vector<PopPicture> worst;  // of the point whose own-pose cut is the worst by the ranking score
   std::vector<PopPicture> fade;   // the cross-fade at that cell, first to last tick
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -40,7 +41,28 @@ const PictureRow* Scene::picture(const ComparisonRow& comparison, const std::str
   return nullptr;
 }
 
-std::vector<Scene> scenes_of(const StoreContents& contents) {
+namespace {
+
+// Descriptions of the names that the comparisons have: the described ones in their order, then the others by name.
+std::vector<ScoreDoc> docs_of(const Scene& scene, const std::vector<ScoreDoc>& described) {
+  const auto place = [&](const std::string& name) {
+    const auto found = std::find_if(described.begin(), described.end(), [&](const ScoreDoc& doc) {
+      return name == doc.name || name.starts_with(doc.name + ".");
+    });
+    return found - described.begin();
+  };
+  std::set<std::pair<std::ptrdiff_t, std::string>> names;
+  for (const auto* rows : {&scene.agent_comparisons, &scene.crowd_comparisons})
+    for (const ComparisonRow* row : *rows)
+      for (const ScoreRow& score : row->scores) names.emplace(place(score.name), score.name);
+  std::vector<ScoreDoc> docs;
+  for (const auto& [order, name] : names) docs.push_back(doc_of(described, name));
+  return docs;
+}
+
+}  // namespace
+
+std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<ScoreDoc>& scores) {
   using SceneKey = std::tuple<std::string, std::string, std::string, std::string>;
   std::map<int64_t, const RunRow*> runs;
   for (const RunRow& run : contents.runs) runs[run.id] = &run;
@@ -111,6 +133,7 @@ std::vector<Scene> scenes_of(const StoreContents& contents) {
         break;
       }
   }
+  for (Scene& scene : scenes) scene.scores = docs_of(scene, scores);
   return scenes;
 }
 

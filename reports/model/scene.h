@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "reports/model/score_doc.h"
 #include "store/store.h"
 
 namespace crowdbench::reports {
@@ -24,6 +25,7 @@ struct Scene {
   std::vector<const ComparisonRow*> crowd_comparisons;
   std::vector<const ComparisonRow*> agent_comparisons;
   std::vector<const PictureRow*> pictures;
+  std::vector<ScoreDoc> scores;  // of the names that its comparisons have; those that nobody described come last
 
   // nullptr when there is none.
   const MeasurementRow* find(const std::string& representation, uint32_t agent_count, double occupancy) const;
@@ -32,7 +34,8 @@ struct Scene {
                         double occupancy, const std::string& metric) const;
   const PictureRow* picture(const ComparisonRow& comparison, const std::string& role) const;
 };
-std::vector<Scene> scenes_of(const StoreContents& contents);
+// scores: what is known of scores, in the order in which they are shown.
+std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<ScoreDoc>& scores = {});
 
 // The time that ratios and charts are made of on this machine: the run's headline metric.
 const std::optional<TimeSummary>& time_of(const MeasurementRow& row, const std::string& metric);

@@ -33,19 +33,48 @@ std::vector<ScoreByHeight> scores_by_height(const Scene& scene, const std::strin
   return all;
 }
 
-ScoreStyle score_style(std::string_view name) {
-  if (name == "silhouette_iou") return {"Silhouette IoU"};
-  if (name == "boundary_px_mean") return {"Boundary off by, px", 2, true};
-  if (name == "boundary_px_p95") return {"95th percentile, px", 2, true};
-  if (name == "ssim") return {"SSIM"};
-  if (name == "ssim_union") return {"SSIM in the figure"};
-  if (name == "psnr") return {"PSNR, dB", 1};
-  if (name == "mae") return {"Mean absolute error, code values", 2, true};
-  return {std::string(name)};
+double worst_of(const ScoreDoc& doc, const ScoreByHeight& views) {
+  return doc.higher_is_better ? views.least : views.greatest;
 }
 
-std::string score_text(std::string_view name, double value) {
-  return std::isinf(value) ? "\u221e" : fmt::format("{:.{}f}", value, score_style(name).digits);
+std::vector<ScoreDoc> scores_in(const Scene& scene, const std::vector<const ComparisonRow*>& comparisons) {
+  std::vector<ScoreDoc> found;
+  for (const ScoreDoc& doc : scene.scores)
+    if (std::any_of(comparisons.begin(), comparisons.end(),
+                    [&](const ComparisonRow* row) { return score_of(*row, doc.name).has_value(); }))
+      found.push_back(doc);
+  return found;
+}
+
+AgentScoreTable agent_score_table(const Scene& scene) {
+  AgentScoreTable table;
+  table.columns = scores_in(scene, scene.agent_comparisons);
+  for (const std::string& representation : scene.representations) {
+    std::map<double, size_t> views;
+    for (const ComparisonRow* row : scene.agent_comparisons)
+      if (row->representation == representation && row->height_px) ++views[*row->height_px];
+    for (const auto& [height, count] : views) table.rows.push_back({representation, height, count, {}});
+  }
+  for (const ScoreDoc& doc : table.columns) {
+    const std::vector<ScoreByHeight> values = scores_by_height(scene, doc.name);
+    for (AgentScoreRow& row : table.rows) {
+      const auto value = std::find_if(values.begin(), values.end(), [&](const ScoreByHeight& v) {
+        return v.representation == row.representation && v.height_px == row.height_px;
+      });
+      row.cells.emplace_back();
+      if (value != values.end())
+        row.cells.back() = ScoreCell{score_text(doc, value->mean), score_text(doc, worst_of(doc, *value))};
+    }
+  }
+  return table;
+}
+
+std::string headline_scores(const Scene& scene, const ComparisonRow& comparison) {
+  std::string text;
+  for (const ScoreDoc& doc : scene.scores)
+    if (const auto value = score_of(comparison, doc.name); value && doc.headline)
+      text += (text.empty() ? "" : ", ") + doc.title + " " + score_text(doc, *value);
+  return text;
 }
 
 }  // namespace crowdbench::reports

@@ -1,12 +1,12 @@
-// The scores of comparisons, gathered, and how they are written.
+// The scores of comparisons, gathered for tables, charts and sentences.
 #pragma once
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "reports/model/scene.h"
+#include "reports/model/score_doc.h"
 
 namespace crowdbench::reports {
 
@@ -18,19 +18,32 @@ struct ScoreByHeight {
   size_t views = 0;
 };
 std::vector<ScoreByHeight> scores_by_height(const Scene& scene, const std::string& score);
+// The worse end of the views.
+double worst_of(const ScoreDoc& doc, const ScoreByHeight& views);
 
 // std::nullopt where the comparison lacks it.
 std::optional<double> score_of(const ComparisonRow& comparison, const std::string& name);
 
-// How a score is written: its heading in a table (with its unit), and whether the worst of several values is the
-// greatest. A name that is not known is its own heading.
-struct ScoreStyle {
-  std::string title;
-  int digits = 3;
-  bool worst_is_greatest = false;
+// Of the scene's scores those that one of the comparisons has a value of.
+std::vector<ScoreDoc> scores_in(const Scene& scene, const std::vector<const ComparisonRow*>& comparisons);
+
+// The scores of single agents by height, as texts.
+struct ScoreCell {
+  std::string mean, worst;
 };
-ScoreStyle score_style(std::string_view name);
-// "0.987", "31.2", "∞": without the unit, with the score's own digits.
-std::string score_text(std::string_view name, double value);
+struct AgentScoreRow {
+  std::string representation;
+  double height_px = 0;
+  size_t views = 0;
+  std::vector<std::optional<ScoreCell>> cells;  // by column
+};
+struct AgentScoreTable {
+  std::vector<ScoreDoc> columns;
+  std::vector<AgentScoreRow> rows;  // by representation, then height
+};
+AgentScoreTable agent_score_table(const Scene& scene);
+
+// "silhouette IoU 0.9871, SSIM 0.9500": what a comparison's picture is captioned with; empty where it has none of them.
+std::string headline_scores(const Scene& scene, const ComparisonRow& comparison);
 
 }  // namespace crowdbench::reports

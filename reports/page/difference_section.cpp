@@ -15,31 +15,19 @@ namespace {
 
 using Rows = std::vector<TemplateValues>;
 
-// The scores of one agent and of a whole crowd that the tables show, in their order.
-const std::vector<std::string> kAgentScores = {"silhouette_iou", "boundary_px_mean", "boundary_px_p95",
-                                               "ssim",           "ssim_union",       "psnr"};
-const std::vector<std::string> kCrowdScores = {"ssim", "psnr", "mae", "silhouette_iou"};
-
-Rows titles(const std::vector<std::string>& scores) {
+Rows titles(const std::vector<ScoreDoc>& scores) {
   Rows rows;
-  for (const std::string& name : scores) rows.push_back({{"title", score_style(name).title}});
+  for (const ScoreDoc& doc : scores) rows.push_back({{"title", heading(doc)}});
   return rows;
 }
 
-Rows agent_rows(const SceneOnPage& page) {
-  std::vector<std::vector<ScoreByHeight>> columns;
-  for (const std::string& name : kAgentScores) columns.push_back(scores_by_height(page.scene, name));
+Rows agent_rows(const SceneOnPage& page, const AgentScoreTable& table) {
   Rows rows;
-  for (const ScoreByHeight& row : columns.front()) {
+  for (const AgentScoreRow& row : table.rows) {
     Rows cells;
-    for (size_t c = 0; c < columns.size(); ++c) {
-      const std::string& name = kAgentScores[c];
+    for (const std::optional<ScoreCell>& cell : row.cells) {
       Rows score;
-      for (const ScoreByHeight& cell : columns[c])
-        if (cell.representation == row.representation && cell.height_px == row.height_px)
-          score.push_back(
-              {{"mean", score_text(name, cell.mean)},
-               {"worst", score_text(name, score_style(name).worst_is_greatest ? cell.greatest : cell.least)}});
+      if (cell) score.push_back({{"mean", cell->mean}, {"worst", cell->worst}});
       cells.push_back({{"score", std::move(score)}});
     }
     rows.push_back({{"representation", page.mark(row.representation)},
@@ -50,12 +38,9 @@ Rows agent_rows(const SceneOnPage& page) {
   return rows;
 }
 
-Html scores_caption(const ComparisonRow& comparison) {
-  std::string html;
-  if (const auto iou = score_of(comparison, "silhouette_iou"))
-    html += "<br>silhouette IoU " + score_text("silhouette_iou", *iou);
-  if (const auto ssim = score_of(comparison, "ssim")) html += ", SSIM " + score_text("ssim", *ssim);
-  return {html};
+Html scores_caption(const Scene& scene, const ComparisonRow& comparison) {
+  const std::string text = headline_scores(scene, comparison);
+  return {text.empty() ? text : "<br>" + html_escape(text)};
 }
 
 // One group a height: reference, test, difference. Small figures are enlarged so that their pixels can be seen.
@@ -82,7 +67,7 @@ Rows agent_pictures(const SceneOnPage& page) {
                       {"enlarged", std::move(enlarged)},
                       {"reference", comparison->reference},
                       {"representation", comparison->representation},
-                      {"scores", scores_caption(*comparison)}});
+                      {"scores", scores_caption(scene, *comparison)}});
     if (direction.empty())
       direction = fmt::format("Seen from {:.0f}° beside the front and {:.0f}° above.",
                               comparison->azimuth_deg.value_or(0), comparison->elevation_deg.value_or(0));
@@ -95,33 +80,34 @@ Rows single_agents(SceneOnPage& page) {
   const Scene& scene = page.scene;
   if (scene.agent_comparisons.empty()) return {};
   std::vector<Html> charts;
-  const auto chart = [&](const char* score, const char* axis, const char* title) {
-    if (const std::string specification = score_chart(scene, score, axis); !specification.empty())
-      charts.push_back(page.chart(specification, title));
-  };
-  chart("silhouette_iou", "silhouette overlap (IoU)", "Silhouette");
-  chart("ssim_union", "SSIM over the figure", "Structure within the figure");
+  for (const ScoreDoc& doc : scene.scores) {
+    if (!doc.charted) continue;
+    if (const std::string specification = score_chart(scene, doc); !specification.empty())
+      charts.push_back(page.chart(specification, heading(doc)));
+  }
+  const AgentScoreTable table = agent_score_table(scene);
   return {{{"charts", html_rows(std::move(charts))},
-           {"scores", titles(kAgentScores)},
-           {"rows", agent_rows(page)},
+           {"scores", titles(table.columns)},
+           {"rows", agent_rows(page, table)},
            {"by_height", agent_pictures(page)}}};
 }
 
 Rows crowds(const SceneOnPage& page) {
   if (page.scene.crowd_comparisons.empty()) return {};
+  const std::vector<ScoreDoc> scores = scores_in(page.scene, page.scene.crowd_comparisons);
   Rows rows;
   for (const ComparisonRow* comparison : page.scene.crowd_comparisons) {
     Rows cells;
-    for (const std::string& name : kCrowdScores) {
-      const auto value = score_of(*comparison, name);
-      cells.push_back({{"score", value ? score_text(name, *value) : "–"}});
+    for (const ScoreDoc& doc : scores) {
+      const auto value = score_of(*comparison, doc.name);
+      cells.push_back({{"score", value ? score_text(doc, *value) : "–"}});
     }
     rows.push_back({{"representation", page.mark(comparison->representation)},
                     {"agents", count_text(comparison->agents)},
                     {"occupancy", occupancy_text(comparison->requested_occupancy)},
                     {"cells", std::move(cells)}});
   }
-  return {{{"scores", titles(kCrowdScores)}, {"rows", std::move(rows)}}};
+  return {{{"scores", titles(scores)}, {"rows", std::move(rows)}}};
 }
 
 }  // namespace

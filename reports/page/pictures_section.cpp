@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
 #include "reports/page/blocks.h"
@@ -16,14 +14,9 @@ Html figure(const PictureRow& picture, Html caption) {
   return figure_block(picture.width, picture.height, picture.png, picture.caption, std::move(caption));
 }
 
-std::string scores_caption(const ComparisonRow& comparison) {
-  std::string text;
-  if (const auto ssim = score_of(comparison, "ssim")) text += ", SSIM " + score_text("ssim", *ssim);
-  if (const auto psnr = score_of(comparison, "psnr"))
-    text += std::isinf(*psnr) ? ", identical" : fmt::format(", PSNR {} dB", score_text("psnr", *psnr));
-  if (const auto iou = score_of(comparison, "silhouette_iou"))
-    text += fmt::format(", crowd silhouette overlap {}", percent_text(*iou));
-  return text;
+std::string scores_caption(const Scene& scene, const ComparisonRow& comparison) {
+  const std::string text = headline_scores(scene, comparison);
+  return text.empty() ? text : ", " + text;
 }
 
 }  // namespace
@@ -43,7 +36,7 @@ Html pictures_section(const SceneOnPage& page) {
     const auto bold = [&](const std::string& name) { return "<b>" + page.mark(name).text + "</b>"; };
     std::vector<Html> figures = {
         figure(*reference, Html{bold(comparison->reference) + ", the reference"}),
-        figure(*test, Html{bold(comparison->representation) + html_escape(scores_caption(*comparison))})};
+        figure(*test, Html{bold(comparison->representation) + html_escape(scores_caption(scene, *comparison))})};
     if (difference != nullptr)
       figures.push_back(
           figure(*difference, Html{"absolute difference: dark blue = equal, red = the largest possible error"}));

@@ -7,7 +7,6 @@
 
 #include "reports/charts/charts.h"
 #include "reports/model/number_text.h"
-#include "reports/model/scores.h"
 #include "reports/page/blocks.h"
 #include "reports/page/escape.h"
 #include "reports/page/page_files.h"
@@ -30,40 +29,47 @@ Rows figures(const std::vector<PopPicture>& pictures) {
   return html_rows(std::move(blocks));
 }
 
-TemplateValues summary_values(const char* score, const PopSummary& summary) {
-  return {{"mean", score_text(score, summary.mean)},
-          {"tail", score_text(score, summary.tail)},
-          {"worst", score_text(score, summary.worst)}};
+Rows titles(const PopPage& page) {
+  Rows rows;
+  for (const ScoreDoc& doc : page.scores)
+    rows.push_back({{"title", heading(doc)}, {"tail", doc.higher_is_better ? "5th percentile" : "95th percentile"}});
+  return rows;
 }
 
-Rows kinds(const PopSize& size) {
+Rows kinds(const PopPage& page, const PopSize& size) {
   Rows rows;
   for (size_t w = 0; w < kPopSwitchKinds; ++w) {
-    Rows mae;
-    if (const auto& summary = size.mae[w]) {
-      mae.push_back(summary_values("mae", *summary));
-      mae.back()["worst_at"] = at_text(summary->worst_at);
+    Rows cells;
+    for (size_t i = 0; i < page.scores.size(); ++i) {
+      const ScoreDoc& doc = page.scores[i];
+      Rows summary;
+      if (const auto& s = size.summaries[i][w])
+        summary.push_back({{"mean", score_text(doc, s->mean)},
+                           {"tail", score_text(doc, s->tail)},
+                           {"worst", score_text(doc, s->worst)}});
+      cells.push_back({{"summary", std::move(summary)}});
     }
-    Rows ssim;
-    if (const auto& summary = size.ssim_union[w]) ssim.push_back(summary_values("ssim_union", *summary));
-    rows.push_back({{"kind", kPopSwitchTitles[w]}, {"mae", std::move(mae)}, {"ssim", std::move(ssim)}});
+    const auto& ranked = size.summaries[page.ranking][w];
+    rows.push_back({{"kind", kPopSwitchTitles[w]},
+                    {"cells", std::move(cells)},
+                    {"worst_at", ranked ? at_text(ranked->worst_at) : "nothing is drawn"}});
   }
   return rows;
 }
 
 // What the numbers say, in a sentence each.
 std::vector<std::string> answer(const PopPage& page) {
+  const ScoreDoc& doc = page.scores[page.ranking];
+  const auto text = [&](double value) { return score_text(doc, value); };
   std::vector<std::string> out;
   for (const PopSize& size : page.sizes) {
-    const auto& cut = size.mae[0];
-    const auto& fade = size.mae[1];
-    const auto& matched = size.mae[2];
-    const auto& both = size.mae[3];
+    const auto& [cut, fade, matched, both] = size.summaries[page.ranking];
     if (!cut || !fade || !matched || !both) continue;
     out.push_back(fmt::format(
-        "{}: switching at once changes the figure by {:.1f} code values on average and {:.1f} at worst. With the mesh "
-        "in the stored frame's pose it is {:.1f}, with a cross-fade of {} ticks {:.1f} a step, with both {:.1f}.",
-        pop_size_text(size.points.front()), cut->mean, cut->worst, matched->mean, page.fade, fade->mean, both->mean));
+        "{}: between the pictures before and after a switch the {} is {}{}{} on average and {} at worst. With the mesh "
+        "in the stored frame's pose it is {}, with a cross-fade of {} ticks {} a step, with both {}.",
+        pop_size_text(size.points.front()), doc.title, text(cut->mean), doc.unit.empty() ? "" : " ", doc.unit,
+        text(cut->worst), text(matched->mean), page.fade, text(fade->mean), text(both->mean)));
   }
   return out;
 }
@@ -73,22 +79,26 @@ double chart_top(const PopPage& page) {
   double top = 0;
   for (const PopSize& size : page.sizes)
     for (const PopPoint& point : size.points)
-      for (const auto& mae : point.mae) top = std::max(top, mae.value_or(0));
+      for (const auto& value : point.scores[page.ranking])
+        if (value && std::isfinite(*value)) top = std::max(top, *value);
   return top > 0 ? std::ceil(top) : 1;
 }
 
-TemplateValues size_values(const PopSize& size, double top, int& last_chart) {
+TemplateValues size_values(const PopPage& page, const PopSize& size, double top, int& last_chart) {
   std::vector<Html> charts;
-  if (const std::string chart = pop_chart(size, top); !chart.empty())
-    charts.push_back(
-        chart_block(chart, "Mean absolute difference by view, clip phase and kind of switch", ++last_chart));
+  if (const std::string chart = pop_chart(size, page.scores, page.ranking, top); !chart.empty())
+    charts.push_back(chart_block(chart, heading(page.scores[page.ranking]) + ", by view, clip phase and kind of switch",
+                                 ++last_chart));
+  const auto& ranked = size.summaries[page.ranking][0];
   Rows worst;
   if (!size.worst.empty())
-    worst.push_back({{"at", size.mae[0] ? at_text(size.mae[0]->worst_at) : ""}, {"figures", figures(size.worst)}});
+    worst.push_back({{"at", ranked ? at_text(ranked->worst_at) : ""}, {"figures", figures(size.worst)}});
   Rows fade;
   if (!size.fade.empty()) fade.push_back({{"figures", figures(size.fade)}});
   return {{"size", pop_size_text(size.points.front())},
-          {"kinds", kinds(size)},
+          {"scores", titles(page)},
+          {"ranking", page.scores[page.ranking].title},
+          {"kinds", kinds(page, size)},
           {"charts", html_rows(std::move(charts))},
           {"worst_cell", std::move(worst)},
           {"cross_fade", std::move(fade)}};
@@ -105,7 +115,7 @@ std::string pop_page(const PopPage& page) {
   int last_chart = 0;
   Rows sizes;
   for (const PopSize& size : page.sizes)
-    if (!size.points.empty()) sizes.push_back(size_values(size, top, last_chart));
+    if (!size.points.empty()) sizes.push_back(size_values(page, size, top, last_chart));
   Html content = fill_template(page_file("pop_page.html"), {{"character", page.character},
                                                             {"clip", page.clip},
                                                             {"renderer", page.renderer},

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reports/model/pop_model.h"
+#include "reports/model/score_doc.h"
 
 namespace crowdbench::reports {
 
@@ -12,6 +13,8 @@ struct PopPage {
   std::string representation, character, clip, renderer, program;  // program: name, version and revision
   bool software = false;                                           // drawn by a software rasteriser
   int fade = 0;                                                    // ticks
+  std::vector<ScoreDoc> scores;                                    // of the points and summaries, in their order
+  size_t ranking = 0;                                              // into scores: by which the worst is found
   std::vector<PopSize> sizes;
 };
 

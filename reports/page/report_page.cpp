@@ -75,7 +75,7 @@ TemplateValues run_values(const RunRow& run) {
 }  // namespace
 
 std::string report_page(const StoreContents& contents, const PageOptions& options) {
-  const std::vector<Scene> scenes = scenes_of(contents);
+  const std::vector<Scene> scenes = scenes_of(contents, options.scores);
   if (scenes.empty())
     throw Error(options.source, "holds no measurement", "run `crowdbench bench --out " + options.source + "` first");
   const bool several = scenes.size() > 1;

@@ -1,13 +1,16 @@
 // The report: one self-contained HTML page that opens without a network.
 #pragma once
 #include <string>
+#include <vector>
 
+#include "reports/model/score_doc.h"
 #include "store/store.h"
 
 namespace crowdbench::reports {
 
 struct PageOptions {
-  std::string source;  // the result file's name, for the footer
+  std::string source;            // the result file's name, for the footer
+  std::vector<ScoreDoc> scores;  // what is known of scores, in the order in which they are shown
 };
 // The page's bytes, UTF-8. Everything is inside: data, pictures (PNG as data URIs), the chart library. The page's own
 // content security policy forbids it to load anything. contents: read with pictures. Throws Error when the program was

@@ -1,6 +1,7 @@
 // Each metric: identity, and an image small enough to work out by hand. Outside oracles: ground_truth_test.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "core/random.h"
 #include "metrics/agents.h"
 #include "metrics/difference.h"
+#include "metrics/figure.h"
 #include "metrics/pseudocolour.h"
 #include "metrics/silhouette.h"
 #include "metrics/ssim.h"
@@ -42,6 +44,19 @@ Mask rectangle(int width, int height, int x, int y, int w, int h) {
   for (int j = y; j < y + h; ++j)
     for (int i = x; i < x + w; ++i) *mask.at(i, j) = 255;
   return mask;
+}
+
+Buffers with_ids(const Image8& picture, const ImageU32& ids) {
+  Buffers out;
+  out.codes = &picture;
+  out.ids = &ids;
+  return out;
+}
+
+ImageU32 ids_of(const Mask& mask) {
+  ImageU32 ids(mask.width, mask.height, 1);
+  for (size_t i = 0; i < ids.data.size(); ++i) ids.data[i] = mask.data[i] != 0 ? 1 : 0;
+  return ids;
 }
 
 TEST(Difference, IdenticalPicturesHaveNoneAndInfinitePsnr) {
@@ -105,7 +120,11 @@ TEST(Difference, SizesMustAgree) {
   EXPECT_THROW(ssim(Plane(20, 20, 1), Plane(20, 21, 1)), Error);
   EXPECT_THROW(gmsd(Plane(20, 20, 1), Plane(20, 21, 1)), Error);
   EXPECT_THROW(silhouette_iou(Mask(2, 2, 1), Mask(2, 3, 1)), Error);
-  EXPECT_THROW(score_agents(Image8(2, 2, 3), Image8(2, 2, 3), ImageU32(2, 2, 1), ImageU32(2, 1, 1)), Error);
+  const ImageU32 ids(2, 2, 1);
+  const ImageU32 other_ids(2, 1, 1);
+  const Image8 picture(2, 2, 3);
+  Shared shared;
+  EXPECT_THROW(score_agents(scores(), {with_ids(picture, ids), with_ids(picture, other_ids)}, shared), Error);
 }
 
 TEST(Difference, LinearErrorsOfFloats) {
@@ -250,26 +269,31 @@ TEST(Silhouette, CropIsWidenedAndCut) {
 
 TEST(Figure, IdenticalFiguresAndNothingDrawn) {
   const Image8 a = noise(60, 50, 3, 8);
-  const Mask mask = rectangle(60, 50, 20, 15, 12, 20);
-  const FigureScores same = score_figure(a, a, mask, mask);
-  EXPECT_DOUBLE_EQ(*same.silhouette_iou, 1);
-  EXPECT_DOUBLE_EQ(same.boundary->mean, 0);
-  EXPECT_NEAR(*same.ssim, 1, 1e-12);
-  EXPECT_NEAR(*same.ssim_union, 1, 1e-12);
-  EXPECT_EQ(*same.psnr, kInfinity);
-  EXPECT_EQ(*same.mae, 0);
-  const FigureScores nothing = score_figure(a, a, Mask(60, 50, 1), Mask(60, 50, 1));
-  EXPECT_FALSE(nothing.silhouette_iou);
-  EXPECT_FALSE(nothing.boundary);
-  EXPECT_FALSE(nothing.ssim);
-  EXPECT_FALSE(nothing.psnr);
+  const ImageU32 ids = ids_of(rectangle(60, 50, 20, 15, 12, 20));
+  const FigureScores same = score_figure(scores(), with_ids(a, ids), with_ids(a, ids));
+  EXPECT_DOUBLE_EQ(same.value("silhouette_iou").value(), 1);
+  EXPECT_DOUBLE_EQ(same.value("boundary_px_mean").value(), 0);
+  EXPECT_NEAR(same.value("ssim").value(), 1, 1e-12);
+  EXPECT_NEAR(same.value("ssim_union").value(), 1, 1e-12);
+  EXPECT_EQ(same.value("psnr"), kInfinity);
+  EXPECT_EQ(same.value("mae"), 0);
+  ASSERT_TRUE(same.box);
+  EXPECT_EQ(same.box->width, 12 + 2 * kCropMargin);
+  const ImageU32 none(60, 50, 1);
+  const FigureScores nothing = score_figure(scores(), with_ids(a, none), with_ids(a, none));
+  EXPECT_FALSE(nothing.box);
+  ASSERT_EQ(nothing.scores.size(), same.scores.size()) << "the same columns, whatever is drawn";
+  for (const Scored& one : nothing.scores) {
+    EXPECT_FALSE(one.result.value) << one.score->name;
+    EXPECT_EQ(one.result.reason, "nothing is drawn in either picture");
+  }
 }
 
 TEST(Figure, ScoresAreOverTheUnionAndTheCropOnly) {
   Image8 a = noise(80, 60, 3, 9);
   Image8 b = a;
-  const Mask in_a = rectangle(80, 60, 20, 20, 10, 12);
-  const Mask in_b = rectangle(80, 60, 22, 20, 10, 12);
+  const ImageU32 in_a = ids_of(rectangle(80, 60, 20, 20, 10, 12));
+  const ImageU32 in_b = ids_of(rectangle(80, 60, 22, 20, 10, 12));
   // Inside the union (12 x 12 at 20, 20): every red is 6 off. Far outside: garbage, which must not count.
   for (int y = 20; y < 32; ++y)
     for (int x = 20; x < 32; ++x) {
@@ -277,15 +301,23 @@ TEST(Figure, ScoresAreOverTheUnionAndTheCropOnly) {
       b.at(x, y)[0] = 106;
     }
   for (int x = 0; x < 80; ++x) b.at(x, 59)[1] ^= 0xff;
-  const FigureScores s = score_figure(a, b, in_a, in_b);
-  EXPECT_DOUBLE_EQ(*s.silhouette_iou, 8.0 / 12.0);
-  EXPECT_DOUBLE_EQ(*s.mae, 2);
-  EXPECT_DOUBLE_EQ(*s.psnr, 10 * std::log10(65025.0 / 12.0));
+  const FigureScores s = score_figure(scores(), with_ids(a, in_a), with_ids(b, in_b));
+  EXPECT_DOUBLE_EQ(s.value("silhouette_iou").value(), 8.0 / 12.0);
+  EXPECT_DOUBLE_EQ(s.value("mae").value(), 2);
+  EXPECT_DOUBLE_EQ(s.value("psnr").value(), 10 * std::log10(65025.0 / 12.0));
   // The crop is 22 x 22 at (15, 15), its valid region the 12 x 12 pixels of the union: here the two are the same.
   const Box box{15, 15, 22, 22};
-  EXPECT_NEAR(*s.ssim, ssim(luma601(crop(a, box)), luma601(crop(b, box)))->mean, 1e-12);
-  EXPECT_NEAR(*s.ssim_union, *s.ssim, 1e-12);
-  EXPECT_LT(*s.ssim, 1);
+  EXPECT_NEAR(s.value("ssim").value(), ssim(luma601(crop(a, box)), luma601(crop(b, box)))->mean, 1e-12);
+  EXPECT_NEAR(s.value("ssim_union").value(), s.value("ssim").value(), 1e-12);
+  EXPECT_LT(s.value("ssim").value(), 1);
+}
+
+// The value of one agent's score; nothing where it does not exist. Fails where the score is not defined for agents.
+std::optional<double> of_agent(const AgentScores& all, size_t agent, std::string_view name) {
+  for (size_t s = 0; s < all.scores.size(); ++s)
+    if (all.scores[s]->name == name) return all.agents[agent].values[s];
+  ADD_FAILURE() << name << " is not scored by agent";
+  return std::nullopt;
 }
 
 TEST(Agents, EachAgentIsScoredOverItsOwnUnion) {
@@ -297,25 +329,35 @@ TEST(Agents, EachAgentIsScoredOverItsOwnUnion) {
   const ImageU32 ids_b = image<uint32_t>(6, 1, 1, {0, 7, 7, 4000000000U, 2, 0});
   const ImageF depth_a = image<float>(6, 1, 1, {1, 2, 3, 4, 5, 6});
   const ImageF depth_b = image<float>(6, 1, 1, {1, 2.5, 3, 4, 5, 6});
-  const auto scores = score_agents(a, b, ids_a, ids_b, {&depth_a, &depth_b});
-  ASSERT_EQ(scores.size(), 3U);
-  EXPECT_EQ(scores[0].id, 2U);
-  EXPECT_EQ(scores[0].iou, 1);
-  EXPECT_EQ(scores[0].psnr, kInfinity);
-  EXPECT_EQ(scores[1].id, 7U);
-  EXPECT_EQ(scores[1].pixels_ref, 2U);
-  EXPECT_EQ(scores[1].pixels_test, 2U);
-  EXPECT_EQ(scores[1].pixels_both, 1U);
-  EXPECT_DOUBLE_EQ(scores[1].iou, 1.0 / 3);
-  EXPECT_DOUBLE_EQ(scores[1].mae, 3);
-  EXPECT_DOUBLE_EQ(scores[1].mse, 15);
-  EXPECT_DOUBLE_EQ(*scores[1].depth_mae, 0.5);
-  EXPECT_FALSE(scores[1].ssim_union);  // one row has no SSIM
-  EXPECT_EQ(scores[2].id, 4000000000U);
-  EXPECT_EQ(scores[2].pixels_ref, 0U);
-  EXPECT_EQ(scores[2].iou, 0);
-  EXPECT_DOUBLE_EQ(scores[2].mae, 9);
-  EXPECT_FALSE(scores[2].depth_mae);
+  ScoreInput input{with_ids(a, ids_a), with_ids(b, ids_b)};
+  input.reference.depth = &depth_a;
+  input.test.depth = &depth_b;
+  Shared shared;
+  const AgentScores all = score_agents(scores(), input, shared);
+  ASSERT_EQ(all.agents.size(), 3U);
+  EXPECT_EQ(all.agents[0].id, 2U);
+  EXPECT_EQ(of_agent(all, 0, "silhouette_iou"), 1);
+  EXPECT_EQ(of_agent(all, 0, "psnr"), kInfinity);
+  EXPECT_EQ(all.agents[1].id, 7U);
+  EXPECT_EQ(all.agents[1].pixels_ref, 2U);
+  EXPECT_EQ(all.agents[1].pixels_test, 2U);
+  EXPECT_EQ(all.agents[1].pixels_both, 1U);
+  EXPECT_DOUBLE_EQ(of_agent(all, 1, "silhouette_iou").value(), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(of_agent(all, 1, "mae").value(), 3);
+  EXPECT_DOUBLE_EQ(of_agent(all, 1, "mse").value(), 15);
+  EXPECT_DOUBLE_EQ(of_agent(all, 1, "depth_mae").value(), 0.5);
+  EXPECT_FALSE(of_agent(all, 1, "ssim_union"));  // one row has no SSIM
+  EXPECT_EQ(all.agents[2].id, 4000000000U);
+  EXPECT_EQ(all.agents[2].pixels_ref, 0U);
+  EXPECT_EQ(of_agent(all, 2, "silhouette_iou"), 0);
+  EXPECT_DOUBLE_EQ(of_agent(all, 2, "mae").value(), 9);
+  EXPECT_FALSE(of_agent(all, 2, "depth_mae"));
+  // Of all together: pixels 1 and 4 carry the same agent in both, half a metre and none apart.
+  const auto whole = score_pictures(scores(), input, shared);
+  const auto depth =
+      std::find_if(whole.begin(), whole.end(), [](const Scored& s) { return s.score->name == "depth_mae"; });
+  ASSERT_NE(depth, whole.end());
+  EXPECT_DOUBLE_EQ(depth->result.value.value(), 0.25);
 }
 
 TEST(Agents, SsimOfAnAgentIsTheMapOverItsPixels) {
@@ -325,10 +367,21 @@ TEST(Agents, SsimOfAnAgentIsTheMapOverItsPixels) {
   *ids.at(12, 13) = 5;
   *ids.at(2, 2) = 5;  // no window there
   const auto s = ssim(luma601(a), luma601(b));
-  const auto scores = score_agents(a, b, ids, ids);
-  ASSERT_EQ(scores.size(), 1U);
-  EXPECT_DOUBLE_EQ(*scores[0].ssim_union, *s->map.at(7, 8));
-  EXPECT_DOUBLE_EQ(*score_agents(a, b, ids, ids, {}, &*s)[0].ssim_union, *s->map.at(7, 8));
+  Shared shared;
+  const AgentScores all = score_agents(scores(), {with_ids(a, ids), with_ids(b, ids)}, shared);
+  ASSERT_EQ(all.agents.size(), 1U);
+  EXPECT_DOUBLE_EQ(of_agent(all, 0, "ssim_union").value(), *s->map.at(7, 8));
+  // Sixteen bits of the same values: the same scores.
+  const Image16 wide_a = widen(a);
+  const Image16 wide_b = widen(b);
+  ScoreInput wide;
+  wide.reference.codes16 = &wide_a;
+  wide.test.codes16 = &wide_b;
+  wide.reference.ids = wide.test.ids = &ids;
+  Shared of_wide;
+  const AgentScores same = score_agents(scores(), wide, of_wide);
+  for (const char* name : {"mae", "mse", "psnr", "ssim_union"})
+    EXPECT_NEAR(of_agent(same, 0, name).value(), of_agent(all, 0, name).value(), 1e-9) << name;
 }
 
 Image8 grey(uint8_t left, uint8_t right) { return image<uint8_t>(2, 1, 1, {left, right}); }
@@ -403,6 +456,7 @@ TEST(Pseudocolour, PictureAndBar) {
   EXPECT_TRUE(holds(colours[255]));
   EXPECT_TRUE(holds({40, 40, 40}));
   EXPECT_EQ(with_colour_bar(Image8(1, 1, 3), "c").width, 360);
+  EXPECT_NE(with_colour_bar(Image8(1, 1, 3), "c", 0, 1), with_colour_bar(Image8(1, 1, 3), "c")) << "other labels";
 }
 
 }  // namespace

@@ -1,0 +1,42 @@
+#include "bench/experiments/score_rows.h"
+
+namespace crowdbench::bench {
+
+metrics::Buffers buffers_of(const renderers::Capture& capture) {
+  metrics::Buffers out;
+  out.codes = &capture.colour;
+  out.ids = &capture.ids;
+  if (!capture.linear.empty()) out.linear = &capture.linear;
+  if (!capture.depth.empty()) out.depth = &capture.depth;
+  return out;
+}
+
+std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores) {
+  std::vector<ScoreRow> rows;
+  for (const auto& [score, result] : scores) {
+    const std::string name(score->name);
+    rows.push_back({name, result.value, result.reason});
+    for (const auto& [pool, value] : result.pooled) rows.push_back({name + "." + pool, value, ""});
+  }
+  return rows;
+}
+
+std::vector<reports::ScoreDoc> score_docs(metrics::ScoreTable table) {
+  std::vector<reports::ScoreDoc> docs;
+  for (const metrics::Score* score : table) {
+    reports::ScoreDoc& doc = docs.emplace_back();
+    doc.name = score->name;
+    doc.title = score->title;
+    doc.unit = score->unit;
+    doc.computes = score->computes;
+    doc.higher_is_better = score->direction == metrics::Direction::higher_is_better;
+    doc.digits = score->digits;
+    doc.best = metrics::best_value(*score);
+    doc.headline = (score->uses & metrics::kHeadline) != 0;
+    doc.charted = (score->uses & metrics::kCharted) != 0;
+    doc.ranking = (score->uses & metrics::kRanking) != 0;
+  }
+  return docs;
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,22 @@
+// Scores on their way out of metrics/: as rows of the result store, and as the descriptions that reports print them by.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "metrics/registry.h"
+#include "renderers/frame/capture.h"
+#include "reports/model/score_doc.h"
+#include "store/store.h"
+
+namespace crowdbench::bench {
+
+// What was drawn, for the scores: borrowed, the capture must outlive it.
+metrics::Buffers buffers_of(const renderers::Capture& capture);
+
+// One row a score, absent ones with their reason; further pooled figures as "name.pooled".
+std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores);
+
+// In the table's order.
+std::vector<reports::ScoreDoc> score_docs(metrics::ScoreTable table);
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,30 @@
+// What several scores are made of, computed once for an input. Each is called with its needs met.
+#pragma once
+#include <optional>
+
+#include "metrics/registry.h"
+#include "metrics/silhouette.h"
+#include "metrics/ssim.h"
+
+namespace crowdbench::metrics {
+
+struct LumaPair {
+  Plane reference, test;
+};
+const LumaPair& luma_pair(const ScoreInput& input, Shared& shared);  // luma601() of both; kNeedsCodes
+
+// ssim() of the luma. kNeedsCodes
+const std::optional<Ssim>& similarity(const ScoreInput& input, Shared& shared);
+
+// difference() over the region, or over every pixel where there is none. kNeedsCodes
+const std::optional<Difference>& region_difference(const ScoreInput& input, Shared& shared);
+
+struct SilhouettePair {
+  Mask reference, test;
+};
+const SilhouettePair& silhouettes(const ScoreInput& input, Shared& shared);  // mask_of() both; kNeedsIds
+
+// boundary_distance() of the silhouettes. kNeedsIds
+const std::optional<BoundaryDistance>& silhouette_boundary(const ScoreInput& input, Shared& shared);
+
+}  // namespace crowdbench::metrics
