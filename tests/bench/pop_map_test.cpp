@@ -43,25 +43,50 @@ TEST(PopMap, AFadeTakesEveryPixelFromOneSide) {
   }
 }
 
+// The place of a score among those of a switch, and its value in one kind of it.
+size_t place_of(std::string_view name) {
+  const auto scores = pop_scores(metrics::scores());
+  for (size_t i = 0; i < scores.size(); ++i)
+    if (scores[i]->name == name) return i;
+  throw std::logic_error("no such score of a switch");
+}
+double value(const std::vector<std::optional<double>>& of_kind, std::string_view name) {
+  return of_kind.at(place_of(name)).value();
+}
+
 TEST(PopMap, StatisticsByHand) {
+  metrics::Score error;
+  error.direction = metrics::Direction::lower_is_better;
+  metrics::Score likeness;
+  likeness.direction = metrics::Direction::higher_is_better;
   std::vector<PopCell> cells(5);
-  for (size_t i = 0; i < 5; ++i) {
-    cells[i].own.cut.mae = static_cast<double>(i) * 10;                // 0 10 20 30 40
-    cells[i].own.cut.ssim_union = 1.0 - 0.1 * static_cast<double>(i);  // 1.0 .. 0.6
-  }
-  cells[2].own.cut.ssim_union.reset();
-  const auto mae = summarise_pops(cells, PopMeasure::mae, false, false);
-  ASSERT_TRUE(mae);
-  EXPECT_DOUBLE_EQ(mae->mean, 20);
-  EXPECT_DOUBLE_EQ(mae->tail, 38) << "position 0.95 * 4 = 3.8";
-  EXPECT_DOUBLE_EQ(mae->worst, 40);
-  EXPECT_EQ(mae->worst_cell, 4U);
-  const auto ssim = summarise_pops(cells, PopMeasure::ssim_union, false, false);
-  ASSERT_TRUE(ssim);
-  EXPECT_NEAR(ssim->mean, (1.0 + 0.9 + 0.7 + 0.6) / 4, 1e-12);
-  EXPECT_NEAR(ssim->tail, 0.615, 1e-12) << "low is bad: position 0.15 between 0.6 and 0.7";
-  EXPECT_EQ(ssim->worst_cell, 4U);
-  EXPECT_FALSE(summarise_pops(cells, PopMeasure::mae, true, false)) << "none was measured";
+  for (size_t i = 0; i < 5; ++i)
+    cells[i].own.cut = {static_cast<double>(i) * 10, 1.0 - 0.1 * static_cast<double>(i)};  // 0 .. 40, 1.0 .. 0.6
+  cells[2].own.cut[1].reset();
+  const auto high = summarise_pops(cells, error, 0, false, false);
+  ASSERT_TRUE(high);
+  EXPECT_DOUBLE_EQ(high->mean, 20);
+  EXPECT_DOUBLE_EQ(high->tail, 38) << "position 0.95 * 4 = 3.8";
+  EXPECT_DOUBLE_EQ(high->worst, 40);
+  EXPECT_EQ(high->worst_cell, 4U);
+  EXPECT_STREQ(tail_name(error), "p95");
+  const auto low = summarise_pops(cells, likeness, 1, false, false);
+  ASSERT_TRUE(low);
+  EXPECT_NEAR(low->mean, (1.0 + 0.9 + 0.7 + 0.6) / 4, 1e-12);
+  EXPECT_NEAR(low->tail, 0.615, 1e-12) << "low is bad: position 0.15 between 0.6 and 0.7";
+  EXPECT_EQ(low->worst_cell, 4U);
+  EXPECT_STREQ(tail_name(likeness), "p05");
+  EXPECT_FALSE(summarise_pops(cells, error, 0, true, false)) << "none was measured";
+
+  // Equal pictures: infinite for PSNR. The mean is infinite, the low tail of five is not.
+  for (size_t i = 0; i < 5; ++i) cells[i].own.cut = {i < 2 ? 30.0 + static_cast<double>(i) : INFINITY};
+  const auto infinite = summarise_pops(cells, likeness, 0, false, false);
+  ASSERT_TRUE(infinite);
+  EXPECT_TRUE(std::isinf(infinite->mean));
+  EXPECT_NEAR(infinite->tail, 30.2, 1e-12);
+  EXPECT_EQ(infinite->worst, 30);
+  for (PopCell& cell : cells) cell.own.cut = {INFINITY};
+  EXPECT_EQ(summarise_pops(cells, likeness, 0, false, false)->tail, INFINITY);
 }
 
 TEST(HeatMap, CellsCarryTheColourOfTheirValue) {
@@ -107,10 +132,10 @@ TEST_F(PopMapGl, TheMeshDoesNotPopAgainstItself) {
   ASSERT_EQ(cells.size(), 4U);
   for (const PopCell& cell : cells)
     for (const PopScores* s : {&cell.own, &cell.matched})
-      for (const PopScore* one : {&s->cut, &s->fade_step}) {
-        EXPECT_EQ(one->mae, 0.0);
-        ASSERT_TRUE(one->ssim_union);
-        EXPECT_NEAR(*one->ssim_union, 1, 1e-12);
+      for (const auto* one : {&s->cut, &s->fade_step}) {
+        EXPECT_EQ(value(*one, "mae"), 0.0);
+        EXPECT_NEAR(value(*one, "ssim_union"), 1, 1e-12);
+        EXPECT_EQ(value(*one, "psnr"), INFINITY);
       }
 }
 
@@ -130,14 +155,14 @@ TEST_F(PopMapGl, MatchingTakesThePoseErrorAndFadingTheStep) {
   const PopCell& stored = cells[0];
   const PopCell& between = cells[1];
   EXPECT_EQ(between.shown_phase, 0);
-  EXPECT_EQ(stored.own.cut.mae, stored.matched.cut.mae);
-  EXPECT_EQ(between.matched.cut.mae, stored.matched.cut.mae) << "the same two pictures";
-  EXPECT_GT(*between.own.cut.mae, 1.5 * *between.matched.cut.mae);
-  EXPECT_LT(*between.own.cut.ssim_union, *between.matched.cut.ssim_union - 0.1);
+  EXPECT_EQ(stored.own.cut, stored.matched.cut);
+  EXPECT_EQ(between.matched.cut, stored.matched.cut) << "the same two pictures";
+  EXPECT_GT(value(between.own.cut, "mae"), 1.5 * value(between.matched.cut, "mae"));
+  EXPECT_LT(value(between.own.cut, "ssim_union"), value(between.matched.cut, "ssim_union") - 0.1);
   for (const PopCell& cell : cells) {
     // Three ticks, four steps: the largest is a quarter of the pop but for which pixels turn when.
-    EXPECT_NEAR(*cell.own.fade_step.mae / *cell.own.cut.mae, 0.25, 0.08);
-    EXPECT_GT(*cell.own.fade_step.ssim_union, *cell.own.cut.ssim_union);
+    EXPECT_NEAR(value(cell.own.fade_step, "mae") / value(cell.own.cut, "mae"), 0.25, 0.08);
+    EXPECT_GT(value(cell.own.fade_step, "ssim_union"), value(cell.own.cut, "ssim_union"));
   }
   // A texel spans one pixel: the figure is as tall as its texels are many.
   EXPECT_EQ(between.ratio, 1);

@@ -87,7 +87,7 @@ TEST_F(QualityGl, CausesExplainTheScore) {
   ASSERT_EQ(rows.size(), 2U);
   for (const auto& value : {rows[0].causes.silhouette, rows[0].causes.surface, rows[0].causes.shading})
     EXPECT_DOUBLE_EQ(value.value(), 1.0);
-  const double score = rows[1].scores.ssim.value();
+  const double score = rows[1].scores.value("ssim").value();
   EXPECT_LT(score, 0.999);
   double best = 0;
   for (const auto& value : {rows[1].causes.silhouette, rows[1].causes.surface, rows[1].causes.shading}) {
@@ -109,10 +109,10 @@ TEST_F(QualityGl, TheMeshAgainstItselfIsPerfect) {
   });
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(seen, 1);
-  EXPECT_EQ(rows[0].scores.silhouette_iou, 1.0);
-  EXPECT_EQ(rows[0].scores.boundary->mean, 0.0);
-  EXPECT_EQ(rows[0].scores.ssim, 1.0);
-  EXPECT_TRUE(std::isinf(*rows[0].scores.psnr));
+  EXPECT_EQ(rows[0].scores.value("silhouette_iou"), 1.0);
+  EXPECT_EQ(rows[0].scores.value("boundary_px_mean"), 0.0);
+  EXPECT_EQ(rows[0].scores.value("ssim"), 1.0);
+  EXPECT_TRUE(std::isinf(rows[0].scores.value("psnr").value()));
 }
 
 TEST_F(QualityGl, AnImpostorIsGoodAtItsStoredViewAndWorseBesideIt) {
@@ -124,9 +124,9 @@ TEST_F(QualityGl, AnImpostorIsGoodAtItsStoredViewAndWorseBesideIt) {
   s.views[1].azimuth_deg = 30;
   const auto rows = compute_quality(context_, s);
   ASSERT_EQ(rows.size(), 2U);
-  EXPECT_GT(*rows[0].scores.silhouette_iou, 0.93);
-  EXPECT_LT(*rows[1].scores.silhouette_iou, *rows[0].scores.silhouette_iou - 0.03);
-  EXPECT_LT(*rows[1].scores.ssim, *rows[0].scores.ssim);
+  EXPECT_GT(rows[0].scores.value("silhouette_iou").value(), 0.93);
+  EXPECT_LT(rows[1].scores.value("silhouette_iou").value(), rows[0].scores.value("silhouette_iou").value() - 0.03);
+  EXPECT_LT(rows[1].scores.value("ssim").value(), rows[0].scores.value("ssim").value());
 }
 
 TEST_F(QualityGl, CompressedTilesCostLittle) {
@@ -139,14 +139,14 @@ TEST_F(QualityGl, CompressedTilesCostLittle) {
   s.views[1].azimuth_deg = 60;
   const auto rows = compute_quality(context_, s);
   ASSERT_EQ(rows.size(), 4U);
-  for (const QualityRow& row : rows) EXPECT_GT(*row.scores.silhouette_iou, 0.93) << row.representation;
+  for (const QualityRow& row : rows) EXPECT_GT(row.scores.value("silhouette_iou").value(), 0.93) << row.representation;
   for (size_t v = 0; v < 2; ++v) {
     const metrics::FigureScores& plain = rows[v].scores;
     const metrics::FigureScores& blocks = rows[v + 2].scores;
-    EXPECT_GT(*blocks.silhouette_iou, *plain.silhouette_iou - 0.005);
-    EXPECT_GT(*blocks.ssim, *plain.ssim - 0.02);
-    EXPECT_GT(*blocks.psnr, *plain.psnr - 1);
-    EXPECT_NE(*blocks.psnr, *plain.psnr) << "both drawn the same way";
+    EXPECT_GT(blocks.value("silhouette_iou").value(), plain.value("silhouette_iou").value() - 0.005);
+    EXPECT_GT(blocks.value("ssim").value(), plain.value("ssim").value() - 0.02);
+    EXPECT_GT(blocks.value("psnr").value(), plain.value("psnr").value() - 1);
+    EXPECT_NE(blocks.value("psnr").value(), plain.value("psnr").value()) << "both drawn the same way";
   }
 }
 
@@ -157,11 +157,31 @@ TEST_F(QualityGl, ExactPoseTakesTheStoredFramesErrorAway) {
   const scene::Clip& clip = s.character->clips[static_cast<size_t>(s.views[0].clip)];
   s.views[0].azimuth_deg = 90;
   s.views[0].time = clip.start + clip.duration() / 4;
-  const double stored = *compute_quality(context_, s)[0].scores.silhouette_iou;
+  const double stored = compute_quality(context_, s)[0].scores.value("silhouette_iou").value();
   s.exact_pose = true;
-  const double exact = *compute_quality(context_, s)[0].scores.silhouette_iou;
+  const double exact = compute_quality(context_, s)[0].scores.value("silhouette_iou").value();
   EXPECT_GT(exact, 0.9);
   EXPECT_LT(stored, 0.8);
+}
+
+// A bake that its budget refuses has rows that say why; the others stand.
+TEST_F(QualityGl, ARefusedRepresentationDoesNotLoseTheOthers) {
+  QualitySetup s = setup();
+  s.representations = {"flat:views=sphere-6x2,frames=2,texels=128", "mesh"};
+  s.bake_budget = uint64_t{1} << 16;
+  const auto rows = compute_quality(context_, s);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NE(rows[0].refused.find("budget"), std::string::npos) << rows[0].refused;
+  ASSERT_EQ(rows[0].scores.scores.size(), rows[1].scores.scores.size());
+  for (const metrics::Scored& one : rows[0].scores.scores) {
+    EXPECT_FALSE(one.result.value) << one.score->name;
+    EXPECT_EQ(one.result.reason, rows[0].refused);
+  }
+  EXPECT_EQ(rows[1].refused, "");
+  EXPECT_EQ(rows[1].index, 1U);
+  EXPECT_EQ(rows[1].scores.value("silhouette_iou"), 1.0);
+  s.representations = {"flat:views=sphere-6x2,frames=2,texels=128"};
+  EXPECT_THROW(compute_quality(context_, s), Error) << "nothing is left";
 }
 
 }  // namespace

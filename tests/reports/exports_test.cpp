@@ -178,6 +178,10 @@ TEST(Exports, JsonKeepsAbsenceAndInfinity) {
   EXPECT_EQ(all.at("comparisons").back().at("scores").at("psnr"), "inf");
   EXPECT_TRUE(all.at("comparisons").at(0).at("scores").at("psnr").is_null());
   EXPECT_EQ(all.at("comparisons").at(0).at("reasons").at("psnr"), "made up");
+  const json described = json::parse(results_json(made_up_contents(), made_up_scores())).at("scores");
+  ASSERT_EQ(described.size(), made_up_scores().size());
+  EXPECT_EQ(described.at(3), json::parse(R"({"name": "psnr", "title": "PSNR", "unit": "dB", "better": "higher",
+                                             "equal": "inf", "computes": "signal to noise"})"));
 }
 
 TEST(Exports, GoogleBenchmarkEntries) {
@@ -250,6 +254,12 @@ TEST(Exports, MarkdownHasTheTablesAndEscapesThem) {
   EXPECT_NE(text.find("| cpu_threads | 2 threads |"), std::string::npos) << text;
   EXPECT_NE(text.find("| cpu_mhz | – |"), std::string::npos) << text;
   EXPECT_THROW(report_markdown({}, "x.sqlite"), Error);
+  const std::string described = report_markdown(contents, "x.sqlite", made_up_scores());
+  EXPECT_NE(described.find("| representation | height, px | views | Silhouette IoU | SSIM | SSIM in the figure |"),
+            std::string::npos)
+      << described;
+  EXPECT_NE(described.find("| flat | 64 | 3 | 0.885 (0.840) | 0.835 (0.790) |"), std::string::npos) << described;
+  EXPECT_NE(described.find("| flat | 100 | 15 % | 0.950 | ∞ | 1.25 |"), std::string::npos) << described;
 }
 
 }  // namespace

@@ -9,12 +9,16 @@
 #include "core/error.h"
 #include "reports/charts/charts.h"
 #include "reports/page/libraries.h"
+#include "tests/reports/rows.h"
 
 namespace crowdbench::reports {
 namespace {
 
 // Two azimuths by two phases; cuts of 10, 20, 30, 40 code values, a fade's step a fifth, in the stored pose half of
 // both.
+constexpr size_t kError = 1;  // the place of the score that ranks
+std::vector<ScoreDoc> scores_of_pops() { return {made_up_scores()[2], made_up_scores()[4]}; }
+
 PopSize made_up_size(double ratio) {
   PopSize size;
   for (int i = 0; i < 4; ++i) {
@@ -25,34 +29,34 @@ PopSize made_up_size(double ratio) {
     point.elevation_deg = 10;
     point.phase = i < 2 ? 0.25 : 0.75;
     const double cut = 10.0 * (i + 1);
-    point.mae = {cut, cut / 5, cut / 2, cut / 10};
-    point.ssim_union = {0.5, 0.75, 0.625, std::nullopt};
+    point.scores = {{0.5, 0.75, 0.625, std::nullopt}, {cut, cut / 5, cut / 2, cut / 10}};
     size.points.push_back(point);
   }
+  size.summaries.resize(2);
   for (size_t w = 0; w < kPopSwitchKinds; ++w)
-    size.mae[w] =
-        PopSummary{*size.points[1].mae[w], *size.points[3].mae[w] - 0.5, *size.points[3].mae[w], size.points[3]};
-  size.ssim_union[0] = PopSummary{0.5, 0.45, 0.25, size.points[3]};
+    size.summaries[kError][w] = PopSummary{*size.points[1].scores[kError][w], *size.points[3].scores[kError][w] - 0.5,
+                                           *size.points[3].scores[kError][w], size.points[3]};
+  size.summaries[0][0] = PopSummary{0.5, 0.45, 0.25, size.points[3]};
   size.worst = {{"mesh <own>", 2, 3, {1, 2, 3}}, {"impostor", 2, 3, {1, 2, 3}}};
   size.fade = {{"tick 0", 2, 3, {1, 2, 3}}};
   return size;
 }
 
 TEST(PopChart, HoldsEveryCellAndAllKindsOfSwitchOnOneScale) {
-  const auto chart = nlohmann::json::parse(pop_chart(made_up_size(1), 40));
+  const auto chart = nlohmann::json::parse(pop_chart(made_up_size(1), scores_of_pops(), kError, 40));
   const auto& values = chart.at("data").at("values");
   ASSERT_EQ(values.size(), 4U * kPopSwitchKinds);
   double sum = 0;
-  for (const auto& value : values) sum += value.at("mae").get<double>();
+  for (const auto& value : values) sum += value.at("coloured").get<double>();
   EXPECT_DOUBLE_EQ(sum, 100 * (1 + 0.2 + 0.5 + 0.1));
   ASSERT_EQ(chart.at("vconcat").size(), kPopSwitchKinds);
   for (const auto& kind : chart.at("vconcat"))
     EXPECT_EQ(kind.at("spec").at("encoding").at("color").at("scale").at("domain").dump(), "[0,40.0]");
   // A cell without a score is a hole, not a zero.
   PopSize size = made_up_size(1);
-  size.points[0].mae[0] = std::nullopt;
-  EXPECT_EQ(nlohmann::json::parse(pop_chart(size, 40)).at("data").at("values").size(), 15U);
-  EXPECT_TRUE(pop_chart({}, 1).empty());
+  size.points[0].scores[kError][0] = std::nullopt;
+  EXPECT_EQ(nlohmann::json::parse(pop_chart(size, scores_of_pops(), kError, 40)).at("data").at("values").size(), 15U);
+  EXPECT_TRUE(pop_chart({}, scores_of_pops(), kError, 1).empty());
 }
 
 class PopPageTest : public testing::Test {
@@ -63,8 +67,16 @@ class PopPageTest : public testing::Test {
     } catch (const Error&) {
       GTEST_SKIP() << "npm packages of the chart library absent at configure time";
     }
-    page_ = pop_page(
-        {"flat", "a <b>man</b>", "walk", "llvmpipe", "crowdbench 0", true, 4, {made_up_size(0.5), made_up_size(1)}});
+    page_ = pop_page({"flat",
+                      "a <b>man</b>",
+                      "walk",
+                      "llvmpipe",
+                      "crowdbench 0",
+                      true,
+                      4,
+                      scores_of_pops(),
+                      kError,
+                      {made_up_size(0.5), made_up_size(1)}});
     if (const char* path = std::getenv("CROWDBENCH_KEEP_PAGE")) std::ofstream(path) << page_;
     EXPECT_EQ(count("<script"), count("</script>"));
     page_.resize(page_.find("<footer"));  // the chart library's own texts are not counted
@@ -82,10 +94,13 @@ TEST_F(PopPageTest, TellsEverySizeByTableChartAndPictures) {
   EXPECT_NE(page_.find("0.5 px a texel, 60 px tall"), std::string::npos);
   EXPECT_EQ(count("data-plot="), 2U);
   EXPECT_EQ(count("<figure>"), 2U * 3);
-  EXPECT_NE(page_.find("<td>20.00</td><td>39.50</td><td>40.00</td><td class=\"l i\">azimuth 180°, elevation 10°, phase "
-                       "0.75</td>\n<td>0.500</td><td>0.450</td><td>0.250</td>\n</tr>"),
-            std::string::npos);
-  EXPECT_NE(page_.find("by 20.0 code values on average and 40.0 at worst"), std::string::npos);
+  const auto has = [&](const std::string& text) { return page_.find(text) != std::string::npos; };
+  EXPECT_TRUE(
+      has("<td>0.500</td><td>0.450</td><td>0.250</td>\n<td>20.00</td><td>39.50</td><td>40.00</td>\n"
+          "<td class=\"l i\">azimuth 180°, elevation 10°, phase 0.75</td>"));
+  EXPECT_TRUE(has("<th>SSIM in the figure, mean</th><th>5th percentile</th>"));
+  EXPECT_TRUE(has("<th>Mean absolute error, code values, mean</th><th>95th percentile</th>"));
+  EXPECT_TRUE(has("the mean absolute error is 20.00 code values on average and 40.00 at worst"));
   EXPECT_NE(page_.find("over 8 cells"), std::string::npos);
 }
 

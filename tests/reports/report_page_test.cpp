@@ -27,7 +27,7 @@ class ReportPage : public testing::Test {
  protected:
   void SetUp() override {
     if (!has_libraries()) GTEST_SKIP() << "npm packages of the chart library absent at configure time";
-    page_ = report_page(made_up_contents(), {"made-up.sqlite"});
+    page_ = report_page(made_up_contents(), {"made-up.sqlite", made_up_scores()});
     if (const char* path = std::getenv("CROWDBENCH_KEEP_PAGE")) std::ofstream(path) << page_;
   }
   // The page without the contents of its scripts and styles.
@@ -109,13 +109,13 @@ TEST_F(ReportPage, SaysWhatAStrangerMustKnow) {
 TEST_F(ReportPage, AGpuRunHasNoBannerAndHasFrameRates) {
   StoreContents contents = made_up_contents();
   contents.runs[0].software = false;
-  const std::string page = report_page(contents, {"made-up.sqlite"});
+  const std::string page = report_page(contents, {"made-up.sqlite", made_up_scores()});
   EXPECT_EQ(page.find("Drawn by a software rasteriser"), std::string::npos);
   EXPECT_NE(page.find("1 % low, fps"), std::string::npos);
 }
 
 TEST_F(ReportPage, TheSameRowsGiveTheSameBytes) {
-  EXPECT_EQ(page_, report_page(made_up_contents(), {"made-up.sqlite"}));
+  EXPECT_EQ(page_, report_page(made_up_contents(), {"made-up.sqlite", made_up_scores()}));
 }
 
 TEST_F(ReportPage, AnEmptyFileIsRefused) { EXPECT_THROW(report_page({}, {"empty.sqlite"}), Error); }
@@ -133,7 +133,7 @@ TEST(ReportCharts, TheCurvesHoldTheMediansInMilliseconds) {
   // At 90 % the mesh's last point was never timed, nor both of one agent.
   EXPECT_EQ(nlohmann::json::parse(time_chart(scenes[0], 0.9)).at("data").at("values").size(), 7U);
   EXPECT_TRUE(time_chart(scenes[0], 0.5).empty());
-  EXPECT_TRUE(score_chart(scenes[0], "psnr", "PSNR").empty());
+  EXPECT_TRUE(score_chart(scenes[0], made_up_scores()[3]).empty());
 }
 
 TEST(ReportCharts, ColoursDiffer) {

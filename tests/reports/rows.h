@@ -2,6 +2,7 @@
 #pragma once
 #include <cmath>
 
+#include "reports/model/score_doc.h"
 #include "store/store.h"
 
 namespace crowdbench::reports {
@@ -32,6 +33,18 @@ inline RunRow made_up_run() {
 
 inline TimeSummary spread(double median_ns) {
   return {median_ns, 0.95 * median_ns, 1.08 * median_ns, 0.9 * median_ns, 1.3 * median_ns, 1.5 * median_ns};
+}
+
+// What the program would say of the scores below, and of one that no row has.
+inline std::vector<ScoreDoc> made_up_scores() {
+  std::vector<ScoreDoc> docs(6);
+  docs[0] = {"silhouette_iou", "silhouette IoU", "", "overlap", true, 3, 1, true, true, false};
+  docs[1] = {"ssim", "SSIM", "", "similarity", true, 3, 1, true, false, false};
+  docs[2] = {"ssim_union", "SSIM in the figure", "", "similarity", true, 3, 1, false, true, false};
+  docs[3] = {"psnr", "PSNR", "dB", "signal to noise", true, 1, INFINITY, false, false, false};
+  docs[4] = {"mae", "mean absolute error", "code values", "mean of abs(a - b)", false, 2, 0, false, false, true};
+  docs[5] = {"never_made", "a score of another day", "", "nothing", true, 3, 1, true, true, false};
+  return docs;
 }
 
 // mesh: 0.1 ms an agent; flat: 1 ms + 0.001 ms an agent, so that they cross near 10 agents; 16:9 of the wall clock.

@@ -98,23 +98,62 @@ TEST(Summary, ScoresByHeightByHand) {
   EXPECT_TRUE(scores_by_height(scenes[0], "psnr").empty());  // absent everywhere: no figure is made up
 }
 
+TEST(Summary, DescribedScoresComeInOrderAndUnknownOnesLast) {
+  StoreContents contents = made_up_contents();
+  contents.comparisons[0].scores.push_back({"ssim.least", 0.25, ""});
+  contents.comparisons[0].scores.push_back({"aardvark", 7, ""});
+  const auto scenes = scenes_of(contents, made_up_scores());
+  std::vector<std::string> names;
+  for (const ScoreDoc& doc : scenes[0].scores) names.push_back(doc.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"silhouette_iou", "ssim", "ssim.least", "ssim_union", "psnr", "mae",
+                                             "aardvark", "boundary_px_mean"}));
+  EXPECT_EQ(scenes[0].scores[2].title, "SSIM, least") << "a pooled figure of a described score";
+  EXPECT_FALSE(scenes[0].scores[2].headline);
+  EXPECT_EQ(scenes[0].scores[6].title, "aardvark");
+
+  const AgentScoreTable table = agent_score_table(scenes[0]);
+  ASSERT_EQ(table.rows.size(), 3U);
+  EXPECT_EQ(table.rows[1].height_px, 64);
+  EXPECT_EQ(table.rows[1].views, 3U);
+  ASSERT_EQ(table.columns.size(), 6U) << "PSNR is absent everywhere, MAE of single agents too";
+  ASSERT_TRUE(table.rows[1].cells[0]);
+  EXPECT_EQ(table.rows[1].cells[0]->mean, "0.885");
+  EXPECT_EQ(table.rows[1].cells[0]->worst, "0.840");
+  EXPECT_FALSE(table.rows[1].cells[2]) << "one view of another height has it";
+  EXPECT_EQ(headline_scores(scenes[0], *scenes[0].crowd_comparisons[0]), "SSIM 0.950");
+}
+
+TEST(Scores, AreWrittenByTheirDescription) {
+  const std::vector<ScoreDoc> docs = made_up_scores();
+  EXPECT_EQ(heading(docs[4]), "Mean absolute error, code values");
+  EXPECT_EQ(heading(docs[1]), "SSIM");
+  EXPECT_EQ(score_text(docs[4], 1.239), "1.24");
+  EXPECT_EQ(score_text(docs[3], INFINITY), "∞");
+  EXPECT_EQ(best_text(docs[3]), ", ∞ is equal");
+  EXPECT_EQ(best_text(doc_of(docs, "unheard")), "");
+  EXPECT_EQ(worst_of(docs[4], {"flat", 64, 2, 1, 3, 5}), 3);
+  EXPECT_EQ(worst_of(docs[0], {"flat", 64, 2, 1, 3, 5}), 1);
+}
+
 TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   const StoreContents contents = made_up_contents();
-  const auto scenes = scenes_of(contents);
+  const auto scenes = scenes_of(contents, made_up_scores());
   const auto sentences = answer(scenes[0]);
   ASSERT_EQ(sentences.size(), 3U);  // two occupancies and the difference
   EXPECT_EQ(sentences[0],
             "With 1,000 agents covering 15 % of a 640 × 480 picture, flat is 50.0 times as fast as mesh (95 % interval "
             "48.5 to 52.0, 24 interleaved pairs). From about 10 agents on, flat is the cheaper one.");
   EXPECT_TRUE(sentences[1].starts_with("With 250 agents covering 90 %")) << sentences[1];
-  EXPECT_EQ(sentences[2],
-            "Seen 64 pixels tall, the silhouette of flat overlaps that of mesh by 88.5 % on average over 3 views "
-            "(intersection over union; 84 % in the worst view); SSIM is 0.835.");
+  EXPECT_EQ(
+      sentences[2],
+      "Seen 64 pixels tall in 3 views, flat has against mesh, on average, silhouette IoU 0.885 (0.840 in the worst "
+      "view, 1 is equal); SSIM 0.835 (0.790 in the worst view, 1 is equal).");
   const auto glance = tiles(scenes[0]);
   ASSERT_EQ(glance.size(), 4U);
   EXPECT_EQ(glance[0].figure, "50.0×");
   EXPECT_EQ(glance[1].figure, "10 agents");
-  EXPECT_EQ(glance[2].figure, "88.5 %");
+  EXPECT_EQ(glance[2].figure, "0.885");
+  EXPECT_EQ(glance[2].meaning, "silhouette IoU, 64 pixels tall (mean of 3 views, 1 is equal)");
   EXPECT_EQ(glance[3].figure, "170.7 MiB");
 }
 

@@ -1,0 +1,248 @@
+// A score that is added by one file and one line is found wherever scores are listed, printed, stored and exported.
+// The one added here is of the test alone: a table with one line more is handed to all that walk the table.
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/commands/score_commands.h"
+#include "bench/commands/score_json.h"
+#include "bench/experiments/bench_run.h"
+#include "bench/experiments/pop_map.h"
+#include "bench/experiments/score_rows.h"
+#include "core/files.h"
+#include "core/image_io.h"
+#include "reports/exports/exports.h"
+#include "reports/exports/scores_markdown.h"
+#include "reports/model/scores.h"
+#include "reports/page/report_page.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using nlohmann::json;
+
+// How far the red of the first pixel is off, with two figures pooled and a map.
+metrics::ScoreResult first_red(const metrics::ScoreInput& input, metrics::Shared&) {
+  metrics::ScoreResult result;
+  result.value = std::abs(int{input.reference.codes->data[0]} - int{input.test.codes->data[0]}) / 10.0;
+  result.pooled = {{"mean", *result.value}, {"q3", 1.5}};
+  if (input.maps) result.map = metrics::ScoreMap{metrics::Plane(3, 2, 1), 0, 0, 0, 25.5, "tens"};
+  return result;
+}
+
+const metrics::Score kAdded = {
+    .name = "first_red",
+    .title = "red of the first pixel",
+    .column = "1st red",
+    .unit = "tens",
+    .direction = metrics::Direction::lower_is_better,
+    .digits = 3,
+    .least = 0,
+    .greatest = 25.5,
+    .needs = metrics::kNeedsCodes,
+    .scope = metrics::Scope::region,
+    .uses = metrics::kInTables | metrics::kHeadline | metrics::kCharted,
+    .computes = "abs(a - b) / 10 of the first pixel's red",
+    .source = "",
+    .map_file = "first_red_map",
+    .compute = first_red,
+    .over_time =
+        [] {
+          return metrics::FrameScore{[](const metrics::ScoreInput&, metrics::Shared&) {},
+                                     [] {
+                                       metrics::ScoreResult result;
+                                       result.value = 0.25;
+                                       return result;
+                                     }};
+        },
+    .by_agent = [](const metrics::ScoreInput&, metrics::Shared&, const metrics::AgentPixels& agent)
+        -> std::optional<double> { return static_cast<double>(agent.pixels.size()); },
+};
+
+// Whatever needs a display is not offered where none is given.
+const metrics::Score kOfADisplay = {
+    .name = "of_a_display",
+    .title = "of a display",
+    .column = "display",
+    .greatest = 1,
+    .needs = metrics::kNeedsCodes | metrics::kNeedsDisplay,
+    .computes = "nothing",
+    .compute =
+        [](const metrics::ScoreInput& input, metrics::Shared&) {
+          metrics::ScoreResult result;
+          result.value = input.display->pixels_per_degree;
+          return result;
+        },
+};
+
+const std::vector<const metrics::Score*>& table() {
+  static const std::vector<const metrics::Score*> all = [] {
+    std::vector<const metrics::Score*> scores(metrics::scores().begin(), metrics::scores().end());
+    scores.push_back(&kAdded);
+    scores.push_back(&kOfADisplay);
+    return scores;
+  }();
+  return all;
+}
+
+using Add = void (*)(CLI::App&, Run&, metrics::ScoreTable);
+
+std::string output_of(Add add, std::vector<std::string> arguments) {
+  CLI::App app;
+  Run run;
+  add(app, run, table());
+  std::reverse(arguments.begin(), arguments.end());
+  app.parse(arguments);
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(run(), 0);
+  std::fflush(stdout);
+  return ::testing::internal::GetCapturedStdout();
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(AddedScore, IsInCompare) {
+  const support::ScratchFolder folder;
+  Image8 a(12, 12, 3);
+  Image8 b = a;
+  b.data[0] = 42;
+  ImageU32 ids(12, 12, 1);
+  *ids.at(4, 4) = *ids.at(5, 4) = 9;
+  write_png(folder / "a.png", a);
+  write_png(folder / "b.png", b);
+  write_exr(folder / "ids.exr", ids);
+  const std::vector<std::string> arguments = {"compare",
+                                              (folder / "a.png").string(),
+                                              (folder / "b.png").string(),
+                                              "--ids-ref",
+                                              (folder / "ids.exr").string(),
+                                              "--ids-test",
+                                              (folder / "ids.exr").string(),
+                                              "--maps",
+                                              (folder / "maps").string()};
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  const json out = json::parse(output_of(add_compare, with_json));
+  EXPECT_EQ(out.at("scores").at("first_red"), json::parse(R"({"mean": 4.2, "q3": 1.5})"));
+  EXPECT_EQ(out.at("agents").at(0).at("first_red"), 2.0);
+  EXPECT_FALSE(out.at("scores").contains("of_a_display"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "maps" / "first_red_map.png"));
+  const std::string text = output_of(add_compare, arguments);
+  EXPECT_TRUE(contains(text, "first_red")) << text;
+  EXPECT_TRUE(contains(text, "4.200  red of the first pixel, tens; 0 = equal")) << text;
+  EXPECT_TRUE(contains(text, "1st red")) << text;
+}
+
+TEST(AddedScoreGl, IsInQuality) {
+  const support::ScratchFolder folder;
+  const std::vector<std::string> arguments = {"quality",
+                                              "--representation",
+                                              "mesh",
+                                              "--character",
+                                              "mannequin:triangles=500",
+                                              "--height-px",
+                                              "40",
+                                              "--rows",
+                                              "96",
+                                              "--time",
+                                              "0.1,0.2,0.3",
+                                              "--flicker",
+                                              "--maps",
+                                              folder.path().string()};
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  const json out = json::parse(output_of(add_quality, with_json));
+  EXPECT_EQ(out.at("rows").at(0).at("first_red").at("mean"), 0);
+  EXPECT_EQ(out.at("first_red").at(0).at("first_red"), 0.25) << "over time";
+  EXPECT_EQ(out.at("first_red").at(0).at("frames"), 3);
+  EXPECT_TRUE(std::filesystem::exists(folder / "mesh_h40_a0_e0_t0.1_first_red_map.png"));
+  EXPECT_TRUE(contains(output_of(add_quality, arguments), "1st red"));
+}
+
+TEST(AddedScoreGl, IsInPopMaps) {
+  const support::ScratchFolder folder;
+  const std::string text = output_of(
+      add_popmap, {"popmap", "--representation", "mesh", "--character", "mannequin:triangles=500", "--height-px", "40",
+                   "--azimuth-deg", "0", "--elevation-deg", "0", "--phase", "0.1", "--out", folder.path().string()});
+  EXPECT_TRUE(contains(text, "1st red")) << text;
+  const json out = json::parse(read_text(folder / "popmap.json"));
+  EXPECT_EQ(out.at("sizes").at(0).at("switch").at("own_cut").at("first_red").at("p95"), 0);
+  EXPECT_EQ(out.at("cells").at(0).at("own_pose").at("fade_step_first_red"), 0);
+  EXPECT_TRUE(contains(read_text(folder / "popmap.csv"), ",matched_fade_step_first_red"));
+  EXPECT_TRUE(contains(read_text(folder / "popmap.html"), "Red of the first pixel, tens"));
+}
+
+TEST(AddedScore, IsInRowsReportAndExports) {
+  renderers::Capture reference;
+  reference.colour = Image8(16, 16, 4);
+  reference.ids = ImageU32(16, 16, 1);
+  reference.depth = ImageF(16, 16, 1);
+  *reference.ids.at(3, 3) = 1;
+  renderers::Capture test = reference;
+  test.colour.data[0] = 55;
+  StoreContents contents;
+  RunRow run;
+  run.id = 1;
+  contents.runs.push_back(run);
+  MeasurementRow measured;
+  measured.run = 1;
+  measured.key = {"flat", "somebody", 3, 16, 16, 0};
+  measured.reference = "mesh";
+  contents.measurements.push_back(measured);
+  for (const char* kind : {"crowd", "agent"}) {
+    ComparisonRow row;
+    row.run = 1;
+    row.kind = kind;
+    row.representation = "flat";
+    row.reference = "mesh";
+    row.character = "somebody";
+    row.agents = 3;
+    if (row.kind == "agent") row.height_px = 64;
+    row.scores = score_crowd(table(), reference, test);
+    contents.comparisons.push_back(row);
+  }
+  const std::vector<ScoreRow>& rows = contents.comparisons[0].scores;
+  const auto named = [&](const std::string& name) {
+    return std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) { return row.name == name; });
+  };
+  ASSERT_NE(named("first_red"), rows.end());
+  EXPECT_EQ(named("first_red")->value, 5.5);
+  ASSERT_NE(named("first_red.q3"), rows.end());
+  EXPECT_EQ(named("of_a_display"), rows.end());
+
+  const std::vector<reports::ScoreDoc> docs = score_docs(table());
+  const std::vector<reports::Scene> scenes = reports::scenes_of(contents, docs);
+  ASSERT_EQ(scenes.size(), 1U);
+  EXPECT_TRUE(contains(reports::headline_scores(scenes[0], contents.comparisons[0]), "red of the first pixel 5.500"));
+  EXPECT_TRUE(contains(reports::scores_markdown(scenes[0]), "| Red of the first pixel, tens |"));
+  EXPECT_TRUE(contains(reports::report_markdown(contents, "x", docs), "| Red of the first pixel, tens |"));
+  EXPECT_TRUE(contains(reports::report_page(contents, {"x", docs}), "Red of the first pixel, tens"));
+  EXPECT_TRUE(contains(reports::scores_csv(contents), "first_red"));
+  const json all = json::parse(reports::results_json(contents, docs));
+  EXPECT_EQ(all.at("comparisons").at(0).at("scores").at("first_red"), 5.5);
+  EXPECT_EQ(all.at("scores").at(docs.size() - 2).at("unit"), "tens");
+  EXPECT_TRUE(contains(metrics::scores_markdown(table()), "| `first_red` | red of the first pixel | tens | lower |"));
+}
+
+TEST(AddedScore, IsGivenADisplay) {
+  const Image8 picture(2, 2, 3);
+  const metrics::Display display{42};
+  metrics::ScoreInput input;
+  input.reference.codes = input.test.codes = &picture;
+  input.display = &display;
+  const metrics::Score* of_a_display = &kOfADisplay;
+  metrics::Shared shared;
+  const auto scored = metrics::score_pictures({&of_a_display, 1}, input, shared);
+  ASSERT_EQ(scored.size(), 1U);
+  EXPECT_EQ(scored[0].result.value, 42);
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
