@@ -47,7 +47,7 @@ struct Column {
   // older columns that gives its present value.
   int changed = 1;
   std::string before;
-  // Filled from the member.
+  // Filled from the member; only `seed` is said.
   ColumnType type = ColumnType::text;
   bool optional = false;
   bool key = false;    // the row's own id, given by the store

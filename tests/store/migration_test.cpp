@@ -135,7 +135,7 @@ TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
     return all;
   };
   const auto wanted = statements(fresh);
-  EXPECT_EQ(wanted.size(), 9U);  // tables, one index, one view
+  EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
   EXPECT_EQ(statements(file_), wanted);
 }
 
