@@ -47,12 +47,13 @@ Json frame(int height) {
               {"title", nullptr}}}}}};
 }
 
+// legend: the same in all layers of a chart; where they disagree, Vega-Lite warns and draws none.
 Json colour_of(const Scene& scene, bool legend) {
   return {
       {"field", "representation"},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend", legend ? Json({{"title", nullptr}}) : Json(nullptr)}};
+      {"legend", legend ? Json({{"title", nullptr}, {"symbolOpacity", 1}}) : Json(nullptr)}};
 }
 
 // 1, 2, 5, 10, 20, 50, ... within a factor of the data.
@@ -341,7 +342,7 @@ std::string score_chart(const Scene& scene, const std::string& score, const std:
   spec["data"] = {{"values", values}};
   spec["layer"] = Json::array(
       {{{"mark", {{"type", "area"}, {"opacity", 0.15}}},
-        {"encoding", {{"x", x}, {"y", least}, {"y2", {{"field", "greatest"}}}, {"color", colour_of(scene, false)}}}},
+        {"encoding", {{"x", x}, {"y", least}, {"y2", {{"field", "greatest"}}}, {"color", colour_of(scene, true)}}}},
        {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}, {"point", {{"size", 60}, {"filled", true}}}}},
         {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, true)}}}},
        {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
@@ -383,8 +384,6 @@ std::string pop_chart(const PopSize& size, double high) {
   for (size_t w = 0; w < kPopSwitchKinds; ++w) {
     const bool first = w == 0;
     const bool last = w + 1 == kPopSwitchKinds;
-    Json legend = nullptr;
-    if (first) legend = {{"title", "MAE over the figure, code values"}, {"gradientLength", 240}};
     Json encoding;
     encoding["x"] = {{"field", "azimuth"},
                      {"type", "ordinal"},
@@ -403,7 +402,8 @@ std::string pop_chart(const PopSize& size, double high) {
     encoding["color"] = {{"field", "mae"},
                          {"type", "quantitative"},
                          {"scale", {{"scheme", "viridis"}, {"domain", {0, high}}}},
-                         {"legend", legend}};
+                         // One for all rows, which share the scale: every row must say the same.
+                         {"legend", {{"title", "MAE over the figure, code values"}, {"gradientLength", 240}}}};
     encoding["tooltip"] =
         Json::array({tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"),
                      tip("elevation", "elevation"), tip("value", "MAE"), tip("ssim", "SSIM in the figure")});
