@@ -48,7 +48,7 @@ struct MedianRatio {
   Interval interval;
   size_t pairs = 0;
 };
-// Both spans: the same length, at least one, all positive; element i of both was measured in the same turn.
+// Both spans: the same length, at least one, all positive; element i of both was measured in the same round.
 MedianRatio median_of_ratios(std::span<const double> numerator, std::span<const double> denominator, uint64_t seed,
                              size_t resamples = kBootstrapResamples);
 
