@@ -1,4 +1,5 @@
-// The sRGB transfer curve (IEC 61966-2-1), for single values; values outside [0, 1] are clamped by encode8 only.
+// The sRGB transfer curve (IEC 61966-2-1), for single values; only linear_to_srgb8() clamps its
+// value to [0, 1].
 #pragma once
 #include <cmath>
 #include <cstdint>

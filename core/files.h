@@ -13,8 +13,9 @@ namespace crowdbench {
 std::vector<uint8_t> read_file(const std::filesystem::path& path, size_t limit = size_t{1} << 31);
 std::string read_text(const std::filesystem::path& path, size_t limit = size_t{16} << 20);
 
-// Writes beside the target and renames, so that a reader sees the old file or the new one, never a part. Missing parent
-// folders are made. Throws Error (disk full, no permission, target is a directory) and leaves no temporary file behind.
+// Writes beside the target and renames, so that a reader sees the old file or the new one, never half of one. Missing
+// parent folders are made. Throws Error (disk full, no permission, target is a directory) and leaves no temporary file
+// behind.
 void write_file(const std::filesystem::path& path, const void* data, size_t size);
 void write_file(const std::filesystem::path& path, std::string_view text);
 

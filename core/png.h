@@ -1,4 +1,4 @@
-// PNG through libpng, for core/image_io.cpp: the one place that looks at the file's bytes.
+// PNG through libpng, for core/image_io.cpp: nothing else reads or writes the bytes of a PNG.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -14,14 +14,15 @@ double quantile(std::span<const double> values, double q);
 // The 0.5-quantile: the middle value, or the mean of the two middle ones.
 double median(std::span<const double> values);
 
-// What a set of frame times is reported by. All in the unit of the input, save fps.
+// The figures that a set of frame times is reported by. All in the unit of the input, save fps.
 struct Summary {
   size_t count = 0;
   double median = 0;
   double p05 = 0;
   double p95 = 0;
   double p99 = 0;
-  // 1e9 over the mean of the slowest 1 % of the frames (rounded up, so at least one): "1 %-low", in frames a second.
+  // 1e9 over the mean of the slowest 1 % of the frames (rounded up, so at least one): the "1 % low", in frames a
+  // second.
   double low_1_percent_fps = 0;
 };
 // times_ns: frame times in nanoseconds, at least one, all positive.
@@ -47,7 +48,7 @@ struct MedianRatio {
   Interval interval;
   size_t pairs = 0;
 };
-// Both spans: the same length, at least one, all positive; element i of both was measured in the same turn.
+// Both spans: the same length, at least one, all positive; element i of both was measured in the same round.
 MedianRatio median_of_ratios(std::span<const double> numerator, std::span<const double> denominator, uint64_t seed,
                              size_t resamples = kBootstrapResamples);
 

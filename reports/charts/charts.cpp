@@ -47,12 +47,13 @@ Json frame(int height) {
               {"title", nullptr}}}}}};
 }
 
+// legend: the same in all layers of a chart; where they disagree, Vega-Lite warns and draws none.
 Json colour_of(const Scene& scene, bool legend) {
   return {
       {"field", "representation"},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend", legend ? Json({{"title", nullptr}}) : Json(nullptr)}};
+      {"legend", legend ? Json({{"title", nullptr}, {"symbolOpacity", 1}}) : Json(nullptr)}};
 }
 
 // 1, 2, 5, 10, 20, 50, ... within a factor of the data.
@@ -341,7 +342,7 @@ std::string score_chart(const Scene& scene, const ScoreDoc& score) {
   spec["data"] = {{"values", values}};
   spec["layer"] = Json::array(
       {{{"mark", {{"type", "area"}, {"opacity", 0.15}}},
-        {"encoding", {{"x", x}, {"y", least}, {"y2", {{"field", "greatest"}}}, {"color", colour_of(scene, false)}}}},
+        {"encoding", {{"x", x}, {"y", least}, {"y2", {{"field", "greatest"}}}, {"color", colour_of(scene, true)}}}},
        {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}, {"point", {{"size", 60}, {"filled", true}}}}},
         {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, true)}}}},
        {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
@@ -388,8 +389,6 @@ std::string pop_chart(const PopSize& size, const std::vector<ScoreDoc>& scores, 
   for (size_t w = 0; w < kPopSwitchKinds; ++w) {
     const bool first = w == 0;
     const bool last = w + 1 == kPopSwitchKinds;
-    Json legend = nullptr;
-    if (first) legend = {{"title", heading(scores[ranking])}, {"gradientLength", 240}};
     Json encoding;
     encoding["x"] = {{"field", "azimuth"},
                      {"type", "ordinal"},
@@ -408,7 +407,8 @@ std::string pop_chart(const PopSize& size, const std::vector<ScoreDoc>& scores, 
     encoding["color"] = {{"field", "coloured"},
                          {"type", "quantitative"},
                          {"scale", {{"scheme", "viridis"}, {"domain", {0, high}}}},
-                         {"legend", legend}};
+                         // One for all rows, which share the scale: every row must say the same.
+                         {"legend", {{"title", heading(scores[ranking])}, {"gradientLength", 240}}}};
     encoding["tooltip"] = Json::array(
         {tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"), tip("elevation", "elevation")});
     for (const ScoreDoc& doc : scores) encoding["tooltip"].push_back(tip("score_" + doc.name, heading(doc)));

@@ -10,11 +10,10 @@
 
 namespace crowdbench::scene {
 
-// A scenario's characters, loaded, with the banks that pose them.
 struct Cast {
   std::vector<std::shared_ptr<const Character>> characters;
   std::vector<std::shared_ptr<const PoseBank>> banks;
-  std::vector<double> shares;  // sum 1
+  std::vector<double> shares;  // of the crowd, by character; they sum to 1
 };
 // Loads every character of the scenario; `folder` resolves relative paths. Throws Error.
 Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder = {});

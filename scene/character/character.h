@@ -17,7 +17,7 @@
 
 namespace crowdbench::scene {
 
-inline constexpr int kInfluences = 4;  // joints a vertex, after the largest were kept and renormalised
+inline constexpr int kInfluences = 4;  // joints of a vertex: the largest, renormalised
 
 // One node of the hierarchy. Parents come before children. A node has either a matrix or translation/rotation/scale;
 // only the latter can be animated.
@@ -77,8 +77,7 @@ struct Material {
   int emissive_image = -1;
   bool unlit = false;  // KHR_materials_unlit
   bool double_sided = false;
-  uint8_t part = 0;  // material / body-part id, 0..255: selects the outfit's colour. Equal to the material's index
-                     // for loaded files (255 at most).
+  uint8_t part = 0;  // the outfit's slot that colours it, 0..255: the material's index, 255 at most
 };
 
 // How a texture is sampled where it is smaller than its texels; within a mip level, then between levels. `nearest` and
@@ -159,7 +158,7 @@ struct Character {
   std::vector<Material> materials;
   std::vector<Texture> images;
   std::vector<Clip> clips;
-  std::vector<ClipMotion> motion;  // one a clip
+  std::vector<ClipMotion> motion;  // one for each clip
   Placement placement;
   std::vector<std::string> warnings;
   int file_max_influences = 0;  // before the reduction to four

@@ -47,7 +47,7 @@ struct StageView {
 // The first view of the scenario with its stage depths: the view for make_crowd wherever no other is meant.
 StageView stage_view(const Scenario& scenario);
 
-// Throws Error when motion is `lanes` and a character has no clip that moves.
+// Throws Error when motion is `lanes` and one of the characters has no clip that moves.
 Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& view);
 
 // The frame of one tick, whatever was computed before. Agents wholly outside the view frustum (by bounding sphere) are
@@ -55,8 +55,8 @@ Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& vi
 Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd, const Camera& camera, uint64_t tick,
                  bool cull = true);
 
-// Colour factors by part for `count` outfits: row 0 white, the rest from the seed. Parts are those of the mannequin
-// (skin, hair, shirt, trousers, shoes); higher parts get cloth. Loaded characters number parts by material, so every
+// Colour factors by slot for `count` outfits: row 0 white, the rest from the seed. Slots are those of the mannequin
+// (skin, hair, shirt, trousers, shoes); higher ones get cloth. Loaded characters number slots by material, so every
 // factor is mild enough for any of them: luminance 0.3 to 1.3.
 std::vector<Outfit> make_outfits(uint64_t seed, uint32_t count);
 

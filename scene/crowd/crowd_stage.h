@@ -12,7 +12,8 @@ struct GroundPoint {
   double z = 0;
 };
 
-// Of a body's height: this point is kept in the picture, which cuts feet rather than faces.
+// A fraction of a body's height. The point at this height is kept in the picture, so that feet are cut rather than
+// faces.
 inline constexpr double kKeptInView = 0.8;
 
 // The cast's mean height, by share, rounded so that the last bits of a machine's sine do not enter a crowd.

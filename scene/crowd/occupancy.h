@@ -41,12 +41,12 @@ struct OnScreen {
 OnScreen count_on_screen(const Scenario& scenario, const Cast& cast, const Crowd& crowd, const Camera& camera,
                          uint64_t tick);
 
-// Solves for scenario.occupancy (which must be set, with at least one agent) at tick 0, within 0.2 points where that
-// can be had. At least 95 % of the agents end at least partly on screen. The spacing falls to 0.7 m first, with the
-// camera on a balcony over the ground that the agents need (stage = view; agents in lanes stay on their plaza); beyond
-// that they stand evenly over the view's width and depth (stage = frustum; they may interpenetrate). Direction and
-// field of view are the scenario's own, tilted so that the upper edge of the picture lies 5 degrees below the horizon
-// at least. Returns the nearest it reached when the target is out of reach, marked so. Deterministic.
+// Solves for scenario.occupancy (which must be set, with at least one agent) at tick 0, within 0.2 percentage points
+// where that can be reached. At least 95 % of the agents end at least partly on screen. The spacing falls to 0.7 m
+// first, with the camera on a balcony over the ground that the agents need (stage = view; agents in lanes stay on their
+// plaza); beyond that they stand evenly over the view's width and depth (stage = frustum; they may interpenetrate).
+// Direction and field of view are the scenario's own, tilted so that the upper edge of the picture lies at least 5
+// degrees below the horizon. Returns the nearest it reached when the target is out of reach, marked so. Deterministic.
 //
 // draft: a cheap stand-in for `measure` (the characters simplified), with which the search is done where one is given;
 // the mesh then measures the result, and the search is repeated, at most twice, for what the stand-in was off by. Where

@@ -1,4 +1,4 @@
-// Based on: the look-at and reversed, infinite projection of common textbook form (depth = near / distance).
+// Based on: the look-at and reversed, infinite projection as textbooks have them (depth = near / distance).
 #include "scene/frame/camera.h"
 
 #include <algorithm>

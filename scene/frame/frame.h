@@ -24,10 +24,10 @@ struct FrameAgent {
   uint32_t id = 1;          // agent index + 1
 };
 
-inline constexpr int kOutfitSlots =
-    16;  // material / body-part ids that an outfit can colour; higher ids stay as they are
+// Slots (Material::part) that an outfit can colour; materials with a higher one stay as they are.
+inline constexpr int kOutfitSlots = 16;
 
-// Colour factors by part, linear light, multiplied with the albedo; white leaves it alone.
+// Colour factors by slot, linear light, multiplied with the albedo; white leaves it alone.
 struct Outfit {
   std::array<glm::vec4, kOutfitSlots> colours;
 };

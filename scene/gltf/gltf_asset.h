@@ -1,4 +1,5 @@
-// A checked glTF asset and the character that is made of it: what the steps of loading share. Internal to the loader.
+// A checked glTF asset and the character that is made from it, which the steps of loading share. Internal to the
+// loader.
 #pragma once
 #include <cstddef>
 #include <memory>

@@ -1,4 +1,4 @@
-// What the parts of the validation of a glTF document share, and the parts. Internal to the loader.
+// What the checks of a glTF document share, and the checks. Internal to the loader.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -15,7 +15,7 @@ namespace crowdbench::scene {
 
 class GltfData;  // gltf_data.h
 
-// The document as it is read and the two things that are made of it. Every part reads lists of the document's root,
+// The document as it is read and the two things that are made of it. Every check reads lists of the document's root,
 // throws Error at the first fault, and adds what it read to both.
 class GltfCheck : public GltfDocument {
  public:
@@ -24,7 +24,7 @@ class GltfCheck : public GltfDocument {
   ~GltfCheck();
 
   void warn(std::string text) { plan.warnings.push_back(std::move(text)); }
-  // "path: what", of all places where `what` (which must be a literal) holds the first alone.
+  // Warns "path: what", of only the first place where `what` holds. what: a literal.
   void warn_once(const std::string& path, std::string_view what);
 
   GltfSource& source;
@@ -48,7 +48,7 @@ struct GltfMeshSize {
   size_t vertices = 0;    // of triangles
   size_t triangles = 0;
 };
-// One a mesh.
+// One for each mesh.
 std::vector<GltfMeshSize> check_meshes(GltfCheck& check, const GltfData& data);
 
 // Skins, the hierarchy of nodes, the scene that is shown and whether it keeps the limits. After check_meshes.

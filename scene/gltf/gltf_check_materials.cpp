@@ -38,7 +38,7 @@ void check_samplers(GltfCheck& check) {
       if (!value) return;
       const uint64_t v = check.integer(*value, path + "/" + key, 0, UINT64_MAX);
       if (std::find(allowed.begin(), allowed.end(), v) == allowed.end())
-        check.fail(path + "/" + key, fmt::format("is {}, which no sampler can be", v));
+        check.fail(path + "/" + key, fmt::format("is {}, not a value of a sampler", v));
       clean[key] = v;
     };
     one_of("magFilter", {9728, 9729});

@@ -80,7 +80,8 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
   if (joint_sets != weight_sets)
     check.fail(at, fmt::format("has {} sets of joints and {} of weights", joint_sets, weight_sets));
   if (joint_sets > check.limits.influence_sets)
-    check.fail(at, fmt::format("has {} sets of joints, {} are read", joint_sets, check.limits.influence_sets));
+    check.fail(at, fmt::format("has {} sets of joints, more than the {} that are read", joint_sets,
+                               check.limits.influence_sets));
   for (int set = 0; set < joint_sets; ++set)
     for (const char* kind : {"JOINTS_", "WEIGHTS_"})
       if (!attributes->contains(fmt::format("{}{}", kind, set))) check.fail(at, fmt::format("has no {}{}", kind, set));

@@ -73,7 +73,7 @@ Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, con
   for (size_t i = 0; i < output.count; ++i) {
     const size_t at = out.values.size();
     for (int c = 0; c < output.components; ++c) out.values.push_back(asset.finite(output, i, c));
-    // Tangents of a spline are no rotations.
+    // The tangents of a spline are not rotations.
     if (out.target == Target::rotation && (!cubic || i % 3 == 1))
       normalise_rotation(asset, &out.values[at], output, i, warned);
   }
@@ -103,7 +103,7 @@ void read_clips(GltfAsset& asset) {
     }
     if (clip.channels.empty()) {
       clip.start = 0;
-      asset.warn(fmt::format("/animations/{}: moves no node", a));
+      asset.warn(fmt::format("/animations/{}: moves nothing", a));
     } else if (clip.end == clip.start) {
       still.push_back(clip.name.empty() ? fmt::format("{}", a) : printable(clip.name, 40));
     }

@@ -5,7 +5,7 @@
 namespace crowdbench::scene {
 
 // Fills Character::clips; takes the matrices of animated nodes apart. After the nodes. Throws Error: key times that do
-// not rise, values that are none, a matrix that cannot be taken apart, more clips times nodes than the limit.
+// not rise, values that are not finite, a matrix that cannot be taken apart, more clips times nodes than the limit.
 void read_clips(GltfAsset& asset);
 
 }  // namespace crowdbench::scene

@@ -23,7 +23,7 @@ class GltfData {
 
   struct Format {
     ComponentType type;
-    int normalized;  // 0, 1; 2 for either
+    int normalized;  // 0: must not be, 1: must be, 2: may be
   };
   // Throws Error naming `path` unless the accessor has that many components and one of the formats.
   void require_format(int index, const std::string& path, std::initializer_list<int> components,
@@ -42,7 +42,8 @@ class GltfData {
   void check_accessors();
   void check_sparse_ranges(const json& sparse, const std::string& path, size_t size, AccessorView& view) const;
   ComponentType component_type(const json& object, const std::string& path) const;
-  // The place of `count` elements of `size` bytes in a view; stride 0 means tight.
+  // Where `count` elements of `size` bytes begin; stride 0 means tight. Throws Error when they pass the end of the view
+  // or are not aligned.
   const uint8_t* place(const View& view, const std::string& path, const char* what, uint64_t offset, uint64_t count,
                        size_t size, size_t stride, size_t alignment) const;
 

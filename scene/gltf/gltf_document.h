@@ -18,7 +18,7 @@ class GltfDocument {
   using json = nlohmann::json;
 
   // Parses. Both arguments must outlive the document. Throws Error on what is not one JSON object, on a member that an
-  // object has twice and on a top-level list that is none.
+  // object has twice and on a top-level list that is not an array.
   GltfDocument(const GltfSource& source, const GltfLimits& limits);
   ~GltfDocument();
   GltfDocument(const GltfDocument&) = delete;

@@ -81,7 +81,7 @@ void png_warned(png_structp /*png*/, png_const_charp /*text*/) {}
 
 // Everything with a destructor lives in the caller: libpng leaves by longjmp.
 bool read_png(png_structp png, png_infop info, PngInput& input, Image8& image, std::vector<png_bytep>& rows) {
-  if (setjmp(png_jmpbuf(png))) return false;  // NOLINT(cert-err52-cpp): libpng's way
+  if (setjmp(png_jmpbuf(png))) return false;  // NOLINT(cert-err52-cpp): this is how libpng reports errors
   png_set_read_fn(png, &input, read_png_bytes);
   png_set_chunk_malloc_max(png, 8U << 20);  // ancillary chunks are of no use here
   png_set_chunk_cache_max(png, 16);

@@ -18,7 +18,7 @@ struct PictureHeader {
 };
 
 // The size that the encoded bytes claim, read without decoding. where: for the message. Throws Error when the bytes are
-// neither PNG nor JPEG or hold no size.
+// neither PNG nor JPEG, or do not say the size.
 PictureHeader picture_header(std::span<const uint8_t> bytes, const std::string& where);
 
 // RGBA, sRGB-encoded, of exactly the size that the header claims. 16-bit channels are cut to 8, palettes and grey

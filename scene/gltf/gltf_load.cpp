@@ -369,7 +369,7 @@ class Loader {
     normalise(character_, options_.normalise);
     const Placement& p = character_.placement;
     if (!std::isfinite(p.height) || !std::isfinite(p.scale) || p.scale <= 0)
-      throw Error(asset_.source.where(), "its posed height is not a number", "its transforms collapse it");
+      throw Error(asset_.source.where(), "its height as posed is not a number", "check the transforms of its nodes");
     if (p.height <= 0) asset_.warn("has no height as posed; it is not scaled");
   }
 

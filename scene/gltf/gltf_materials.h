@@ -22,8 +22,8 @@ struct UvSource {
 class GltfMaterials {
  public:
   // Reads all materials into the character. used: by material, whether anything is drawn with it; the pictures of those
-  // are decoded, each once for each way to sample it. asset must outlive this. Throws Error: a picture that is broken
-  // or beyond the limits.
+  // are decoded, once for each combination of wrap modes and filters. asset must outlive this. Throws Error: a picture
+  // that is broken or beyond the limits.
   GltfMaterials(GltfAsset& asset, const std::vector<bool>& used);
 
   // Of a material of the character.

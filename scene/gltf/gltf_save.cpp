@@ -264,7 +264,7 @@ class Writer {
 
   void write_clips() {
     for (const Clip& clip : character_.clips) {
-      if (clip.channels.empty()) continue;  // glTF has no empty animation
+      if (clip.channels.empty()) continue;  // glTF does not allow an empty animation
       ordered_json out = ordered_json::object();
       if (!clip.name.empty()) out["name"] = clip.name;
       for (const Channel& channel : clip.channels) {

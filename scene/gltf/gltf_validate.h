@@ -16,7 +16,7 @@ namespace crowdbench::scene {
 
 struct GltfImage {
   std::string uri;                 // empty: in a buffer view
-  std::span<const uint8_t> bytes;  // then
+  std::span<const uint8_t> bytes;  // of an image in a buffer view
   std::string path;                // "/images/0"
 };
 

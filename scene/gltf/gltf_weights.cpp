@@ -39,7 +39,7 @@ void GltfWeights::read(const tinygltf::Primitive& in, size_t count, int first_jo
     if (j == in.attributes.end() || w == in.attributes.end()) break;
     joints.push_back(asset_.view_of(j->second));
     weights.push_back(asset_.view_of(w->second));
-    // Whole numbers are parts of the type's range, whether the file says so or not.
+    // Integers are fractions of their type's range, whether the file says so or not.
     if (weights.back().type != kF32) weights.back().normalized = true;
   }
   std::vector<Influence> all;

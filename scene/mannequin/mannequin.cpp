@@ -66,7 +66,7 @@ Character make_mannequin(const MannequinOptions& options) {
     out.materials.push_back(std::move(material));
   }
   Texture texture;
-  static const Image8 painted = mannequin::make_texture();  // the same for every option: painted once a process
+  static const Image8 painted = mannequin::make_texture();  // the same for every option: painted once in a process
   texture.image = painted;
   texture.repeat_u = false;
   texture.repeat_v = false;

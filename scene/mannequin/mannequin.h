@@ -12,8 +12,9 @@ struct MannequinOptions {
   NormaliseOptions normalise;
 };
 
-// Clips: walk, run, idle, wave; each loops. Materials (= parts), in this order: skin, hair, shirt, trousers, shoes. One
-// 1024x1024 procedural texture. Stands 1.75 m tall, faces +Z. Throws Error on other option values.
+// Clips: walk, run, idle, wave; each loops. Materials, which are also its outfit slots, in this order: skin, hair,
+// shirt, trousers, shoes. One 1024x1024 procedural texture. Stands 1.75 m tall, faces +Z. Throws Error on other option
+// values.
 Character make_mannequin(const MannequinOptions& options = {});
 
 }  // namespace crowdbench::scene

@@ -1,4 +1,5 @@
-// The parts that the built-in character is made of, shared by its mesh, its texture and its motion. Internal to scene.
+// The measures and pieces that the built-in character is made of, shared by its mesh, its texture and its motion.
+// Internal to scene.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -58,7 +59,7 @@ struct JointPlace {
   int parent;           // joint index, -1 for the hips
   glm::dvec3 position;  // bind pose, world
 };
-// One a joint, by joint index (a parent's index may be the higher one in the 53-joint skeleton).
+// One for each joint, by joint index (a parent's index may be the higher one in the 53-joint skeleton).
 std::vector<JointPlace> joint_places(int joints);
 
 // A finger in the bind pose: where its three bones start and where it ends.
@@ -100,7 +101,7 @@ inline double smooth(double from, double to, double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-// Positions, normals, uvs, joints, weights, indices and one primitive a part.
+// Positions, normals, uvs, joints, weights, indices and one primitive for each material.
 Mesh make_mesh(int triangles, int joints);
 Image8 make_texture();
 // walk, run, idle, wave for a skeleton whose nodes 0..joints-1 are given by `node_of_joint`.

@@ -109,7 +109,7 @@ class Builder {
     }
   }
 
-  // Ends one closed piece: turns every triangle so that its front is outside and files it under its part.
+  // Ends one closed piece: turns every triangle so that its front is outside and files it under its material.
   void finish(Part part);
 
   Mesh mesh() const;

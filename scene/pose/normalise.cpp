@@ -24,10 +24,10 @@ constexpr double kSameRotation = 5e-3;     // radians, likewise
 constexpr double kRootMotion = 0.1;        // of the height: a smaller net displacement is sway, not travel
 constexpr double kSoleBand = 0.05;         // of the height above the lowest point: these vertices can touch the ground
 constexpr double kContact = 0.04;          // of the height above the clip's lowest sole point: in contact
-constexpr double kStillFoot = 0.02;        // of the height a second: slower contact is a stand
+constexpr double kStillFoot = 0.02;        // of the height a second: a foot that moves more slowly stands still
 constexpr double kMovingFeet = 0.05;       // of the height: a clip that moves a sole by more moves the feet
 constexpr size_t kMaxSoles = 48;
-constexpr int kMotionSamples = 24;  // poses a clip for its ground speed
+constexpr int kMotionSamples = 24;  // poses of each clip, for its ground speed
 constexpr double kBoundsRate = 30.0;
 
 bool holds_walk(const std::string& name) {
@@ -120,7 +120,7 @@ double last_interval(const Clip& clip) {
 
 glm::dvec3 horizontal(const glm::dvec3& v) { return {v.x, 0.0, v.z}; }
 
-// Do two poses agree, the second moved back by `displacement` (glTF space)?
+// Whether two poses agree, the second moved back by `displacement` (glTF space)?
 bool same_pose(const Skeleton& skeleton, const std::vector<glm::dmat4>& a, const std::vector<glm::dmat4>& b,
                const glm::dvec3& displacement, double height) {
   for (const Joint& joint : skeleton.joints) {
@@ -188,7 +188,7 @@ Measured measure(const Character& character, int index, int root, const std::vec
       if (glm::length(points[v] - tracks[0][v]) > kMovingFeet * height) out.moves_feet = true;
     }
   }
-  // The point that stays lowest over an interval is the one that carries; it counts while it is near the ground.
+  // The point that stays lowest over an interval bears the weight; it counts while it is near the ground.
   std::vector<double> backward;
   for (size_t i = 0; i < kMotionSamples; ++i) {
     double best = lowest + kContact * height;

@@ -1,4 +1,4 @@
-// How every character is finished after loading: default clip, height, ground, pivot, ground speed and content hash.
+// How every character, loaded or built in, is finished.
 #pragma once
 #include <optional>
 #include <string>
@@ -7,12 +7,11 @@
 
 namespace crowdbench::scene {
 
-// How the loader and the built-in character finish: default clip, height, pivot, ground speed, content hash.
 struct NormaliseOptions {
-  std::optional<double> height = 1.75;  // metres; nullopt = as_is
+  std::optional<double> height = 1.75;  // metres; std::nullopt: as the file has it
 };
-// Fills placement, motion (one a clip) and content_hash. A character without a clip of non-zero length is placed by its
-// bind pose.
+// Fills placement, motion (one for each clip) and content_hash. A character without a clip of non-zero length is placed
+// by its bind pose.
 void normalise(Character& character, const NormaliseOptions& options);
 // SHA-256 of everything that a bake depends on: skeleton, mesh, materials, images, clips, placement and motion; not the
 // file's name. normalise() ends with it.

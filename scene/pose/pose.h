@@ -12,7 +12,7 @@ namespace crowdbench::scene {
 // Hermite form, rotations renormalised.
 std::vector<glm::dmat4> node_matrices(const Character& character, int clip, double time);
 
-// Palette in glTF space: world(joint's node) * inverse bind, one a Skeleton::joints entry.
+// Palette in glTF space: world(joint's node) * inverse bind, one for each entry of Skeleton::joints.
 std::vector<glm::dmat4> joint_matrices(const Character& character, int clip, double time);
 
 // Palette in model space at a phase in [0, 1) of a looping clip: start + phase * duration, the root's net displacement

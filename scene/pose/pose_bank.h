@@ -34,7 +34,7 @@ struct PoseSample {
 class PoseBank {
  public:
   // Samples the given clips (indices into character.clips) at `rate` Hz; the samples divide a loop exactly, at least
-  // one a clip.
+  // one in each clip.
   PoseBank(const Character& character, const std::vector<int>& clips, double rate = 30.0);
   // A bank with exactly one sample: a clip at one of the file's own times, in model space (or raw glTF space when
   // `raw`); clip -1: the bind pose. What commands about one agent and every bake use.

@@ -8,8 +8,8 @@
 namespace crowdbench::scene {
 
 // The first node whose scale or whose distance from the origin can pass `limit` in the rest pose or any pose of a clip:
-// scales multiply down the hierarchy. A bound, not the pose itself. What it lets pass needs no watch for overflow
-// anywhere else. std::nullopt when there is none. Parents stand before their children.
+// scales multiply down the hierarchy. A bound, not the pose itself. What it lets pass cannot overflow anywhere
+// else. std::nullopt when no node can. Parents stand before their children.
 std::optional<size_t> node_beyond_reach(const Character& character, double limit);
 
 }  // namespace crowdbench::scene

@@ -41,7 +41,7 @@ struct ClipFile {
   std::string role;          // "study", "compatibility" or "master"
   std::string pixel_format;  // "yuv444p", "yuv420p", "rgb24"
   std::string preset;        // x264's
-  std::optional<int> crf;    // as used; none: lossless
+  std::optional<int> crf;    // as used; std::nullopt: lossless
   int threads = 0;
   uint64_t bytes = 0;
   std::string sha256;  // of the file
@@ -58,7 +58,7 @@ struct Clip {
   int width = 0;
   int height = 0;
   int fps = 30;
-  // One a frame: SHA-256 of the raw frame's width x height x 3 bytes, RGB, rows top to bottom.
+  // For each frame: SHA-256 of the raw frame's width x height x 3 bytes, RGB, rows top to bottom.
   std::vector<std::string> frame_sha256;
   std::vector<ClipFile> files;        // the study file first
   std::vector<ClipAttempt> attempts;  // the last one is the study file's
@@ -115,8 +115,8 @@ class ClipReader {
     int time_base_numerator = 0, time_base_denominator = 1;
     bool key = false;
   };
-  // The next frame; none at the end. Reuses the memory of `reuse`. Throws Error.
-  bool next(Frame& reuse);
+  // Reads the next frame into `frame`, whose memory is used again; false at the end. Throws Error.
+  bool next(Frame& frame);
 
  private:
   struct State;

@@ -36,7 +36,7 @@ TEST_F(Files, ReadsNoMoreThanTheLimit) {
   EXPECT_THROW(read_file(folder_ / "x", 4), Error);
 }
 
-TEST_F(Files, RefusesWhatIsNoFile) {
+TEST_F(Files, RefusesWhatIsNotAFile) {
   EXPECT_THROW(read_file(folder_), Error);
   EXPECT_THROW(read_file(folder_ / "absent"), Error);
   EXPECT_THROW(read_file("/dev/zero"), Error);
@@ -61,7 +61,6 @@ TEST_F(Files, APendingFileAppearsOnlyWhenCommitted) {
 }
 
 TEST_F(Files, AFailedWriteKeepsTheOldFileAndLeavesNothingBehind) {
-  if (::geteuid() == 0 && !fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   write_file(folder_ / "x", "old");
   const fs::path below_a_file = folder_ / "x" / "y";
   EXPECT_THROW(write_file(below_a_file, "new"), Error);

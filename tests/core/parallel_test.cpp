@@ -10,7 +10,7 @@
 namespace crowdbench {
 namespace {
 
-TEST(Parallel, DoesEveryPartOnceAndReportsFromTheCaller) {
+TEST(Parallel, DoesEveryItemOnceAndReportsFromTheCaller) {
   for (const unsigned threads : {0U, 1U, 5U}) {
     std::vector<std::atomic<int>> times(1000);
     const auto caller = std::this_thread::get_id();

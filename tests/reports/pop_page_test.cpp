@@ -50,8 +50,12 @@ TEST(PopChart, HoldsEveryCellAndAllKindsOfSwitchOnOneScale) {
   for (const auto& value : values) sum += value.at("coloured").get<double>();
   EXPECT_DOUBLE_EQ(sum, 100 * (1 + 0.2 + 0.5 + 0.1));
   ASSERT_EQ(chart.at("vconcat").size(), kPopSwitchKinds);
-  for (const auto& kind : chart.at("vconcat"))
+  for (const auto& kind : chart.at("vconcat")) {
+    // One legend for all: a row that says otherwise is warned of in the browser.
+    EXPECT_EQ(kind.at("spec").at("encoding").at("color").at("legend"),
+              chart.at("vconcat").at(0).at("spec").at("encoding").at("color").at("legend"));
     EXPECT_EQ(kind.at("spec").at("encoding").at("color").at("scale").at("domain").dump(), "[0,40.0]");
+  }
   // A cell without a score is a hole, not a zero.
   PopSize size = made_up_size(1);
   size.points[0].scores[kError][0] = std::nullopt;

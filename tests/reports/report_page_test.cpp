@@ -136,6 +136,18 @@ TEST(ReportCharts, TheCurvesHoldTheMediansInMilliseconds) {
   EXPECT_TRUE(score_chart(scenes[0], made_up_scores()[3]).empty());
 }
 
+TEST(ReportCharts, TheScoresHaveALegendThatNoLayerContradicts) {
+  const StoreContents contents = made_up_contents();
+  const auto spec = nlohmann::json::parse(score_chart(scenes_of(contents)[0], "silhouette_iou", "IoU"));
+  size_t coloured = 0;
+  for (const auto& layer : spec.at("layer")) {
+    if (!layer.at("encoding").contains("color")) continue;
+    EXPECT_TRUE(layer.at("encoding").at("color").at("legend").is_object()) << layer.dump();
+    ++coloured;
+  }
+  EXPECT_EQ(coloured, 2U);
+}
+
 TEST(ReportCharts, ColoursDiffer) {
   const auto colours = representation_colours(8);
   for (size_t i = 0; i < colours.size(); ++i)

@@ -140,6 +140,7 @@ TEST(Crowd, LanesStaySevenTenthsOfASpacingApart) {
     Scenario s = scenario_of(n, PlacementKind::lanes);
     s.crowd.spacing = 0.7;
     const Crowd crowd = crowd_of(s, pillar_cast());
+    ASSERT_EQ(crowd.size(), n);
     EXPECT_GE(nearest_pair(places_of(crowd), 100.0), 0.7 * 0.7 - 1e-12) << n;
   }
 }
@@ -149,6 +150,8 @@ TEST(Crowd, WhoAnAgentIsDoesNotDependOnHowManyThereAre) {
   for (const PlacementKind placement : {PlacementKind::grid, PlacementKind::jittered, PlacementKind::poisson}) {
     const Crowd few = crowd_of(scenario_of(100, placement), cast);
     const Crowd many = crowd_of(scenario_of(1024, placement), cast);
+    ASSERT_EQ(few.size(), 100U);
+    ASSERT_EQ(many.size(), 1024U);
     for (size_t i = 0; i < few.size(); ++i) {
       EXPECT_EQ(few.character[i], many.character[i]);
       EXPECT_EQ(few.bank_clip[i], many.bank_clip[i]);
@@ -221,7 +224,8 @@ TEST(Crowd, AFrameDependsOnItsTickAlone) {
     const auto first = agents_at(s, cast, crowd, 1234);
     for (uint64_t tick = 0; tick < 50; ++tick) agents_at(s, cast, crowd, tick);
     const auto again = agents_at(s, cast, crowd_of(s, cast), 1234);
-    ASSERT_EQ(first.size(), again.size());
+    ASSERT_EQ(first.size(), 200U);
+    ASSERT_EQ(again.size(), 200U);
     for (size_t i = 0; i < first.size(); ++i) {
       EXPECT_EQ(first[i].position, again[i].position);
       EXPECT_EQ(first[i].phase, again[i].phase);
@@ -237,6 +241,8 @@ TEST(Crowd, OnATreadmillClipsPlayAndPlacesStay) {
   const Crowd crowd = crowd_of(s, cast);
   const auto start = agents_at(s, cast, crowd, 0);
   const auto later = agents_at(s, cast, crowd, 17);
+  ASSERT_EQ(start.size(), 50U);
+  ASSERT_EQ(later.size(), 50U);
   for (size_t i = 0; i < start.size(); ++i) {
     EXPECT_EQ(start[i].position, later[i].position);
     const double seconds = cast.banks[0]->clips()[crowd.bank_clip[i]].seconds;
@@ -245,7 +251,7 @@ TEST(Crowd, OnATreadmillClipsPlayAndPlacesStay) {
   }
 }
 
-// Feet do not slide: the way of one cycle is the clip's own, times the agent's size.
+// Feet do not slide: the distance of one cycle is the clip's own, times the agent's size.
 TEST(Crowd, WalkersAdvanceAtTheirClipsGroundSpeed) {
   const Cast cast = pillar_cast(1.5);
   for (const MotionKind motion : {MotionKind::lanes, MotionKind::free}) {
@@ -259,13 +265,13 @@ TEST(Crowd, WalkersAdvanceAtTheirClipsGroundSpeed) {
     int checked = 0;
     for (size_t i = 0; i < start.size(); ++i) {
       const BankClip& clip = cast.banks[0]->clips()[crowd.bank_clip[i]];
-      const double way =
+      const double distance =
           std::hypot(later[i].position.x - start[i].position.x, later[i].position.z - start[i].position.z);
-      if (way > 1) continue;  // wrapped
+      if (distance > 1) continue;  // wrapped
       const double cycles = crowd.speed[i] * 0.01 / clip.seconds;
-      EXPECT_NEAR(way, cycles * clip.ground_speed * clip.seconds * crowd.scale[i], 2e-6);
-      if (way > 0) {
-        EXPECT_NEAR((later[i].position.x - start[i].position.x) / way, crowd.heading_sin[i], 2e-4);
+      EXPECT_NEAR(distance, cycles * clip.ground_speed * clip.seconds * crowd.scale[i], 2e-6);
+      if (distance > 0) {
+        EXPECT_NEAR((later[i].position.x - start[i].position.x) / distance, crowd.heading_sin[i], 2e-4);
       }
       ++checked;
     }
@@ -286,6 +292,7 @@ TEST(Crowd, NoTwoOverlapInLanesAtAnyTick) {
     std::vector<At> places;
     for (const FrameAgent& agent : agents_at(s, cast, crowd, tick))
       places.push_back({agent.position.x, agent.position.z});
+    ASSERT_EQ(places.size(), 400U);
     EXPECT_GE(nearest_pair(places, 100.0), 0.49 - 1e-4) << tick;  // float positions
   }
 }
@@ -298,9 +305,11 @@ TEST(Crowd, LanesWrapOutOfTheView) {
   std::set<uint32_t> shown_before;
   std::vector<FrameAgent> before = agents_at(s, cast, crowd, 0);
   int jumps = 0;
+  size_t most_shown = 0;
   for (uint64_t tick = 1; tick < 600; ++tick) {
     std::set<uint32_t> shown;
     for (const FrameAgent& agent : agents_at(s, cast, crowd, tick, true)) shown.insert(agent.id);
+    most_shown = std::max(most_shown, shown.size());
     const std::vector<FrameAgent> now = agents_at(s, cast, crowd, tick);
     for (size_t i = 0; i < now.size(); ++i) {
       if (glm::length(now[i].position - before[i].position) < 1) continue;
@@ -312,6 +321,7 @@ TEST(Crowd, LanesWrapOutOfTheView) {
     shown_before = shown;
   }
   EXPECT_GT(jumps, 50);
+  EXPECT_GT(most_shown, 20U);
 }
 
 TEST(Crowd, LanesNeedAClipThatMoves) {
@@ -328,6 +338,9 @@ TEST(Crowd, AMillionSecondsLaterLanesAreStillInStep) {
   const Crowd crowd = crowd_of(s, cast);
   const auto a = agents_at(s, cast, crowd, 0);
   const auto b = agents_at(s, cast, crowd, 30'000'000);
+  ASSERT_EQ(a.size(), 64U);
+  ASSERT_EQ(b.size(), 64U);
+  EXPECT_GT(std::abs(b[0].position.z - a[0].position.z), 1e-3F);  // they walk
   // Agents 0, 8, 16, ... share a lane; their distances modulo the period must have stayed.
   for (size_t i = 8; i < 64; i += 8) {
     const double gap = (b[i].position.z - a[i].position.z) - (b[0].position.z - a[0].position.z);
@@ -346,6 +359,8 @@ TEST(Crowd, FarFromTheOriginTheFrameIsTheSame) {
     key.camera.target += s.crowd.centre;
   }
   const auto far = agents_at(s, cast, crowd_of(s, cast), 3);
+  ASSERT_EQ(near.size(), 100U);
+  ASSERT_EQ(far.size(), 100U);
   for (size_t i = 0; i < near.size(); ++i) EXPECT_LT(glm::length(near[i].position - far[i].position), 1e-6F);
 }
 

@@ -509,6 +509,8 @@ TEST(GltfValid, DegenerateShapesLoad) {
   primitive(b)["indices"] = b.accessor<uint16_t>({0, 0, 0}, "SCALAR");
   primitive(b)["attributes"].erase("NORMAL");
   const Character c = load(b);
+  ASSERT_EQ(c.mesh.normals.size(), c.mesh.positions.size());
+  ASSERT_FALSE(c.mesh.normals.empty());
   for (const glm::vec3& n : c.mesh.normals) EXPECT_NEAR(glm::length(n), 1.0F, 1e-6F);
   b.doc["nodes"][1]["scale"] = {0, 0, 0};
   EXPECT_NO_THROW(load(b.glb(), LoadOptions{}));

@@ -144,6 +144,7 @@ TEST_F(Mannequin, ClipsAreTheFourAndLoopExactly) {
     const Clip& clip = character.clips[i];
     EXPECT_EQ(clip.name, names[i]);
     EXPECT_EQ(character.motion[i].closing_seconds, 0.0);
+    ASSERT_FALSE(clip.channels.empty());
     for (const Channel& channel : clip.channels) {
       const size_t width = channel.target == Target::rotation ? 4 : 3;
       ASSERT_EQ(channel.values.size(), channel.times.size() * width);
@@ -207,7 +208,7 @@ TEST_F(Mannequin, FeetDoNotSlideInStance) {
   }
 }
 
-TEST_F(Mannequin, KneesAndElbowsBendTheHumanWay) {
+TEST_F(Mannequin, KneesAndElbowsBendAsAHumansDo) {
   for (int clip = 0; clip < 4; ++clip) {
     for (int i = 0; i < 60; ++i) {
       const auto world = node_matrices(character, clip, cycle_seconds(character, clip) * i / 60);
