@@ -58,9 +58,8 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
   if (!stream) return std::nullopt;
   Header header{};
   stream.read(reinterpret_cast<char*>(&header), sizeof header);
-  if (stream.good() && std::memcmp(header.magic, kMagic, kMagicName) == 0 &&
-      std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
-    return std::nullopt;
+  const bool other_version = stream.good() && std::memcmp(header.magic, kMagic, kMagicName) == 0 &&
+                             std::memcmp(header.magic, kMagic, sizeof kMagic) != 0;
   std::vector<uint8_t> payload;
   bool sound = stream.good() && std::memcmp(header.magic, kMagic, sizeof kMagic) == 0 &&
                header.payload_bytes == size - sizeof header;
@@ -71,7 +70,7 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
     sound = !stream.fail() && std::memcmp(&header, &expected, sizeof header) == 0;
   }
   if (sound) return payload;
-  warn(fmt::format("{}: the stored bake is damaged; it is made anew", file.string()));
+  if (!other_version) warn(fmt::format("{}: the stored bake is damaged; it is made anew", file.string()));
   fs::remove(file, error);
   return std::nullopt;
 }

@@ -85,9 +85,9 @@ class ByteReader {
 };
 
 // One folder of entries, "<kind>-<key>.bake". An entry holds its kind, its key and a checksum over everything; one that
-// does not agree with them (flipped bits, cut short) is reported on stderr, removed and counts as absent; one that an
-// older version wrote counts as absent. Nothing here ever fails a run: a folder that cannot be written is one warning a
-// process.
+// does not agree with them (flipped bits, cut short) is reported on stderr, removed and counts as absent; one that
+// another version wrote is removed and counts as absent without a word. Nothing here ever fails a run: a folder that
+// cannot be written is one warning a process.
 class BakeCache {
  public:
   explicit BakeCache(std::filesystem::path folder = cache_directory() / "bakes", bool enabled = true);

@@ -1,11 +1,7 @@
 // Golden pictures: one small picture a representation, kept in tests/data/golden. They say that nothing moved which
 // nobody meant to move; what is right is said by the other tests.
 //
-// What may differ, and why: another driver rounds positions to its own grid of 1/256 pixel or finer and filters with
-// weights of its own, so that a surface's edge, or a texel's, comes to lie up to 1/128 pixel elsewhere; a pixel whose
-// centre is passed over by it changes altogether. And it rounds colours to the code beside. So of the pixels that show
-// anybody a share of kEdges may differ by more than kCodes; on the mean over them no channel may differ by more than
-// kBias codes: rounding has no preferred direction, light has. Each test moves its picture by 1/128 pixel and finds it
+// What may differ, and why: tests/support/picture_comparison.h. Each test moves its picture by 1/128 pixel and finds it
 // within (small figures are the worst, 1.3 %), and by half a pixel, with its light turned by 5 degrees or 3 % less, by
 // a whole pixel, mirrored, and finds it outside.
 //
@@ -22,20 +18,23 @@
 #include "scene/cast/cast.h"
 #include "scene/mannequin/mannequin.h"
 #include "tests/renderers/gl_test_support.h"
+#include "tests/support/picture_comparison.h"
 
 namespace crowdbench::renderers {
 namespace {
 
 namespace fs = std::filesystem;
+using support::compare;
+using support::kBias;
+using support::kCodes;
+using support::kEdges;
 using testing::add_agent;
 using testing::cast_of;
 using testing::context;
 using testing::frame_of_one;
+using Comparison = support::PictureComparison;
 
 constexpr int kSide = 160;
-constexpr int kCodes = 4;        // of 255
-constexpr double kEdges = 0.03;  // of the pixels that show anybody
-constexpr double kBias = 0.5;    // codes
 
 struct Golden {
   const char* name;
@@ -105,39 +104,6 @@ Image8 picture_of(const Golden& golden, Renderer& renderer, Representation& repr
     frame.tick = 2;
   }
   return renderer.capture(frame, representation).colour;
-}
-
-struct Comparison {
-  size_t shown = 0;              // pixels in which either picture shows anybody
-  double differing = 0;          // of them: by more than kCodes in some channel
-  std::array<double, 3> bias{};  // codes: mean difference of each channel over them
-  bool same() const {
-    return shown > 0 && differing <= kEdges &&
-           std::all_of(bias.begin(), bias.end(), [](double b) { return std::abs(b) <= kBias; });
-  }
-};
-
-// Both RGBA, of one size.
-Comparison compare(const Image8& test, const Image8& reference) {
-  const auto background = [](const uint8_t* p) { return p[0] == 128 && p[1] == 128 && p[2] == 128; };
-  Comparison out;
-  for (size_t i = 0; i < 4 * reference.pixels(); i += 4) {
-    const uint8_t* a = &test.data[i];
-    const uint8_t* b = &reference.data[i];
-    if (background(a) && background(b)) continue;
-    ++out.shown;
-    int most = 0;
-    for (size_t c = 0; c < 3; ++c) {
-      const int difference = int{a[c]} - int{b[c]};
-      out.bias[c] += difference;
-      most = std::max(most, std::abs(difference));
-    }
-    out.differing += most > kCodes ? 1 : 0;
-  }
-  if (out.shown == 0) return out;
-  out.differing /= static_cast<double>(out.shown);
-  for (double& b : out.bias) b /= static_cast<double>(out.shown);
-  return out;
 }
 
 Image8 shifted(const Image8& image, int right, int down) {

@@ -51,7 +51,7 @@ bool read(std::string_view path, std::string& text) {
         "#include \"b.glsl\"\n"
         "#include \"guarded.shared.h\"\n"
         "out vec4 colour;\n"
-        "void main() { colour = vec4(b + c + GUARDED, WHERE); }\n";
+        "void main() { colour = vec4(vec3(b + c + GUARDED), WHERE); }\n";
   else if (path == "nested.glsl")
     text = "#ifdef NOT_GIVEN\n#include \"c.glsl\"\n#endif\n\nfloat d = IN_NESTED;\n";
   else if (path == "guarded.shared.h")
