@@ -161,6 +161,27 @@ Spec parse_spec(const std::string& text, const std::vector<RepresentationType>& 
   return Parser(text, types).parse();
 }
 
+std::vector<Spec> parse_specs(const std::string& text) {
+  std::vector<std::string> pieces(1);
+  int depth = 0;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    if (c == ',' && depth == 0) {
+      const size_t mark = text.find_first_of("=:(,", i + 1);
+      if (mark == std::string::npos || text[mark] != '=') {
+        pieces.emplace_back();
+        continue;
+      }
+    }
+    pieces.back() += c;
+  }
+  std::vector<Spec> specs;
+  specs.reserve(pieces.size());
+  for (const std::string& piece : pieces) specs.push_back(parse_spec(piece));
+  return specs;
+}
+
 std::string canonical_text(const Spec& spec, const std::vector<RepresentationType>& types) {
   const RepresentationType& type = require_type(spec.name, types);
   std::vector<std::string> options;

@@ -47,6 +47,10 @@ struct RepresentationType;
 Spec parse_spec(const std::string& text, const std::vector<RepresentationType>& types);
 std::string canonical_text(const Spec& spec, const std::vector<RepresentationType>& types);
 
+// "mesh,flat:views=64,frames=8,hybrid(mesh,flat,distance=10)" to three representations: a comma separates where the
+// next piece does not read key=value, and never within brackets. Throws Error.
+std::vector<Spec> parse_specs(const std::string& text);
+
 // Sets the option `debug` of a representation (of both parts of a hybrid, where they know the view) to one of its debug
 // views, whatever was given. Throws Error naming the views that there are.
 void set_debug_view(Spec& spec, const std::string& view);
@@ -112,6 +116,12 @@ class Representation {
   virtual ~Representation() = default;
   // Draws the listed agents into the bound target with depth test GREATER and depth writes on. Leaves the GL state as
   // it found it (a program, a vertex array and textures may stay bound). Never reads a clock.
+  //
+  // The size of the picture is frame.width x frame.height, on the GPU frame.viewport, and never the target's: a
+  // supersampled capture draws k x k samples for each pixel of it. Whatever a representation chooses by pixels (the
+  // level of its maps, the tier of its boxes, the switch of a hybrid) it chooses by the picture's, so that
+  // supersampling smooths what is drawn and draws nothing else. (What the hardware filters by itself, as the textures
+  // of the mesh, goes by samples.)
   virtual void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
                     const Pass& pass) = 0;
   virtual Footprint footprint() const = 0;

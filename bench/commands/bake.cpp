@@ -9,8 +9,8 @@
 
 #include "bench/commands/commands.h"
 #include "bench/experiments/audit.h"
+#include "bench/stage/stage_scenario.h"
 #include "bench/stage/view_samples.h"
-#include "bench/timing/timed_representation.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
@@ -122,13 +122,12 @@ int run_bake(const Options& options) {
   make.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
   make.use_cache = !options.no_cache;
   make.rebake = options.force;
-  scene::Solved solved;
+  Staged staged;
   uint64_t ticks = 0;
   if (!options.required_by.empty()) {
-    solved = solve_scene(context, scenario, cast);
-    ticks = required_ticks(solved.scenario);
-    make.required_by =
-        view_samples_of(solved.scenario, cast, solved.crowd, scenario.occupancy ? &solved.camera : nullptr, ticks);
+    staged = stage_scenario(scenario, cast, context);
+    ticks = required_ticks(staged.scenario);
+    make.required_by = view_samples_of(staged.scenario, cast, staged.crowd, ticks);
   }
   const auto start = std::chrono::steady_clock::now();
   const auto representation = renderers::make_representation(make, spec);

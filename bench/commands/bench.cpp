@@ -3,14 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/score_rows.h"
+#include "bench/experiments/sweep_table.h"
+#include "bench/timing/run_facts.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "renderers/gl/context.h"
 #include "reports/exports/exports.h"
 #include "scene/cast/cast.h"
 
@@ -29,11 +33,23 @@ struct Options {
   int bake_budget_mib = 512;
 };
 
+// The rows of the file, and the stages of the points that were solved for now.
+std::string json_of(const StoreContents& contents, const SweepSummary& summary) {
+  using Json = nlohmann::ordered_json;
+  Json all = Json::parse(reports::results_json(contents, score_docs(metrics::scores())));
+  Json& stages = all["stages"] = Json::array();
+  for (const StagedPoint& point : summary.stages)
+    stages.push_back({{"agents", point.agents},
+                      {"requested_occupancy", point.requested_occupancy},
+                      {"stage", stage_json(point.facts)}});
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 int run_bench(const Options& options) {
   SweepRequest request = options.request;
   request.floors = !options.no_floors;
   request.bake_budget = uint64_t(options.bake_budget_mib) << 20;
-  if (!options.representations.empty()) request.representations = parse_specs(options.representations);
+  if (!options.representations.empty()) request.representations = renderers::parse_specs(options.representations);
   if (!options.agents.empty()) request.agents = options.agents;
   std::sort(request.agents.begin(), request.agents.end());
   request.agents.erase(std::unique(request.agents.begin(), request.agents.end()), request.agents.end());
@@ -66,7 +82,7 @@ int run_bench(const Options& options) {
     fmt::print(stderr,
                "a software rasteriser draws: CPU times compare representations, they say nothing about a GPU\n");
 
-  RunRow run = describe_run(context, method, request.scenario, "bench", command_line());
+  RunRow run = describe_run(context, method, request.scenario, "bench", command_line(), request.order_seed);
   run.id = store.write(run);
   SweepSummary summary;
   {
@@ -83,7 +99,7 @@ int run_bench(const Options& options) {
   }
   const StoreContents contents = read_store(options.out, false, false);
   if (options.json) {
-    fmt::print("{}", reports::results_json(contents, score_docs(metrics::scores())));
+    fmt::print("{}", json_of(contents, summary));
     for (const std::string& remark : summary.remarks) fmt::print(stderr, "{}\n", remark);
     return summary.invalid == 0 ? 0 : 1;
   }
@@ -145,7 +161,9 @@ void add_bench(CLI::App& app, Run& run) {
   command->add_option("--out", options->out, "result file; continued when it exists")
       ->type_name("FILE.sqlite")
       ->capture_default_str();
-  command->add_flag("--json", options->json, "print every row of the result file as JSON instead of the table");
+  command->add_flag("--json", options->json,
+                    "print every row of the result file as JSON instead of the table, and the stages of the points\n"
+                    "measured now (camera, crowd, occupancy)");
   command->callback([options, &run] { run = [options] { return run_bench(*options); }; });
 }
 

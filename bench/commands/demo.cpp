@@ -9,6 +9,9 @@
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/quality.h"
 #include "bench/experiments/score_rows.h"
+#include "bench/stage/cast_name.h"
+#include "bench/stage/stage_scenario.h"
+#include "bench/timing/run_facts.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -71,9 +74,8 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
   scenario.crowd.agents = options.tiny ? 10 : 250;
   scenario.crowd.spacing = 1.3;
   scenario.camera.keys = {{0.0, scene::Camera{{5.5, 3.4, 11.5}, {0.0, 0.7, 0.0}}}};
-  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
-  scene::Frame frame = scene::make_frame(scenario, cast, crowd, scenario.camera.at(0), 20);
-  frame.ground = true;
+  const Staged staged = stage_scenario(scenario, cast, context);
+  const scene::Frame frame = scene::make_frame(staged.scenario, cast, staged.crowd, staged.camera, 20);
   renderers::Renderer renderer(context, cast);
   for (const std::string& name : {std::string("mesh"), options.representation}) {
     const auto representation = renderers::make_representation({context, cast}, renderers::parse_spec(name));
@@ -85,8 +87,8 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
     const std::filesystem::path path =
         std::filesystem::path(options.out) / fmt::format("{}-{}.png", file_stem(cast), name.substr(0, name.find(':')));
     write_png(path, rgb, picture_metadata(scenario, name));
-    store.write(PictureRow{0, run, std::nullopt, "hero", fmt::format("{} agents as {}", crowd.size(), name), rgb.width,
-                           rgb.height, encode_png(rgb)});
+    store.write(PictureRow{0, run, std::nullopt, "hero", fmt::format("{} agents as {}", staged.crowd.size(), name),
+                           rgb.width, rgb.height, encode_png(rgb)});
     throw_if_interrupted();
   }
 }
@@ -149,8 +151,9 @@ std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scen
   scenario.ground = true;
   scenario.crowd.agents = options.tiny ? 4 : 100;
   scenario.camera.keys = {{0.0, scene::Camera{{3.0, 2.6, 8.5}, {0.0, 0.8, 0.0}}}};
-  request.crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
-  request.scenario = scenario;
+  Staged staged = stage_scenario(scenario, cast, context);
+  request.scenario = std::move(staged.scenario);
+  request.crowd = std::move(staged.crowd);
   request.a = renderers::parse_spec("mesh");
   request.b = renderers::parse_spec(options.representation);
   request.frames = options.tiny ? 3 : 90;

@@ -8,6 +8,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "core/error.h"
+#include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
@@ -33,7 +34,7 @@ Json json_of(const RatioReport& report, const scene::Scenario& scenario) {
     medians[median.name] = {{"cpu_ns", median.cpu_ns},
                             {"frame_ns", median.wall_ns},
                             {"gpu_ns", median.gpu_ns ? Json(*median.gpu_ns) : Json(nullptr)}};
-  const scene::Solved& solved = report.solved;
+  const StageFacts& stage = report.stage;
   return {{"of", report.of},
           {"to", report.to},
           {"cpu_ratio", number(report.cpu)},
@@ -58,10 +59,12 @@ Json json_of(const RatioReport& report, const scene::Scenario& scenario) {
           {"width", scenario.width},
           {"height", scenario.height},
           {"requested_occupancy", scenario.occupancy ? Json(*scenario.occupancy) : Json(nullptr)},
-          {"achieved_occupancy", solved.achieved},
-          {"unreachable", solved.unreachable},
+          {"achieved_occupancy", stage.coverage.occupancy},
+          {"unreachable", stage.unreachable},
           {"agents_on_screen",
-           {{"wholly", solved.agents_wholly}, {"partly", solved.agents_partly}, {"off", solved.agents_off}}},
+           {{"wholly", stage.on_screen.wholly}, {"partly", stage.on_screen.partly}, {"off", stage.on_screen.off}}},
+          {"stage", stage_json(stage)},
+          {"order_seed", report.order_seed},
           {"medians", medians},
           {"warmup_frames", report.warmup_frames},
           {"warmup_settled", report.settled},
@@ -75,7 +78,8 @@ std::string times_text(const MedianRatio& ratio) {
 
 void print(const RatioReport& report, const scene::Scenario& scenario) {
   fmt::print("{} against {}: {} agents, {}x{}, {:.1f} % of the picture covered, {}\n", report.of, report.to,
-             scenario.crowd.agents, scenario.width, scenario.height, 100 * report.solved.achieved, report.renderer);
+             scenario.crowd.agents, scenario.width, scenario.height, 100 * report.stage.coverage.occupancy,
+             report.renderer);
   const char* mark = report.is_void ? "  VOID" : "";
   if (report.cpu)
     fmt::print("  process CPU   {}{}{}\n", times_text(*report.cpu), report.headline == "cpu" ? "  <- headline" : "",
@@ -89,7 +93,7 @@ void print(const RatioReport& report, const scene::Scenario& scenario) {
   fmt::print("  t({}) / t({}): above 1 {} is the faster; median of {} interleaved pairs, 95 % interval\n", report.to,
              report.of, report.of, report.headline_ratio.pairs);
   fmt::print("  mesh over its floor {}{}\n", times_text(report.mesh_floor),
-             report.is_void ? ", above 1.4: the figure is void" : "");
+             report.is_void ? fmt::format(", above {:.1f}: the figure is void", kMeshFloorBound) : "");
   fmt::print("  against a mesh of {} triangles {}\n", report.low_polygon_triangles, times_text(report.to_low_polygon));
   for (const RatioReport::Median& median : report.medians)
     fmt::print("  {:<34} CPU {:9.3f} ms  wall {:9.3f} ms{}\n", median.name, median.cpu_ns / 1e6, median.wall_ns / 1e6,
@@ -97,7 +101,7 @@ void print(const RatioReport& report, const scene::Scenario& scenario) {
   fmt::print("  covered pixels: {} {}, {} {}\n", report.of, report.of_check.covered_px, report.to,
              report.to_check.covered_px);
   if (!report.settled) fmt::print("  the warm-up ended at its limit of {} frames, not settled\n", report.warmup_frames);
-  if (report.solved.unreachable) fmt::print("  unreachable: {:.1f} % were asked for\n", 100 * report.solved.requested);
+  if (report.stage.unreachable) fmt::print("  unreachable: {:.1f} % were asked for\n", 100 * *scenario.occupancy);
 }
 
 int run_ratio(const Options& options) {

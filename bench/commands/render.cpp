@@ -5,9 +5,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
+#include "bench/stage/stage_facts.h"
 #include "bench/stage/stage_scenario.h"
 #include "core/colour.h"
 #include "core/error.h"
@@ -32,6 +34,7 @@ struct RenderOptions {
   uint64_t tick = 0;
   std::string out, mask, ids, depth;
   int supersample = 1;
+  bool json = false;
   // --single
   bool single = false;
   double time = 0;
@@ -59,6 +62,17 @@ void write_pictures(const RenderOptions& options, const renderers::Capture& capt
   }
   if (!options.ids.empty()) write_exr(options.ids, capture.ids, metadata);
   if (!options.depth.empty()) write_exr(options.depth, capture.depth, metadata);
+}
+
+std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& context, const renderers::Spec& spec,
+                    const RenderOptions& options) {
+  using Json = nlohmann::ordered_json;
+  const Json facts = {{"representation", spec.text()},
+                      {"tick", options.tick},
+                      {"supersample", options.supersample},
+                      {"renderer", context.renderer()},
+                      {"stage", stage_json(measure_stage(staged, cast, context))}};
+  return facts.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 int render_crowd(const RenderOptions& options) {
@@ -93,6 +107,7 @@ int render_crowd(const RenderOptions& options) {
   ImageMetadata metadata = picture_metadata(scenario, spec.text());
   metadata["tick"] = std::to_string(options.tick);
   write_pictures(options, capture, metadata);
+  if (options.json) fmt::print("{}", json_of(staged, cast, *context, spec, options));
   return 0;
 }
 
@@ -212,7 +227,10 @@ void add_render(CLI::App& app, Run& run) {
   command->add_option("--ids", options->ids, "agent index + 1 by pixel, 0 = nothing: EXR, 32-bit unsigned");
   command->add_option("--depth", options->depth, "metres along the view axis, infinite where empty: EXR, float");
   command->add_option("--supersample", options->supersample, "odd k: k x k samples a pixel, averaged in linear light");
-  auto* single = command->add_flag("--single", options->single, "one agent, its glTF origin at the world's origin");
+  auto* json = command->add_flag("--json", options->json,
+                                 "print what stands on the stage: the camera, the crowd's placement, the occupancy");
+  auto* single = command->add_flag("--single", options->single, "one agent, its glTF origin at the world's origin")
+                     ->excludes(json);
   const auto add_single = [&](const char* name, auto& value, const char* text) {
     command->add_option(name, value, std::string("with --single: ") + text)->needs(single);
   };
@@ -227,8 +245,9 @@ void add_render(CLI::App& app, Run& run) {
   add_single("--background", options->background, "'#rrggbb', sRGB (default #808080)");
   command->callback([options, &run] {
     run = [options] {
-      if (options->out.empty() && options->mask.empty() && options->ids.empty() && options->depth.empty())
-        throw Error("render", "no picture is asked for", "give --out x.png (or --mask, --ids, --depth)");
+      if (options->out.empty() && options->mask.empty() && options->ids.empty() && options->depth.empty() &&
+          !options->json)
+        throw Error("render", "no picture is asked for", "give --out x.png (or --mask, --ids, --depth, --json)");
       return options->single ? render_single(*options) : render_crowd(*options);
     };
   });

@@ -4,8 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "bench/timing/timed_representation.h"
+#include "bench/stage/stage_facts.h"
+#include "bench/timing/timing_method.h"
 #include "metrics/registry.h"
+#include "renderers/frame/capture.h"
 #include "scene/cast/cast.h"
 #include "store/store.h"
 
@@ -21,26 +23,27 @@ struct SweepRequest {
   int rounds = 24;  // timed turns a point, fewer when they take longer than time_limit_s, never below least_rounds
   int least_rounds = 10;
   double time_limit_s = 10;
-  bool floors = true;             // also time each representation's floor
-  uint32_t picture_agents = 250;  // pictures are kept of the largest measured crowd up to this, at each occupancy
+  bool floors = true;                // also time each representation's floor
+  uint64_t order_seed = kOrderSeed;  // of the order of turns (TimingPlan)
+  uint32_t picture_agents = 250;     // pictures are kept of the largest measured crowd up to this, at each occupancy
   uint64_t bake_budget = uint64_t{512} << 20;
   metrics::ScoreTable table = metrics::scores();  // of the pictures
 };
 
-// "mesh,flat:views=64,frames=8,hybrid(mesh,flat,distance=10)" to three representations: a comma separates where the
-// next piece does not read key=value, and never within brackets. Throws Error.
-std::vector<renderers::Spec> parse_specs(const std::string& text);
+// The stage of a point, as it was solved for.
+struct StagedPoint {
+  uint32_t agents = 0;
+  double requested_occupancy = 0;  // 0: the scenario's own camera
+  StageFacts facts;
+};
 
 struct SweepSummary {
   size_t measured = 0;               // points timed now
   size_t held = 0;                   // points that the file already had
   size_t invalid = 0;                // of those timed now: the image check failed
+  std::vector<StagedPoint> stages;   // of the points solved for now, unreachable ones too
   std::vector<std::string> remarks;  // where and why a curve stopped, what was skipped: one line each
 };
-
-// What is known of this process and machine before anything is measured. `started` is the wall clock's time of day.
-RunRow describe_run(gl::Context& context, const TimingMethod& method, const scene::Scenario& scenario,
-                    const std::string& command, const std::string& arguments);
 
 // Measures point by point: at each occupancy the numbers of agents ascend; all representations whose curve still goes
 // on take turns; each point is one transaction. Points that the store holds for the same scenario, revision and
@@ -49,9 +52,6 @@ RunRow describe_run(gl::Context& context, const TimingMethod& method, const scen
 SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
                        const SweepRequest& request, StoreWriter& store,
                        const std::function<void(const std::string&)>& progress);
-
-// The latest rows of this run's scenario as a table for a terminal, curve by curve.
-std::string sweep_table(const StoreContents& contents, const RunRow& run);
 
 // Whole-frame scores of a representation's picture against the reference's (same view): each of the table's that
 // colours, ids and depths have.

@@ -3,22 +3,91 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 
+#include "bench/stage/low_polygon_cast.h"
+#include "bench/stage/stage.h"
+#include "bench/timing/timed_representation.h"
+#include "bench/timing/timing_method.h"
 #include "core/error.h"
 #include "core/progress.h"
-#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {
 
-constexpr uint64_t kBootstrapSeed = 1;
-// Half a second of a walk lies between the two pictures of a check.
-constexpr uint64_t kSecondTick = 15;
+// All that takes turns, each at one place of `all`. A representation asked for may be the mesh or its floor itself; but
+// `of` and `to` are always drawn apart, so that a representation against itself tells the noise of the method.
+struct TimedSet {
+  std::vector<std::unique_ptr<TimedRepresentation>> all;
+  size_t of = 0, to = 0, mesh = 0, mesh_floor = 0, low_polygon = 0;
+};
+
+TimedSet bake_set(Stage& stage, Stage& low_polygon_stage, const RatioRequest& request) {
+  TimedSet set;
+  const auto enter = [&](Stage& on, const renderers::Spec& spec) {
+    set.all.push_back(std::make_unique<TimedRepresentation>(on, spec, request.scenario.width, request.scenario.height,
+                                                            request.bake_budget));
+    return set.all.size() - 1;
+  };
+  set.of = enter(stage, request.of);
+  set.to = enter(stage, request.to);
+  const auto known_or_entered = [&](const renderers::Spec& spec) {
+    for (const size_t i : {set.of, set.to})
+      if (set.all[i]->name() == spec.text()) return i;
+    return enter(stage, spec);
+  };
+  const renderers::Spec mesh = renderers::parse_spec("mesh");
+  set.mesh = known_or_entered(mesh);
+  set.mesh_floor = known_or_entered(renderers::parse_spec("mesh:floor=1"));
+  set.low_polygon = enter(low_polygon_stage, mesh);
+  return set;
+}
+
+void check_set(RatioReport& report, const TimedSet& set) {
+  const auto check = [&](size_t i, const std::optional<ImageCheck>& reference) {
+    TimedRepresentation& timed = *set.all[i];
+    return check_pictures(timed.capture(0), timed.capture(kSecondTick), timed.is_floor(), reference);
+  };
+  report.mesh_check = check(set.mesh, std::nullopt);
+  report.of_check = set.of == set.mesh ? report.mesh_check : check(set.of, report.mesh_check);
+  report.to_check = set.to == set.mesh ? report.mesh_check : check(set.to, report.mesh_check);
+  for (const auto& [name, fault] :
+       {std::pair{report.of, report.of_check.fault}, std::pair{report.to, report.to_check.fault},
+        std::pair{std::string("mesh"), report.mesh_check.fault}}) {
+    const std::string line = name + ": " + fault;
+    if (!fault.empty() && std::find(report.faults.begin(), report.faults.end(), line) == report.faults.end())
+      report.faults.push_back(line);
+  }
+  report.valid = report.faults.empty();
+}
 
 uint64_t triangles_of(renderers::Representation& representation, const scene::Cast& cast) {
   uint64_t sum = 0;
   for (size_t c = 0; c < cast.characters.size(); ++c) sum += representation.triangles(c);
   return sum;
+}
+
+void put_triangles(RatioReport& report, const TimedSet& set, const scene::Cast& cast, const scene::Cast& low_polygon) {
+  for (const auto& character : cast.characters) report.triangles += character->triangles();
+  report.of_triangles = triangles_of(set.all[set.of]->representation(), cast);
+  report.to_triangles = triangles_of(set.all[set.to]->representation(), cast);
+  report.low_polygon_triangles = low_polygon.characters.front()->triangles();
+}
+
+std::vector<VariantTimes> time_set(gl::Context& context, const TimedSet& set, const RatioRequest& request,
+                                   const TimingMethod& method, Progress& progress) {
+  TimingPlan plan;
+  plan.rounds = plan.least_rounds = request.pairs;
+  plan.metric = method.headline;
+  plan.order_seed = request.order_seed;
+  std::vector<Variant> variants;
+  variants.reserve(set.all.size());
+  for (const auto& timed : set.all) variants.push_back(timed->variant());
+  size_t rounds = 0;
+  return time_interleaved(variants, plan, system_clocks(), gpu_timer_of(context, method), [&] {
+    progress.note(fmt::format("round {} (warm-up included)", ++rounds));
+    throw_if_interrupted();
+  });
 }
 
 RatioReport::Median median_of(const std::string& name, const VariantTimes& times) {
@@ -31,110 +100,70 @@ RatioReport::Median median_of(const std::string& name, const VariantTimes& times
   return out;
 }
 
+void put_medians(RatioReport& report, const TimedSet& set, const std::vector<VariantTimes>& times) {
+  for (size_t i = 0; i < set.all.size(); ++i) {
+    const std::string name = i == set.low_polygon ? "mesh of mannequin:triangles=500" : set.all[i]->name();
+    report.medians.push_back(median_of(name, times[i]));
+    report.warmup_frames = std::max(report.warmup_frames, times[i].warmup_frames);
+    report.settled = report.settled && times[i].settled;
+  }
+}
+
 }  // namespace
+
+void put_ratios(RatioReport& report, const RatioTimes& times, Metric headline) {
+  const auto headline_ratio = [&](std::span<const SampleRow> above, std::span<const SampleRow> below) {
+    const auto found = paired_ratio(above, below, headline, kBootstrapSeed);
+    if (!found) throw Error("ratio", "the clock gave no time for a frame", "measure more agents");
+    return *found;
+  };
+  report.headline = metric_name(headline);
+  report.cpu = paired_ratio(times.to, times.of, Metric::cpu, kBootstrapSeed);
+  report.wall = paired_ratio(times.to, times.of, Metric::wall, kBootstrapSeed);
+  report.gpu = paired_ratio(times.to, times.of, Metric::gpu, kBootstrapSeed);
+  report.headline_ratio = headline_ratio(times.to, times.of);
+  report.mesh_floor = headline_ratio(times.mesh, times.mesh_floor);
+  report.to_low_polygon = headline_ratio(times.low_polygon, times.of);
+  report.is_void = report.mesh_floor.median > kMeshFloorBound;
+  if (report.is_void)
+    report.void_reason = fmt::format("the mesh takes {:.2f} times its own floor, more than {:.1f}: no fair yardstick",
+                                     report.mesh_floor.median, kMeshFloorBound);
+}
 
 RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const RatioRequest& request) {
   if (request.pairs < kLeastPairs)
     throw Error("--pairs", fmt::format("{} is too few", request.pairs), fmt::format("use at least {}", kLeastPairs));
-  Progress progress("ratio", 0);
-  progress.note("solving for the view");
-  scene::Solved solved = solve_scene(context, request.scenario, cast);
-  const LowPolygonCast low = low_polygon_cast(solved.scenario, solved.crowd);
-
-  progress.note("baking");
-  Stage stage(context, cast);
-  stage.show(solved.scenario, solved.crowd, solved.camera);
-  Stage low_stage(context, low.cast);
-  low_stage.show(low.scenario, low.crowd, solved.camera);
-  const renderers::Spec mesh_spec = renderers::parse_spec("mesh");
-  // Both sides are always drawn apart, so that a representation against itself tells the noise of the method.
-  std::vector<std::unique_ptr<TimedRepresentation>> all;
-  const auto enter = [&](Stage& on, const renderers::Spec& spec) {
-    all.push_back(std::make_unique<TimedRepresentation>(on, spec, solved.scenario.width, solved.scenario.height,
-                                                        request.bake_budget));
-    return all.size() - 1;
-  };
-  const size_t of = enter(stage, request.of);
-  const size_t to = enter(stage, request.to);
-  const auto known = [&](const renderers::Spec& spec) -> std::optional<size_t> {
-    for (const size_t i : {of, to})
-      if (all[i]->name() == spec.text()) return i;
-    return std::nullopt;
-  };
-  const auto known_or_enter = [&](const renderers::Spec& spec) {
-    const auto place = known(spec);
-    return place ? *place : enter(stage, spec);
-  };
-  const size_t mesh = known_or_enter(mesh_spec);
-  const size_t floor = known_or_enter(renderers::parse_spec("mesh:floor=1"));
-  const size_t low_mesh = enter(low_stage, mesh_spec);
-
   RatioReport report;
-  report.of = all[of]->name();
-  report.to = all[to]->name();
   report.renderer = context.renderer();
   report.software = context.is_software();
-  report.mesh_check = check_pictures(all[mesh]->capture(0), all[mesh]->capture(kSecondTick), false, std::nullopt);
-  const auto check = [&](size_t i) {
-    return i == mesh ? report.mesh_check
-                     : check_pictures(all[i]->capture(0), all[i]->capture(kSecondTick), all[i]->is_floor(),
-                                      report.mesh_check);
-  };
-  report.of_check = check(of);
-  report.to_check = check(to);
-  for (const auto& [name, fault] :
-       {std::pair{report.of, report.of_check.fault}, std::pair{report.to, report.to_check.fault},
-        std::pair{std::string("mesh"), report.mesh_check.fault}})
-    if (!fault.empty() &&
-        std::find(report.faults.begin(), report.faults.end(), name + ": " + fault) == report.faults.end())
-      report.faults.push_back(name + ": " + fault);
-  report.valid = report.faults.empty();
-  for (const auto& character : cast.characters) report.triangles += character->triangles();
-  report.of_triangles = triangles_of(all[of]->representation(), cast);
-  report.to_triangles = triangles_of(all[to]->representation(), cast);
-  report.low_polygon_triangles = low.cast.characters.front()->triangles();
+  report.order_seed = request.order_seed;
+  Progress progress("ratio", 0);
+  progress.note("solving for the view");
+  const Staged staged = stage_scenario(request.scenario, cast, context);
+  report.stage = measure_stage(staged, cast, context);
+  const LowPolygonCast low_polygon = low_polygon_cast(staged);
+  Stage stage(context, cast);
+  stage.show(staged);
+  Stage low_polygon_stage(context, low_polygon.cast);
+  low_polygon_stage.show(low_polygon.staged);
+
+  progress.note("baking");
+  const TimedSet set = bake_set(stage, low_polygon_stage, request);
+  report.of = set.all[set.of]->name();
+  report.to = set.all[set.to]->name();
+  check_set(report, set);
+  put_triangles(report, set, cast, low_polygon.cast);
 
   const TimingMethod method = choose_timing_method(context);
-  report.headline = metric_name(method.headline);
-  TimingPlan plan;
-  plan.rounds = plan.least_rounds = request.pairs;
-  plan.metric = method.headline;
-  std::vector<Variant> variants;
-  variants.reserve(all.size());
-  for (const auto& timed : all) variants.push_back(timed->variant());
-  size_t rounds = 0;
-  const auto results = time_interleaved(variants, plan, system_clocks(), gpu_timer_of(context, method), [&] {
-    progress.note(fmt::format("round {} (warm-up included)", ++rounds));
-    throw_if_interrupted();
-  });
-
-  const auto ratio = [&](size_t numerator, size_t denominator, Metric metric) {
-    return paired_ratio(results[numerator].samples, results[denominator].samples, metric, kBootstrapSeed);
-  };
-  const auto headline = [&](size_t numerator, size_t denominator) {
-    const auto found = ratio(numerator, denominator, method.headline);
-    if (!found) throw Error("ratio", "the clock gave no time for a frame", "measure more agents");
-    return *found;
-  };
-  report.cpu = ratio(to, of, Metric::cpu);
-  report.wall = ratio(to, of, Metric::wall);
-  report.gpu = ratio(to, of, Metric::gpu);
-  report.headline_ratio = headline(to, of);
-  report.mesh_floor = headline(mesh, floor);
-  report.to_low_polygon = headline(low_mesh, of);
-  if (report.mesh_floor.median > kMeshFloorBound) {
-    report.is_void = true;
-    report.void_reason = fmt::format("the mesh takes {:.2f} times its own floor, more than {:.1f}: no fair yardstick",
-                                     report.mesh_floor.median, kMeshFloorBound);
-  }
-  for (size_t i = 0; i < all.size(); ++i) {
-    const std::string name = i == low_mesh ? "mesh of mannequin:triangles=500" : all[i]->name();
-    report.medians.push_back(median_of(name, results[i]));
-    report.warmup_frames = std::max(report.warmup_frames, results[i].warmup_frames);
-    report.settled = report.settled && results[i].settled;
-  }
-  solved.crowd = {};
-  report.solved = std::move(solved);
+  const std::vector<VariantTimes> times = time_set(context, set, request, method, progress);
+  put_ratios(report,
+             {.of = times[set.of].samples,
+              .to = times[set.to].samples,
+              .mesh = times[set.mesh].samples,
+              .mesh_floor = times[set.mesh_floor].samples,
+              .low_polygon = times[set.low_polygon].samples},
+             method.headline);
+  put_medians(report, set, times);
   return report;
 }
 

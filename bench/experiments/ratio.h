@@ -1,10 +1,14 @@
 // `ratio`: how many times as fast as another one representation is, drawn in turns on one scene.
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "bench/timing/timed_representation.h"
+#include "bench/stage/stage_facts.h"
+#include "bench/timing/image_check.h"
+#include "bench/timing/timing.h"
+#include "renderers/representation.h"
 #include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
@@ -18,6 +22,7 @@ struct RatioRequest {
   renderers::Spec to;
   scene::Scenario scenario;  // with the occupancy to solve for, where one is wanted
   int pairs = 24;            // >= kLeastPairs
+  uint64_t order_seed = kOrderSeed;
   uint64_t bake_budget = uint64_t{512} << 20;
 };
 
@@ -37,7 +42,7 @@ struct RatioReport {
   std::vector<std::string> faults;              // of the image checks
   uint64_t triangles = 0;                       // of the characters' meshes, one agent of each
   uint64_t of_triangles = 0, to_triangles = 0;  // submitted for one agent of each character
-  scene::Solved solved;                         // without scenario and crowd
+  StageFacts stage;
   struct Median {
     std::string name;
     double cpu_ns = 0, wall_ns = 0;
@@ -46,9 +51,20 @@ struct RatioReport {
   std::vector<Median> medians;  // of every representation timed
   int warmup_frames = 0;
   bool settled = true;
+  uint64_t order_seed = 0;  // of the order of turns (TimingPlan)
   std::string renderer;
   bool software = false;
 };
+
+// The times that the figures are made of; all of the same rounds.
+struct RatioTimes {
+  std::span<const SampleRow> of, to;
+  std::span<const SampleRow> mesh, mesh_floor;
+  std::span<const SampleRow> low_polygon;  // the mesh of 500 triangles
+};
+// Fills in cpu, wall and gpu, headline_ratio, mesh_floor and to_low_polygon, and whether the mesh is too far above its
+// floor for any of it to stand. Throws Error when the headline's clock gave no time for a frame.
+void put_ratios(RatioReport& report, const RatioTimes& times, Metric headline);
 
 // Solves the scene with the mesh, checks the pictures, warms up and times. Progress on a terminal. Throws Error
 // (unknown representation, fewer pairs than kLeastPairs, a bake over its budget) and Interrupted.

@@ -1,11 +1,10 @@
 #include "bench/stage/coverage.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <memory>
 #include <vector>
-
-#include "renderers/frame/capture.h"
-#include "scene/cast/cast.h"
-#include "scene/character/simplify.h"
 
 namespace crowdbench::bench {
 
@@ -24,26 +23,29 @@ scene::Coverage coverage_of(const ImageU32& ids) {
 }
 
 scene::MeasureCoverage mesh_coverage(gl::Context& context, const scene::Cast& cast) {
-  struct Parts {
+  struct MeshRenderer {
     renderers::Renderer renderer;
     std::unique_ptr<renderers::Representation> mesh;
-    Parts(gl::Context& context, const scene::Cast& cast)
+    MeshRenderer(gl::Context& context, const scene::Cast& cast)
         : renderer(context, cast),
           mesh(renderers::make_representation({context, cast}, renderers::parse_spec("mesh"))) {}
   };
-  auto parts = std::make_shared<Parts>(context, cast);
-  return [parts](const scene::Frame& frame) { return coverage_of(parts->renderer.capture(frame, *parts->mesh).ids); };
+  auto drawn = std::make_shared<MeshRenderer>(context, cast);
+  return [drawn](const scene::Frame& frame) {
+    scene::Frame bare = frame;
+    bare.ground = false;
+    return coverage_of(drawn->renderer.capture(bare, *drawn->mesh).ids);
+  };
 }
 
-scene::Solved solve_with_mesh(gl::Context& context, const scene::Scenario& scenario, const scene::Cast& cast) {
-  constexpr uint32_t kFewAgents = 300;  // the mesh itself is quick enough
-  constexpr size_t kDraftTriangles = 500;
-  const scene::MeasureCoverage mesh = mesh_coverage(context, cast);
-  if (scenario.crowd.agents < kFewAgents) return scene::solve_occupancy(scenario, cast, mesh);
-  scene::Cast drafts = cast;  // with the same pose banks: joints and clips are untouched
-  for (auto& character : drafts.characters)
-    character = std::make_shared<const scene::Character>(scene::simplified(*character, kDraftTriangles));
-  return scene::solve_occupancy(scenario, cast, mesh, mesh_coverage(context, drafts));
+uint64_t touched_pixels(gl::Context& context, renderers::Renderer& renderer, const scene::Frame& frame,
+                        renderers::Representation& representation) {
+  assert(!frame.ground);
+  const renderers::Target target(context, frame.width, frame.height, renderers::Pass{.touched = true});
+  renderer.draw(frame, representation, target);
+  const ImageF depth = target.read().depth;
+  return static_cast<uint64_t>(
+      std::count_if(depth.data.begin(), depth.data.end(), [](float d) { return std::isfinite(d); }));
 }
 
 }  // namespace crowdbench::bench

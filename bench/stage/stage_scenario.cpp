@@ -1,15 +1,33 @@
 #include "bench/stage/stage_scenario.h"
 
+#include <algorithm>
+
 #include "bench/stage/coverage.h"
+#include "scene/character/simplify.h"
 
 namespace crowdbench::bench {
+namespace {
+
+// The cast to search with; std::nullopt: the cast itself.
+std::optional<scene::Cast> draft_of(const scene::Cast& cast, uint32_t agents) {
+  const bool fine = std::all_of(cast.characters.begin(), cast.characters.end(),
+                                [](const auto& character) { return character->triangles() <= kDraftTriangles; });
+  if (agents < kDraftAgents || fine) return std::nullopt;
+  scene::Cast draft = cast;  // with the same pose banks: joints and clips are untouched
+  for (auto& character : draft.characters)
+    character = std::make_shared<const scene::Character>(scene::simplified(*character, kDraftTriangles));
+  return draft;
+}
+
+}  // namespace
 
 Staged stage_scenario(const scene::Scenario& scenario, const scene::Cast& cast, gl::Context& context) {
-  if (!scenario.occupancy || scenario.crowd.agents == 0) {
-    return {scenario, scene::make_crowd(scenario, cast, scene::stage_view(scenario)), std::nullopt};
-  }
-  scene::Solved solved = solve_with_mesh(context, scenario, cast);
-  return {solved.scenario, solved.crowd, std::move(solved)};
+  if (!scenario.occupancy || scenario.crowd.agents == 0)
+    return {scenario, scene::make_crowd(scenario, cast, scene::stage_view(scenario)), scenario.camera.at(0), {}};
+  const std::optional<scene::Cast> draft = draft_of(cast, scenario.crowd.agents);
+  scene::Solved solved = scene::solve_occupancy(scenario, cast, mesh_coverage(context, cast),
+                                                draft ? mesh_coverage(context, *draft) : scene::MeasureCoverage{});
+  return {std::move(solved.scenario), std::move(solved.crowd), solved.camera, solved.search};
 }
 
 }  // namespace crowdbench::bench

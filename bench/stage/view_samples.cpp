@@ -15,13 +15,12 @@ uint64_t required_ticks(const scene::Scenario& scenario) {
 }
 
 renderers::VisitViewSamples view_samples_of(const scene::Scenario& scenario, const scene::Cast& cast,
-                                            const scene::Crowd& crowd, const scene::Camera* camera, uint64_t ticks) {
-  return [&scenario, &cast, &crowd, camera, ticks](size_t character,
-                                                   const std::function<void(const renderers::ViewSample&)>& see) {
+                                            const scene::Crowd& crowd, uint64_t ticks) {
+  return [&scenario, &cast, &crowd, ticks](size_t character,
+                                           const std::function<void(const renderers::ViewSample&)>& see) {
     for (uint64_t tick = 0; tick < ticks; ++tick) {
-      const scene::Camera view =
-          camera != nullptr ? *camera : scenario.camera.at(static_cast<double>(tick) / scenario.tick_rate);
-      const scene::Frame frame = scene::make_frame(scenario, cast, crowd, view, tick);
+      const scene::Camera camera = scenario.camera.at(static_cast<double>(tick) / scenario.tick_rate);
+      const scene::Frame frame = scene::make_frame(scenario, cast, crowd, camera, tick);
       for (const scene::FrameAgent& a : frame.agents[character]) {
         // Positions are relative to the eye; the agent's heading is turned back.
         const glm::vec3 d = -a.position / a.scale;

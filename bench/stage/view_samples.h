@@ -12,9 +12,9 @@ namespace crowdbench::bench {
 // clip of usual length at any playback speed); at most 3000.
 uint64_t required_ticks(const scene::Scenario& scenario);
 
-// Every agent in view at every tick from 0 to `ticks` - 1, as make_frame places it. scenario, cast and crowd must
-// outlive the result. camera: a still one instead of the scenario's path (solved for an occupancy); null: the path.
+// Every agent in view at every tick from 0 to `ticks` - 1, as make_frame places it before the scenario's camera.
+// scenario, cast and crowd must outlive the result.
 renderers::VisitViewSamples view_samples_of(const scene::Scenario& scenario, const scene::Cast& cast,
-                                            const scene::Crowd& crowd, const scene::Camera* camera, uint64_t ticks);
+                                            const scene::Crowd& crowd, uint64_t ticks);
 
 }  // namespace crowdbench::bench

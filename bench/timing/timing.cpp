@@ -4,6 +4,10 @@
 #include <cassert>
 #include <cmath>
 #include <ctime>
+#include <numeric>
+#include <utility>
+
+#include "core/random.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -73,6 +77,18 @@ bool has_settled(std::span<const double> frames, double fraction) {
   return std::abs(now - before) <= fraction * before;
 }
 
+std::vector<size_t> round_order(uint64_t seed, int round, size_t variants) {
+  constexpr uint64_t kTurn = 0x7475726e;  // "turn": a purpose of random_below
+  std::vector<size_t> order(variants);
+  std::iota(order.begin(), order.end(), size_t{0});
+  // Fisher and Yates: what is left of the numbers, one drawn for each place from the last on.
+  for (size_t left = variants; left > 1; --left) {
+    const uint64_t index = (static_cast<uint64_t>(round) << 32) | left;
+    std::swap(order[left - 1], order[random_below(seed, index, kTurn, left)]);
+  }
+  return order;
+}
+
 std::vector<VariantTimes> time_interleaved(std::span<const Variant> variants, const TimingPlan& plan,
                                            const Clocks& clocks, const std::optional<GpuTimer>& gpu,
                                            const std::function<void()>& after_round) {
@@ -113,7 +129,7 @@ std::vector<VariantTimes> time_interleaved(std::span<const Variant> variants, co
   const int64_t start = clocks.wall();
   for (int round = 0; round < plan.rounds; ++round, ++tick) {
     if (round >= plan.least_rounds && out_of_time(start)) break;
-    for (size_t v = 0; v < variants.size(); ++v) {
+    for (const size_t v : round_order(plan.order_seed, round, variants.size())) {
       if (results[v].dropped) continue;
       if (variants[v].prepare) variants[v].prepare(tick);
       SampleRow sample = time_frame(variants[v], clocks, gpu);

@@ -1,4 +1,7 @@
-// Frame times of several variants that take turns, so that drift hits all alike.
+// Frame times of several variants that take turns in random order, so that drift hits all alike.
+//
+// Based on: google/benchmark's random interleaving of repetitions (docs/random_interleaving.md), with every variant
+// once a round, so that times of one round make pairs.
 //
 // Nothing here knows OpenGL: a variant is a function that draws one finished frame, and the clocks are handed in, so
 // that the logic is tested without a clock and without sleeping.
@@ -45,6 +48,15 @@ struct Variant {
 enum class Metric : uint8_t { cpu, wall, gpu };
 const char* metric_name(Metric metric);
 
+// Of the bootstrap intervals of everything that is timed.
+inline constexpr uint64_t kBootstrapSeed = 1;
+// Unless asked otherwise, every run draws its rounds in the same order as every other.
+inline constexpr uint64_t kOrderSeed = 1;
+// The order of one round's turns: the numbers 0 to variants - 1, each once, every order as likely as any other. A hash
+// of its arguments. Were the order the same in all rounds, each variant would always find the caches, the clock rate
+// and the driver's queue as one and the same other left them.
+std::vector<size_t> round_order(uint64_t seed, int round, size_t variants);
+
 struct TimingPlan {
   int rounds = 20;        // timed turns of every variant
   int least_rounds = 20;  // fewer than `rounds` only because of time_limit_ns
@@ -58,6 +70,8 @@ struct TimingPlan {
   // A variant whose warm-up frames pass this wall time twice is dropped before the timed rounds. 0: no limit.
   int64_t drop_above_ns = 0;
   uint64_t first_tick = 0;
+  // Of the order in which the variants of a round take their turns (round_order).
+  uint64_t order_seed = kOrderSeed;
 };
 
 struct VariantTimes {
@@ -68,8 +82,9 @@ struct VariantTimes {
   int64_t warmup_frame_ns = 0;  // wall time of its last warm-up frame
 };
 
-// Warms every variant up, then draws round after round: A B C D A B C D ..., one tick a round, the same tick for all.
-// `after_round` is called between rounds (progress, the wish to stop). Throws whatever the variants throw.
+// Warms every variant up, in turns in the order given, then draws round after round: C A D B, B A C D, ..., each
+// variant once a round, in the round's own order (round_order), one tick a round, the same tick for all. `after_round`
+// is called between rounds (progress, the wish to stop). Throws whatever the variants throw.
 std::vector<VariantTimes> time_interleaved(std::span<const Variant> variants, const TimingPlan& plan,
                                            const Clocks& clocks, const std::optional<GpuTimer>& gpu = {},
                                            const std::function<void()>& after_round = {});

@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -136,9 +137,10 @@ void Renderer::draw(const scene::Frame& frame, Representation& representation, c
       std::iota(s.everybody[c].begin() + static_cast<std::ptrdiff_t>(before), s.everybody[c].end(),
                 static_cast<uint32_t>(before));
   }
-  s.resources.upload(frame, target.width(), target.height());
+  assert(target.width() % frame.width == 0 && target.height() == target.width() / frame.width * frame.height);
+  s.resources.upload(frame);
 
-  const double aspect = static_cast<double>(target.width()) / static_cast<double>(target.height());
+  const double aspect = static_cast<double>(frame.width) / static_cast<double>(frame.height);
   const glm::dmat4 projection = scene::projection(frame.camera, aspect);
   target.state_->depth_a = static_cast<float>(projection[2][2]);
   target.state_->depth_b = static_cast<float>(projection[3][2]);

@@ -18,8 +18,9 @@ struct Capture {
 };
 
 struct CaptureOptions {
-  int supersample =
-      1;  // odd k: k x k samples a pixel, colour averaged in linear light, id and depth from the centre sample
+  // Odd k: k x k samples a pixel, colour averaged in linear light, id and depth from the centre sample, which are those
+  // of k = 1: what is drawn is chosen for the picture's own size (Representation::draw).
+  int supersample = 1;
   bool linear = false;  // also fill Capture::linear
 };
 
@@ -51,7 +52,7 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
   // From a frame in hand to submitted commands: per-frame CPU choice, upload, clear, draw. Does not wait; `finish`
-  // does.
+  // does. target: frame.width x frame.height pixels, or a whole number of samples a pixel along both.
   void draw(const scene::Frame& frame, Representation& representation, const Target& target);
   void finish();
   Capture capture(const scene::Frame& frame, Representation& representation, const CaptureOptions& options = {});

@@ -121,13 +121,13 @@ FrameResources::FrameResources(gl::Context& context, const scene::Cast& cast, ui
 
 FrameResources::~FrameResources() = default;
 
-void FrameResources::upload(const scene::Frame& frame, int width, int height) {
+void FrameResources::upload(const scene::Frame& frame) {
   State& s = *state_;
   s.lists_used = 0;
   s.palettes_used = 0;
 
   FrameUniforms u;
-  const double aspect = static_cast<double>(width) / static_cast<double>(height);
+  const double aspect = static_cast<double>(frame.width) / static_cast<double>(frame.height);
   const glm::dmat3 rotation = scene::view_rotation(frame.camera);
   const glm::dmat4 projection = scene::projection(frame.camera, aspect);
   u.view_from_world = glm::mat4(glm::dmat4(rotation));
@@ -135,8 +135,8 @@ void FrameResources::upload(const scene::Frame& frame, int width, int height) {
   u.clip_from_world = glm::mat4(projection * glm::dmat4(rotation));
   u.light_direction = glm::vec4(glm::normalize(frame.light.direction), 0.0F);
   u.light = {frame.light.ambient, frame.light.diffuse, 0.0F, 0.0F};
-  u.viewport = {static_cast<float>(width), static_cast<float>(height), 1.0F / static_cast<float>(width),
-                1.0F / static_cast<float>(height)};
+  const glm::vec2 size(frame.width, frame.height);
+  u.viewport = glm::vec4(size, 1.0F / size);
   u.lens = {static_cast<float>(frame.camera.near), static_cast<float>(frame.camera.far),
             static_cast<float>(std::tan(frame.camera.fov_y / 2)), static_cast<float>(aspect)};
   u.background = frame.background;

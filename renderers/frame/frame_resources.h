@@ -50,9 +50,8 @@ class FrameResources {
   FrameResources(const FrameResources&) = delete;
   FrameResources& operator=(const FrameResources&) = delete;
 
-  // Uploads everything of one frame but palettes. The picture is width x height pixels (a supersampled capture draws
-  // more than frame.width x frame.height). Throws Error above kMaxFrameAgents.
-  void upload(const scene::Frame& frame, int width, int height);
+  // Uploads everything of one frame but palettes. Throws Error above kMaxFrameAgents.
+  void upload(const scene::Frame& frame);
   // Binds the uniform block, the agents and the outfits at their places in shaders/bindings.shared.h.
   void bind() const;
 

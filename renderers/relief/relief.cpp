@@ -123,9 +123,6 @@ class Relief final : public Representation {
       }
       for (std::vector<uint32_t>& list : lists_) list.clear();
       lists_.resize(std::max(lists_.size(), baked.tiers.size()));
-      // The picture may have more rows than the frame asks for (supersampling).
-      std::array<int, 4> viewport{};
-      glGetIntegerv(GL_VIEWPORT, viewport.data());
       const glm::dmat3 view = scene::view_rotation(frame.camera);
       const glm::vec3 back(glm::transpose(view)[2]);
       for (const uint32_t index : agents[c]) {
@@ -133,7 +130,7 @@ class Relief final : public Representation {
         const glm::vec3 middle =
             agent.position + glm::vec3(0.0F, 0.5F * agent.scale * static_cast<float>(baked.height), 0.0F);
         const double depth = std::max(static_cast<double>(-glm::dot(back, middle)), frame.camera.near);
-        const double tall = agent.scale * baked.height / scene::pixel_size_at(frame.camera, depth, viewport[3]);
+        const double tall = agent.scale * baked.height / scene::pixel_size_at(frame.camera, depth, frame.height);
         size_t tier = 0;
         while (tier < baked.pixels.size() && tall < baked.pixels[tier]) ++tier;
         lists_[tier].push_back(index);

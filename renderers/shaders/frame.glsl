@@ -7,7 +7,7 @@ layout(std140, binding = CB_UNIFORM_FRAME) uniform FrameUniforms {
   mat4 projection;
   vec4 light_direction;   // xyz towards the light, unit
   vec4 light;             // ambient, diffuse
-  vec4 viewport;          // width, height, 1 / width, 1 / height, pixels
+  vec4 viewport;          // width, height, 1 / width, 1 / height, pixels of the picture, however many samples each has
   vec4 lens;              // near, far (0 = infinite), tan(fov_y / 2), aspect
   vec4 background;        // linear
   vec4 ground_origin;     // xz: the eye's place on the ground within a grid cell, y: the eye's height, metres

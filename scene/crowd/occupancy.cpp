@@ -102,7 +102,7 @@ class Solver {
              s.crowd.spacing = std::exp(u);
              balcony.set(s, balcony.rise_for(s.crowd.spacing));
            });
-    const bool too_sparse = best_.achieved < target_ - kAccept;
+    const bool too_sparse = best_.search.achieved < target_ - kAccept;
     if (too_sparse && scenario_.crowd.motion != MotionKind::lanes) {
       const double start = std::max(balcony.rise_for(kClosest), least);
       search(std::log(least), std::log(2.0 * start), std::log(start), [&](Scenario& s, double u) {
@@ -124,7 +124,7 @@ class Solver {
     bool have_before = false;
     double least = low;
     double most = high;
-    while (best_.measurements < kMeasurements) {
+    while (best_.search.measurements < kMeasurements) {
       Scenario trial = scenario_;
       set(trial, u);
       const double coverage = measure(std::move(trial));
@@ -155,15 +155,14 @@ class Solver {
     Crowd crowd = make_crowd(trial, cast_, stage_view(trial));
     const Camera camera = trial.camera.at(0.0);
     const Coverage coverage = measure_(make_frame(trial, cast_, crowd, camera, 0));
-    const int count = best_.measurements + 1;
-    if (best_.measurements == 0 || std::abs(coverage.occupancy - target_) < std::abs(best_.achieved - target_)) {
+    const int count = best_.search.measurements + 1;
+    if (count == 1 || std::abs(coverage.occupancy - target_) < std::abs(best_.search.achieved - target_)) {
       best_.scenario = std::move(trial);
       best_.crowd = std::move(crowd);
       best_.camera = camera;
-      best_.achieved = coverage.occupancy;
-      best_.touched_px = coverage.covered_px;  // the mesh leaves an id wherever a fragment reached
+      best_.search.achieved = coverage.occupancy;
     }
-    best_.measurements = count;
+    best_.search.measurements = count;
     return coverage.occupancy;
   }
 
@@ -175,6 +174,8 @@ class Solver {
 };
 
 }  // namespace
+
+bool misses_occupancy(double requested, double achieved) { return std::abs(achieved - requested) > kUnreachable; }
 
 OnScreen count_on_screen(const Scenario& scenario, const Cast& cast, const Crowd& crowd, const Camera& camera,
                          uint64_t tick) {
@@ -224,36 +225,32 @@ Solved solve_occupancy(const Scenario& scenario, const Cast& cast, const Measure
   const double target = *scenario.occupancy;
   Solved best;
   const auto keep_nearer = [&](Solved&& trial) {
-    const int measurements = best.measurements + trial.measurements;
-    const int drafts = best.drafts + trial.drafts;
-    if (best.measurements == 0 || std::abs(trial.achieved - target) < std::abs(best.achieved - target))
+    const int measurements = best.search.measurements + trial.search.measurements;
+    const int drafts = best.search.drafts + trial.search.drafts;
+    if (best.search.measurements == 0 ||
+        std::abs(trial.search.achieved - target) < std::abs(best.search.achieved - target))
       best = std::move(trial);
-    best.measurements = measurements;
-    best.drafts = drafts;
+    best.search.measurements = measurements;
+    best.search.drafts = drafts;
   };
   Scenario start = scenario;
   double wanted = target;
   for (int attempt = 0; draft && attempt < 3; ++attempt) {
     Solved trial = Solver(start, cast, draft, wanted).run();
-    const bool found = std::abs(trial.achieved - wanted) <= kUnreachable;
-    const Coverage coverage = measure(make_frame(trial.scenario, cast, trial.crowd, trial.camera, 0));
-    trial.drafts = std::exchange(trial.measurements, 1);
-    trial.achieved = coverage.occupancy;
-    trial.touched_px = coverage.covered_px;
+    const bool found = !misses_occupancy(wanted, trial.search.achieved);
+    const double covered = measure(make_frame(trial.scenario, cast, trial.crowd, trial.camera, 0)).occupancy;
+    trial.search.drafts = std::exchange(trial.search.measurements, 1);
+    trial.search.achieved = covered;
     keep_nearer(std::move(trial));
-    if (!found || std::abs(best.achieved - target) <= kAccept) break;
-    wanted = unstraight(straight(wanted) + straight(target) - straight(coverage.occupancy));
+    if (!found || std::abs(best.search.achieved - target) <= kAccept) break;
+    wanted = unstraight(straight(wanted) + straight(target) - straight(covered));
     start.crowd.spacing = best.scenario.crowd.spacing;
   }
   // Without a stand-in, or where it led astray or to the end of its range.
-  if (best.measurements == 0 || std::abs(best.achieved - target) > kUnreachable)
+  if (best.search.measurements == 0 || misses_occupancy(target, best.search.achieved))
     keep_nearer(Solver(start, cast, measure, target).run());
-  best.requested = target;
-  best.unreachable = std::abs(best.achieved - target) > kUnreachable;
-  const OnScreen seen = count_on_screen(best.scenario, cast, best.crowd, best.camera, 0);
-  best.agents_wholly = seen.wholly;
-  best.agents_partly = seen.partly;
-  best.agents_off = seen.off;
+  best.search.requested = target;
+  best.search.unreachable = misses_occupancy(target, best.search.achieved);
   return best;
 }
 

@@ -2,8 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <functional>
-#include <optional>
-#include <string>
 
 #include "scene/crowd/crowd.h"
 
@@ -17,20 +15,24 @@ struct Coverage {
 };
 using MeasureCoverage = std::function<Coverage(const Frame&)>;
 
-struct Solved {
-  Scenario scenario;  // with camera, stage and spacing as solved; occupancy as requested
-  Crowd crowd;
-  Camera camera;
-  double requested = 0;
-  double achieved = 0;
-  bool unreachable = false;    // more than one percentage point off
-  uint64_t touched_px = 0;     // pixels that any fragment reached, where the measurement gives it
-  uint32_t agents_wholly = 0;  // by projected bounds: wholly on screen
-  uint32_t agents_partly = 0;
-  uint32_t agents_off = 0;
-  int measurements = 0;  // of the mesh
-  int drafts = 0;        // of the stand-in
+// What a search for an occupancy came to.
+struct OccupancySearch {
+  double requested = 0;      // fraction of the picture
+  double achieved = 0;       // the mesh's own, at tick 0
+  bool unreachable = false;  // more than one percentage point off
+  int measurements = 0;      // of the mesh
+  int drafts = 0;            // of the stand-in
 };
+
+struct Solved {
+  Scenario scenario;  // with camera (one view), stage and spacing as solved; occupancy as requested
+  Crowd crowd;
+  Camera camera;  // the scenario's, at any time
+  OccupancySearch search;
+};
+
+// Whether an achieved occupancy is not the requested one: more than one percentage point off.
+bool misses_occupancy(double requested, double achieved);
 
 // How many agents are seen whole, in part or not at all, by the projected boxes of their banks' bounds.
 struct OnScreen {

@@ -135,6 +135,13 @@ std::string to_toml(const Scenario& scenario) {
   return text;
 }
 
+nlohmann::ordered_json table_json(const Scenario& scenario, const std::string& table) {
+  Json object = Json::object();
+  for (const Key& key : scenario_keys())
+    if (key.table == table) object[key.name] = json_value(key, key.get(scenario, 0));
+  return object;
+}
+
 std::string scenario_schema() {
   Json schema = table_schema(scenario_tables().front());
   Json all = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "crowdbench scenario"}};

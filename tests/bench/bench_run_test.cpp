@@ -3,13 +3,21 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <set>
+
 #include "bench/experiments/ratio.h"
+#include "bench/experiments/sweep_table.h"
+#include "bench/stage/stage.h"
+#include "bench/timing/image_check.h"
+#include "bench/timing/run_facts.h"
+#include "bench/timing/timed_representation.h"
 #include "core/error.h"
 #include "core/progress.h"
-#include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {
+
+constexpr const char* kFlat = "flat:views=sphere-8x3,frames=2,texels=32";
 
 // A handful of coarse figures in a small picture: the bookkeeping of a sweep, not its figures, is under test.
 class SweepGl : public testing::Test {
@@ -36,7 +44,7 @@ class SweepGl : public testing::Test {
   SweepSummary sweep() {
     StoreWriter store(file_);
     const TimingMethod method{Metric::cpu, false, "not asked"};
-    RunRow run = describe_run(*context_, method, request_.scenario, "bench", "test");
+    RunRow run = describe_run(*context_, method, request_.scenario, "bench", "test", request_.order_seed);
     run.id = store.write(run);
     return run_sweep(*context_, cast_, method, run, request_, store, [&](const std::string& now) {
       if (!stop_at_.empty() && now.starts_with(stop_at_)) throw Interrupted{};
@@ -78,11 +86,10 @@ TEST_F(SweepGl, MeasuresEveryPointOnceAndContinuesAFile) {
     EXPECT_GT(row.frame_ns->median, 0);
     EXPECT_FALSE(row.gpu_ns.has_value());
     EXPECT_NEAR(row.achieved_occupancy.value_or(0), 0.15, 0.01);
-    EXPECT_EQ(row.covered_px, row.reference_px);
-    EXPECT_NEAR(static_cast<double>(row.covered_px.value_or(0)) / (96 * 72), *row.achieved_occupancy, 1e-9);
+    EXPECT_NEAR(static_cast<double>(row.covered_px.value_or(0)), 0.15 * 96 * 72, 0.01 * 96 * 72);
     EXPECT_GT(row.moved_px.value_or(0), 0U);
     EXPECT_EQ(row.touched_px, row.covered_px);  // a mesh discards nothing
-    EXPECT_EQ(row.triangles_per_agent, cast_.characters[0]->triangles());
+    EXPECT_NEAR(static_cast<double>(row.triangles_per_agent.value_or(0)), 500, 50);
     EXPECT_GT(row.texture_bytes.value_or(0), 0U);
   }
   // Each point has its floor's ratio in the two metrics that a software rasteriser has.
@@ -127,14 +134,72 @@ TEST_F(SweepGl, AnImpostorTouchesMoreThanItCovers) {
   scene::Scenario scenario = request_.scenario;
   scenario.crowd.agents = 4;
   scenario.occupancy = 0.15;
-  const scene::Solved solved = solve_scene(*context_, scenario, cast_);
+  const Staged staged = stage_scenario(scenario, cast_, *context_);
   Stage stage(*context_, cast_);
-  stage.show(solved.scenario, solved.crowd, solved.camera);
-  TimedRepresentation flat(stage, renderers::parse_spec("flat:views=sphere-8x3,texels=32,frames=2"), scenario.width,
-                           scenario.height, uint64_t{64} << 20);
+  stage.show(staged);
+  TimedRepresentation flat(stage, renderers::parse_spec(kFlat), scenario.width, scenario.height, uint64_t{64} << 20);
   const ImageCheck check = check_pictures(flat.capture(0), flat.capture(15), false, std::nullopt);
   EXPECT_GT(flat.touched_px(0), check.covered_px * 11 / 10);
   EXPECT_LT(flat.touched_px(0), check.covered_px * 4);
+}
+
+// What the rows of an impostor say, held against what it is and against the mesh's rows.
+TEST_F(SweepGl, AnImpostorHasRowsRatiosScoresAndPicturesOfItsOwn) {
+  request_.representations = {renderers::parse_spec(kFlat)};
+  request_.order_seed = 77;
+  const SweepSummary summary = sweep();
+  EXPECT_EQ(summary.measured, 2U);
+  ASSERT_EQ(summary.stages.size(), 2U);
+  EXPECT_EQ(summary.stages[0].agents, 2U);
+  EXPECT_EQ(summary.stages[1].agents, 4U);
+  const StoreContents all = read_store(file_, true);
+  ASSERT_EQ(all.runs.size(), 1U);
+  EXPECT_EQ(all.runs[0].order_seed, 77U);
+  ASSERT_EQ(all.measurements.size(), 4U);
+  for (const size_t first : {0U, 2U}) {
+    const MeasurementRow& mesh = all.measurements[first];
+    const MeasurementRow& flat = all.measurements[first + 1];
+    ASSERT_EQ(mesh.key.representation, "mesh");
+    ASSERT_EQ(flat.key.representation, kFlat);
+    EXPECT_EQ(flat.status, Status::valid) << flat.reason;
+    const StageFacts& stage = summary.stages[first / 2].facts;
+    for (const MeasurementRow* row : {&mesh, &flat}) {
+      EXPECT_EQ(row->achieved_occupancy, stage.coverage.occupancy);
+      EXPECT_EQ(row->reference_px, stage.coverage.covered_px);
+      EXPECT_EQ(*row->agents_wholly + *row->agents_partly + *row->agents_off, row->key.agents);
+    }
+    EXPECT_EQ(mesh.covered_px, stage.coverage.covered_px);
+    EXPECT_EQ(mesh.touched_px, stage.touched_px);
+    EXPECT_NE(flat.covered_px, mesh.covered_px) << "32 texels do not follow an outline to the pixel";
+    EXPECT_GT(flat.touched_px, flat.covered_px) << "the polygon around each figure";
+    // One polygon of at most eight corners an agent; a 500-triangle body has some hundreds.
+    EXPECT_LE(*flat.triangles_per_agent, 6U);
+    EXPECT_GT(*mesh.triangles_per_agent, 400U);
+    EXPECT_LT(*flat.primitives, *mesh.primitives / 10);
+    EXPECT_GT(*flat.disk_bytes, 1000U);
+    EXPECT_FALSE(mesh.disk_bytes.has_value()) << "a mesh is not baked";
+  }
+  // Of each point: speed of flat alone, floors of both, each by CPU and by wall clock.
+  std::multiset<std::string> ratios;
+  for (const RatioRow& row : all.ratios)
+    if (row.of.agents == 4) ratios.insert(row.kind + " " + row.of.representation + " " + row.to + " " + row.metric);
+  const std::string flat = kFlat;
+  EXPECT_EQ(ratios, (std::multiset<std::string>{"speed " + flat + " mesh cpu", "speed " + flat + " mesh wall",
+                                                "floor " + flat + " floor=1 cpu", "floor " + flat + " floor=1 wall",
+                                                "floor mesh floor=1 cpu", "floor mesh floor=1 wall"}));
+  // Scores at both points, pictures of the larger crowd alone.
+  ASSERT_EQ(all.comparisons.size(), 2U);
+  EXPECT_EQ(all.comparisons[1].agents, 4U);
+  std::multiset<std::string> pictures;
+  for (const PictureRow& picture : all.pictures) {
+    EXPECT_EQ(picture.comparison, all.comparisons[1].id);
+    pictures.insert(picture.role);
+  }
+  EXPECT_EQ(pictures, (std::multiset<std::string>{"difference", "reference", "test"}));
+  // The table has a line a row and the ratio in flat's.
+  const std::string table = sweep_table(all, all.runs[0]);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 5) << table;
+  EXPECT_NE(table.find("15 %"), std::string::npos) << table;
 }
 
 TEST_F(SweepGl, WhatWasFinishedBeforeAnInterruptionIsKept) {
@@ -165,12 +230,71 @@ TEST_F(SweepGl, RatioOfTheMeshToItselfIsAboutOne) {
   EXPECT_EQ(report.headline_ratio.pairs, 20U);
   EXPECT_EQ(report.of_check.covered_px, report.to_check.covered_px);
   EXPECT_GT(report.of_check.covered_px, 0U);
-  EXPECT_EQ(report.triangles, cast_.characters[0]->triangles());
-  EXPECT_EQ(report.void_reason.empty(), !report.is_void);
-  EXPECT_EQ(report.is_void, report.mesh_floor.median > 1.4);
+  EXPECT_NEAR(static_cast<double>(report.triangles), 500, 50);
+  EXPECT_EQ(report.order_seed, kOrderSeed);
+  // Every time is of one of four: both sides, the mesh's floor and the mesh of 500 triangles; the mesh is `of` itself.
+  ASSERT_EQ(report.medians.size(), 4U);
+  EXPECT_EQ(report.medians[2].name, "mesh:floor=1");
+  EXPECT_EQ(report.medians[3].name, "mesh of mannequin:triangles=500");
 
   request.pairs = kLeastPairs - 1;
   EXPECT_THROW(measure_ratio(*context_, cast_, request), Error);
+}
+
+// Rounds in which a frame costs what is said of it, whatever else happens in the round.
+std::vector<SampleRow> rounds_of(int64_t cpu_ns, int64_t wall_ns) {
+  std::vector<SampleRow> samples;
+  for (int round = 0; round < 20; ++round) {
+    const int64_t drift = 1 + round % 3;
+    samples.push_back({round, 0, wall_ns * drift, cpu_ns * drift, 0, std::nullopt});
+  }
+  return samples;
+}
+
+TEST(RatioFigures, AreTheCostsOverEachOther) {
+  const auto of = rounds_of(100, 10);
+  const auto to = rounds_of(700, 40);
+  const auto mesh = rounds_of(650, 30);
+  const auto floor = rounds_of(500, 25);
+  const auto low_polygon = rounds_of(250, 60);
+  RatioReport report;
+  put_ratios(report, {of, to, mesh, floor, low_polygon}, Metric::cpu);
+  EXPECT_EQ(report.headline, "cpu");
+  EXPECT_DOUBLE_EQ(report.cpu->median, 7.0);
+  EXPECT_DOUBLE_EQ(report.wall->median, 4.0);
+  EXPECT_FALSE(report.gpu.has_value());
+  EXPECT_DOUBLE_EQ(report.headline_ratio.median, 7.0);
+  EXPECT_DOUBLE_EQ(report.mesh_floor.median, 1.3);
+  EXPECT_DOUBLE_EQ(report.to_low_polygon.median, 2.5);
+  EXPECT_FALSE(report.is_void);
+  EXPECT_EQ(report.void_reason, "");
+  // By the wall clock the same rounds say otherwise.
+  put_ratios(report, {of, to, mesh, floor, low_polygon}, Metric::wall);
+  EXPECT_EQ(report.headline, "wall");
+  EXPECT_DOUBLE_EQ(report.headline_ratio.median, 4.0);
+  EXPECT_DOUBLE_EQ(report.mesh_floor.median, 1.2);
+  EXPECT_DOUBLE_EQ(report.to_low_polygon.median, 6.0);
+}
+
+TEST(RatioFigures, AMeshFarAboveItsFloorVoidsThem) {
+  const auto frame = rounds_of(100, 100);
+  RatioReport report;
+  const auto floor = rounds_of(100, 1);
+  const auto near_it = rounds_of(139, 1);
+  put_ratios(report, {frame, frame, near_it, floor, frame}, Metric::cpu);
+  EXPECT_FALSE(report.is_void);
+  const auto mesh = rounds_of(142, 1);
+  put_ratios(report, {frame, frame, mesh, floor, frame}, Metric::cpu);
+  EXPECT_TRUE(report.is_void);
+  EXPECT_EQ(report.void_reason, "the mesh takes 1.42 times its own floor, more than 1.4: no fair yardstick");
+}
+
+TEST(RatioFigures, AClockThatGivesNoTimeIsAnError) {
+  const auto frame = rounds_of(100, 100);
+  const auto nothing = rounds_of(0, 0);
+  RatioReport report;
+  EXPECT_THROW(put_ratios(report, {nothing, frame, frame, frame, frame}, Metric::cpu), Error);
+  EXPECT_THROW(put_ratios(report, {frame, frame, frame, frame, frame}, Metric::gpu), Error);
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <numeric>
+#include <set>
 
 namespace crowdbench::bench {
 namespace {
@@ -31,31 +34,91 @@ struct FakeMachine {
   }
 };
 
+TEST(RoundOrder, EveryVariantOnceARound) {
+  for (const size_t variants : {0U, 1U, 2U, 7U, 40U})
+    for (int round = 0; round < 50; ++round) {
+      std::vector<size_t> order = round_order(9, round, variants);
+      std::sort(order.begin(), order.end());
+      std::vector<size_t> wanted(variants);
+      std::iota(wanted.begin(), wanted.end(), size_t{0});
+      EXPECT_EQ(order, wanted);
+    }
+}
+
+TEST(RoundOrder, EveryOrderIsAsLikelyAsAnyOther) {
+  // 24 orders of four, 250 of 6000 rounds each: within five standard deviations (15.5) of a fair draw.
+  std::map<std::vector<size_t>, int> count;
+  for (int round = 0; round < 6000; ++round) ++count[round_order(5, round, 4)];
+  EXPECT_EQ(count.size(), 24U);
+  for (const auto& [order, rounds] : count)
+    EXPECT_NEAR(rounds, 250, 78) << order[0] << order[1] << order[2] << order[3];
+}
+
+// A recorded seed must give the recorded order on any machine, at any time.
+TEST(RoundOrder, IsPinned) {
+  using Order = std::vector<size_t>;
+  EXPECT_EQ(round_order(1, 0, 5), (Order{0, 4, 3, 2, 1}));
+  EXPECT_EQ(round_order(1, 1, 5), (Order{0, 1, 2, 4, 3}));
+  EXPECT_EQ(round_order(2, 0, 5), (Order{0, 1, 4, 3, 2}));
+}
+
 TEST(Timing, VariantsTakeTurnsOnTheSameTick) {
   FakeMachine machine;
-  const std::vector<Variant> variants = {machine.variant("A", 10, 20), machine.variant("B", 30, 40)};
+  const std::vector<Variant> variants = {machine.variant("A", 10, 20), machine.variant("B", 30, 40),
+                                         machine.variant("C", 50, 60)};
   TimingPlan plan;
-  plan.rounds = plan.least_rounds = 2;
+  plan.rounds = plan.least_rounds = 8;
   plan.most_warmup = 2;
   plan.first_tick = 7;
+  plan.order_seed = 11;
   const auto results = time_interleaved(variants, plan, machine.clocks());
   std::vector<std::string> wanted;
-  for (int tick = 7; tick < 11; ++tick)
-    for (const char* name : {"A", "B"}) {
-      wanted.push_back(std::string("prepare ") + name + " " + std::to_string(tick));
-      wanted.push_back(std::string("draw ") + name);
-    }
+  const auto turn = [&](size_t variant, int tick) {
+    wanted.push_back("prepare " + variants[variant].name + " " + std::to_string(tick));
+    wanted.push_back("draw " + variants[variant].name);
+  };
+  for (const int tick : {7, 8})
+    for (size_t v = 0; v < 3; ++v) turn(v, tick);
+  for (int round = 0; round < 8; ++round)
+    for (const size_t v : round_order(11, round, 3)) turn(v, 9 + round);
   EXPECT_EQ(machine.order, wanted);
-  ASSERT_EQ(results.size(), 2U);
+  ASSERT_EQ(results.size(), 3U);
   EXPECT_EQ(results[0].warmup_frames, 2);
-  ASSERT_EQ(results[1].samples.size(), 2U);
-  EXPECT_EQ(results[1].samples[0].round, 0);
-  EXPECT_EQ(results[1].samples[0].tick, 9U);
-  EXPECT_EQ(results[1].samples[1].tick, 10U);
-  EXPECT_EQ(results[1].samples[0].frame_ns, 30);
-  EXPECT_EQ(results[1].samples[0].cpu_ns, 40);
-  EXPECT_EQ(results[1].samples[0].main_cpu_ns, 20);
-  EXPECT_FALSE(results[1].samples[0].gpu_ns.has_value());
+  // Whatever the order, each variant has its own times, by round.
+  ASSERT_EQ(results[1].samples.size(), 8U);
+  for (int round = 0; round < 8; ++round) {
+    const SampleRow& sample = results[1].samples[static_cast<size_t>(round)];
+    EXPECT_EQ(sample.round, round);
+    EXPECT_EQ(sample.tick, static_cast<uint64_t>(9 + round));
+    EXPECT_EQ(sample.frame_ns, 30);
+    EXPECT_EQ(sample.cpu_ns, 40);
+    EXPECT_EQ(sample.main_cpu_ns, 20);
+    EXPECT_FALSE(sample.gpu_ns.has_value());
+  }
+}
+
+// What runs first after the wait between rounds pays for it: with a fixed order it would always be the same one.
+TEST(Timing, NobodyAlwaysRunsFirst) {
+  FakeMachine machine;
+  std::vector<Variant> variants;
+  for (const char* name : {"A", "B", "C"}) variants.push_back(machine.variant(name, 10, 20));
+  TimingPlan plan;
+  plan.rounds = plan.least_rounds = 30;
+  plan.most_warmup = 2;
+  std::map<std::string, int> first;
+  machine.order.clear();
+  bool begins = true;
+  for (Variant& variant : variants)
+    variant.draw = [&machine, &first, &begins, name = variant.name] {
+      if (begins) ++first[name];
+      begins = false;
+      machine.spend(10, 20, 10);
+    };
+  time_interleaved(variants, plan, machine.clocks(), {}, [&] { begins = true; });
+  for (const char* name : {"A", "B", "C"}) {
+    EXPECT_GE(first[name], 4) << name << " of 30 rounds and 2 of the warm-up";
+    EXPECT_LE(first[name], 20) << name;
+  }
 }
 
 TEST(Timing, PreparationIsNotTimed) {

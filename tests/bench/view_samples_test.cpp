@@ -38,7 +38,7 @@ TEST(ViewSamples, TheEyeIsWhereTheAgentSeesIt) {
   const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
   int seen = 0;
   const scene::Camera& camera = scenario.camera.keys[0].camera;
-  view_samples_of(scenario, cast, crowd, nullptr, 2)(0, [&](const renderers::ViewSample& s) {
+  view_samples_of(scenario, cast, crowd, 2)(0, [&](const renderers::ViewSample& s) {
     ++seen;
     // Heading 90 degrees: the character faces world +X, so that the camera, beyond it along +Z, stands on its right.
     EXPECT_NEAR(s.eye.y, camera.eye.y, 1e-4);
@@ -70,7 +70,7 @@ TEST_F(RequiredGl, PicturesAreIdenticalAndBytesAreFewer) {
     make.use_cache = false;
     make.progress = false;
     const auto whole = make_representation(make, renderers::parse_spec(text));
-    make.required_by = view_samples_of(scenario, cast, crowd, nullptr, kTicks);
+    make.required_by = view_samples_of(scenario, cast, crowd, kTicks);
     const auto part = make_representation(make, renderers::parse_spec(text));
     for (uint64_t tick = 0; tick < kTicks; tick += 3) {
       const auto camera = scenario.camera.at(static_cast<double>(tick) / scenario.tick_rate);

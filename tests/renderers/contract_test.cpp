@@ -161,7 +161,7 @@ TEST_P(ContractGl, DrawsOnlyTheListedAgents) {
     scene::Frame empty = frame;
     for (auto& agents : empty.agents) agents.clear();
     renderer.draw(empty, representation(), target);
-    renderer.resources().upload(frame, kWidth, kHeight);
+    renderer.resources().upload(frame);
     representation().draw(frame, renderer.resources(), lists, target.pass());
     std::set<uint32_t> seen;
     for (const uint32_t id : target.read().ids.data)
@@ -207,7 +207,7 @@ TEST_P(ContractGl, DitheredPassesShareThePixels) {
     scene::Frame empty = frame;
     for (auto& agents : empty.agents) agents.clear();
     renderer.draw(empty, representation(), target);
-    renderer.resources().upload(frame, kWidth, kHeight);
+    renderer.resources().upload(frame);
     renderer.resources().set_dither({low, high});
     representation().draw(frame, renderer.resources(), everybody, target.pass());
     return target.read();

@@ -116,7 +116,7 @@ TEST_F(MeshGl, SkinsAsTheCpuDoes) {
     add_agent(frame, cast, {0, 0, 0}, 1, 0.5);
     add_agent(frame, cast, place, 2, phase, static_cast<float>(turns), scale);
     FrameResources resources(context(), cast);
-    resources.upload(frame, 64, 64);
+    resources.upload(frame);
     const Target target(context(), 64, 64, {});  // nothing is rasterised, yet a draw wants a complete frame buffer
     target.bind();
     const uint32_t second[] = {1};
@@ -423,13 +423,13 @@ TEST_F(MeshGl, BatchesOfPalettesChangeNothing) {
   const uint64_t agent_bytes = static_cast<uint64_t>(cast.banks[0]->joints()) * sizeof(scene::Mat3x4);
   for (const uint64_t block : {uint64_t{1}, agent_bytes * 3}) {
     FrameResources resources(context(), cast, block);
-    resources.upload(frame, frame.width, frame.height);
+    resources.upload(frame);
     const Target target(context(), frame.width, frame.height, {.ids = true});
     renderer.draw(empty, *mesh, target);
     int batches = 0;
     resources.draw_posed(0, lists[0], [&](uint32_t, uint32_t) { ++batches; });
     EXPECT_EQ(batches, block == 1 ? 11 : 4);
-    resources.upload(frame, frame.width, frame.height);
+    resources.upload(frame);
     mesh->draw(frame, resources, lists, target.pass());
     EXPECT_EQ(target.read(), whole);
   }

@@ -166,5 +166,15 @@ TEST(Spec, DebugViewsAreAnOptionOfTheRepresentation) {
   EXPECT_NE(said("mesh", "steps").find("'mesh' has no debug views"), std::string::npos);
 }
 
+TEST(ParseSpecs, CommasSeparateRepresentationsAndOptionsAlike) {
+  const auto specs = parse_specs("mesh,mesh:floor=1,mesh");
+  ASSERT_EQ(specs.size(), 3U);
+  EXPECT_EQ(specs[0].text(), "mesh");
+  EXPECT_EQ(specs[1].text(), "mesh:floor=1");
+  EXPECT_THROW(parse_specs("mesh,nothing-like-it"), Error);
+  EXPECT_THROW(parse_specs("mesh,floor=1"), Error);  // the option of a representation without a colon
+  EXPECT_THROW(parse_specs("mesh,,mesh"), Error);
+}
+
 }  // namespace
 }  // namespace crowdbench::renderers

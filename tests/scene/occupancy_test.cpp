@@ -69,16 +69,17 @@ TEST(Occupancy, FindsItsTargetInFewMeasurementsWithEverybodyOnScreen) {
         ++measured;
         return cards(frame);
       });
-      EXPECT_NEAR(solved.achieved, target, 0.003);
-      EXPECT_FALSE(solved.unreachable);
-      EXPECT_EQ(solved.requested, target);
-      EXPECT_EQ(solved.measurements, measured);
+      EXPECT_NEAR(solved.search.achieved, target, 0.003);
+      EXPECT_FALSE(solved.search.unreachable);
+      EXPECT_EQ(solved.search.requested, target);
+      EXPECT_EQ(solved.search.measurements, measured);
       EXPECT_LE(measured, 12);
-      EXPECT_EQ(solved.agents_wholly + solved.agents_partly + solved.agents_off, agents);
-      EXPECT_LE(solved.agents_off, agents / 20);
+      const OnScreen seen = count_on_screen(solved.scenario, cast, solved.crowd, solved.camera, 0);
+      EXPECT_EQ(seen.wholly + seen.partly + seen.off, agents);
+      EXPECT_LE(seen.off, agents / 20);
       // What is returned is what was measured.
       const Frame frame = make_frame(solved.scenario, cast, solved.crowd, solved.camera, 0);
-      EXPECT_EQ(cards(frame).occupancy, solved.achieved);
+      EXPECT_EQ(cards(frame).occupancy, solved.search.achieved);
       if (solved.scenario.crowd.stage == Stage::view) {
         EXPECT_GE(solved.scenario.crowd.spacing, 0.7);
       }
@@ -94,7 +95,7 @@ TEST(Occupancy, ASolvedScenarioIsWholeAfterItsText) {
     const Crowd crowd = make_crowd(back, cast, stage_view(back));
     EXPECT_EQ(crowd.x, solved.crowd.x);
     EXPECT_EQ(crowd.z, solved.crowd.z);
-    EXPECT_EQ(cards(make_frame(back, cast, crowd, back.camera.at(0), 0)).occupancy, solved.achieved);
+    EXPECT_EQ(cards(make_frame(back, cast, crowd, back.camera.at(0), 0)).occupancy, solved.search.achieved);
   }
 }
 
@@ -106,12 +107,12 @@ TEST(Occupancy, SparseAndDenseCrowdsStandAtTheirSpacingAndOnlyThenInterpenetrate
 
 TEST(Occupancy, SaysWhatOnePersonCannotCover) {
   const Solved solved = solve_occupancy(scenario_of(1, 0.9), pillar_cast(), cards);
-  EXPECT_TRUE(solved.unreachable);
-  EXPECT_GT(solved.achieved, 0.2);  // the nearest that it reached
-  EXPECT_LT(solved.achieved, 0.89);
+  EXPECT_TRUE(solved.search.unreachable);
+  EXPECT_GT(solved.search.achieved, 0.2);  // the nearest that it reached
+  EXPECT_LT(solved.search.achieved, 0.89);
   const Solved small = solve_occupancy(scenario_of(1, 0.05), pillar_cast(), cards);
-  EXPECT_FALSE(small.unreachable);
-  EXPECT_EQ(small.agents_wholly, 1U);
+  EXPECT_FALSE(small.search.unreachable);
+  EXPECT_EQ(count_on_screen(small.scenario, pillar_cast(), small.crowd, small.camera, 0).wholly, 1U);
 }
 
 TEST(Occupancy, AStandInThatIsOffStillLeadsToTheTarget) {
@@ -132,12 +133,13 @@ TEST(Occupancy, AStandInThatIsOffStillLeadsToTheTarget) {
             coverage.occupancy = 1.0 - std::pow(1.0 - coverage.occupancy, bias);
             return coverage;
           });
-      EXPECT_NEAR(solved.achieved, target, 0.005) << bias;
-      EXPECT_EQ(solved.achieved, cards(make_frame(solved.scenario, cast, solved.crowd, solved.camera, 0)).occupancy);
-      EXPECT_EQ(solved.measurements, measured);
-      EXPECT_EQ(solved.drafts, drafts);
+      EXPECT_NEAR(solved.search.achieved, target, 0.005) << bias;
+      EXPECT_EQ(solved.search.achieved,
+                cards(make_frame(solved.scenario, cast, solved.crowd, solved.camera, 0)).occupancy);
+      EXPECT_EQ(solved.search.measurements, measured);
+      EXPECT_EQ(solved.search.drafts, drafts);
       EXPECT_LE(measured, 3);
-      EXPECT_FALSE(solved.unreachable);
+      EXPECT_FALSE(solved.search.unreachable);
     }
 }
 
@@ -147,7 +149,7 @@ TEST(Occupancy, AStandInThatMisleadsIsLeft) {
     coverage.occupancy *= 0.8;  // can never show 90 %
     return coverage;
   });
-  EXPECT_NEAR(solved.achieved, 0.9, 0.003);
+  EXPECT_NEAR(solved.search.achieved, 0.9, 0.003);
 }
 
 TEST(Occupancy, IsDeterministic) {
@@ -166,7 +168,7 @@ TEST(Occupancy, KeepsDirectionLensAndEverythingElse) {
   s.crowd.centre = {1e6, 5.0, 0.0};
   s.crowd.heading_deg = 45;
   const Solved solved = solve_occupancy(s, pillar_cast(), cards);
-  EXPECT_NEAR(solved.achieved, 0.15, 0.003);
+  EXPECT_NEAR(solved.search.achieved, 0.15, 0.003);
   const glm::dvec3 towards = glm::normalize(solved.camera.target - solved.camera.eye);
   EXPECT_NEAR(towards.x, -20.0 / std::hypot(20.0, 25.0), 1e-9);
   EXPECT_NEAR(towards.y, -25.0 / std::hypot(20.0, 25.0), 1e-9);
@@ -180,7 +182,7 @@ TEST(Occupancy, ACrowdInLanesIsSolvedToo) {
   s.crowd.motion = MotionKind::lanes;
   const Solved solved = solve_occupancy(s, pillar_cast(), cards);
   EXPECT_EQ(solved.scenario.crowd.stage, Stage::plaza);
-  EXPECT_NEAR(solved.achieved, 0.15, 0.01);
+  EXPECT_NEAR(solved.search.achieved, 0.15, 0.01);
 }
 
 TEST(Occupancy, CountsWhoIsWholePartlyAndNotOnScreen) {

@@ -225,7 +225,7 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
     glClearBufferfv(GL_COLOR, 1, nothing.data());
     if (s.glows) glClearBufferfv(GL_COLOR, 2, nothing.data());
     glClearBufferfv(GL_DEPTH, 0, nothing.data());
-    s.resources.upload(frame, width, height);
+    s.resources.upload(frame);
     view_buffer.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_CAPTURE);
     s.mesh->draw(frame, s.resources, everybody, {});
 

@@ -1,9 +1,6 @@
-#include "bench/timing/timed_representation.h"
+#include "bench/timing/image_check.h"
 
 #include <gtest/gtest.h>
-
-#include "bench/experiments/bench_run.h"
-#include "core/error.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -48,16 +45,6 @@ TEST(ImageCheck, CoverageMustAgreeWithTheReference) {
   EXPECT_NE(check_pictures(picture(33, 200), picture(20, 200), false, reference).fault.find("-17.5 %"),
             std::string::npos);
   EXPECT_EQ(check_pictures(picture(80, 200), picture(20, 200), true, reference).fault, "");
-}
-
-TEST(ParseSpecs, CommasSeparateRepresentationsAndOptionsAlike) {
-  const auto specs = parse_specs("mesh,mesh:floor=1,mesh");
-  ASSERT_EQ(specs.size(), 3U);
-  EXPECT_EQ(specs[0].text(), "mesh");
-  EXPECT_EQ(specs[1].text(), "mesh:floor=1");
-  EXPECT_THROW(parse_specs("mesh,nothing-like-it"), Error);
-  EXPECT_THROW(parse_specs("mesh,floor=1"), Error);  // the option of a representation without a colon
-  EXPECT_THROW(parse_specs("mesh,,mesh"), Error);
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+#include "bench/experiments/sweep_table.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <tuple>
+
+#include "bench/experiments/point_name.h"
+
+namespace crowdbench::bench {
+namespace {
+
+std::string interval_text(const std::optional<TimeSummary>& time) {
+  return time ? fmt::format("{:.3f} [{:.3f}, {:.3f}]", time->median / 1e6, time->low / 1e6, time->high / 1e6) : "-";
+}
+
+}  // namespace
+
+std::string sweep_table(const StoreContents& contents, const RunRow& run) {
+  std::map<int64_t, const RunRow*> runs;
+  for (const RunRow& row : contents.runs) runs[row.id] = &row;
+  std::map<std::tuple<double, std::string, uint32_t>, const MeasurementRow*> rows;
+  for (const MeasurementRow& row : contents.measurements) {
+    const auto of = runs.find(row.run);
+    if (of == runs.end() || of->second->scenario_hash != run.scenario_hash || of->second->revision != run.revision ||
+        of->second->gl_renderer != run.gl_renderer)
+      continue;
+    rows[{row.key.requested_occupancy, row.key.representation, row.key.agents}] = &row;
+  }
+  std::string out =
+      fmt::format("{:<10} {:<28} {:>7}  {:>28}  {:>28}  {:>22}  {:>8}\n", "occupancy", "representation", "agents",
+                  "CPU ms [95 %]", "wall ms [95 %]", "times as fast (" + run.headline + ")", "covered");
+  for (const auto& [place, row] : rows) {
+    std::string speed = "-";
+    for (const RatioRow& ratio : contents.ratios)
+      if (ratio.kind == "speed" && ratio.of == row->key && ratio.metric == run.headline)
+        speed = fmt::format("{:.2f} [{:.2f}, {:.2f}]", ratio.ratio, ratio.low, ratio.high);
+    const std::string name = row->key.representation;
+    out += fmt::format("{:<10} {:<28} {:>7}  ", view_name(row->key.requested_occupancy).substr(0, 10), name,
+                       row->key.agents);
+    if (!row->frame_ns) {
+      out += fmt::format("{}: {}\n", status_name(row->status), row->reason);
+      continue;
+    }
+    const double pixels = static_cast<double>(row->key.width) * row->key.height;
+    out +=
+        fmt::format("{:>28}  {:>28}  {:>22}  {:>8}{}\n", interval_text(row->cpu_ns), interval_text(row->frame_ns),
+                    speed, row->covered_px ? percent_text(static_cast<double>(*row->covered_px) / pixels) : "-",
+                    row->status == Status::valid ? "" : fmt::format("  {}: {}", status_name(row->status), row->reason));
+  }
+  return out;
+}
+
+}  // namespace crowdbench::bench
