@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -14,8 +13,11 @@
 #include <variant>
 #include <vector>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/image_io.h"
 #include "metrics/agents.h"
 #include "metrics/difference.h"
@@ -95,6 +97,7 @@ std::optional<metrics::Ssim> score_codes(const Image<T>& reference, const Image<
   if (options.maps.empty()) return similarity;
 
   const std::filesystem::path folder = options.maps;
+  make_folder(folder);
   const auto save = [&](const char* name, const Image8& image) {
     write_png(folder / name, image);
     result.maps.push_back((folder / name).string());
@@ -264,8 +267,8 @@ void print_text(const Result& result) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
+void add_compare(Command& app, Run& run) {
+  Command* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
   command->footer(
       "Scores are over sRGB code values of 0..255 as they lie in the files; SSIM, MS-SSIM and GMSD are of BT.601 "
       "luma.\n"
@@ -281,7 +284,9 @@ void add_compare(CLI::App& app, Run& run) {
   command->add_option("REFERENCE", options->reference, "the picture that is right (PNG, EXR, JPEG, TIFF ...)")
       ->required();
   command->add_option("TEST", options->test, "the picture that is judged, of the same size")->required();
-  command->add_option("--maps", options->maps, "a folder for the pictures of the error; made where missing");
+  command->add_option("--maps", options->maps, "a folder for the pictures of the error; made where missing")
+      ->type_name("DIR")
+      ->output_folder();
   command->add_option("--over", options->over,
                       "composite pictures with alpha onto this colour first, '#rrggbb' (else alpha is ignored)");
   auto* ids_ref = command->add_option("--ids-ref", options->ids_reference,
@@ -289,7 +294,7 @@ void add_compare(CLI::App& app, Run& run) {
   auto* ids_test = command->add_option("--ids-test", options->ids_test, "EXR with the test's agent ids");
   ids_ref->needs(ids_test);
   ids_test->needs(ids_ref);
-  command->add_flag("--json", options->json, "print JSON");
+  add_json_option(*command, options->json);
   command->callback([options, &run] {
     run = [options] {
       const Result result = compare(*options);

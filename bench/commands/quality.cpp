@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,9 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
-#include "bench/commands/scene_options.h"
+#include "bench/commands/options.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/image_io.h"
 #include "core/progress.h"
 #include "metrics/pseudocolour.h"
@@ -37,7 +38,7 @@ struct Options {
   std::string times;
   std::string maps;
   std::string device;
-  double bake_budget_mib = 512;
+  uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   int rows = 480;
   bool exact_pose = false;
   bool flicker = false;
@@ -113,8 +114,7 @@ std::string cell(std::optional<double> value, int digits) {
 
 int run_quality(const Options& options) {
   QualitySetup setup;
-  for (const std::string& text : options.representations) {
-    renderers::Spec spec = renderers::parse_spec(text);
+  for (renderers::Spec spec : parse_representations(options.representations)) {
     if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
     setup.representations.push_back(spec.text());
   }
@@ -124,12 +124,13 @@ int run_quality(const Options& options) {
   setup.exact_pose = options.exact_pose;
   setup.use_cache = !options.no_cache;
   setup.causes = options.causes;
-  setup.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
+  setup.bake_budget = options.bake_budget_mib << 20;
 
   QualityView view;
-  view.clip = options.clip == "none" ? -1
-              : options.clip.empty() ? character.placement.default_clip
-                                     : scene::require_clip(character, options.clip);
+  view.clip = options.clip.empty() ? character.placement.default_clip
+              : options.clip == "none" && !scene::find_clip(character, "none")
+                  ? -1
+                  : scene::require_clip(character, options.clip);
   const double start = view.clip < 0 ? 0.0 : character.clips[static_cast<size_t>(view.clip)].start;
   if (options.flicker && options.exact_pose)
     throw Error("--flicker", "an exact pose has no frames between which it could jump", "leave --exact-pose out");
@@ -151,6 +152,7 @@ int run_quality(const Options& options) {
           setup.views.push_back(view);
         }
 
+  if (!options.maps.empty()) make_folder(options.maps);
   gl::Context context({.device = options.device});
   Progress progress("quality", setup.views.size() * setup.representations.size());
   size_t done = 0;
@@ -229,8 +231,8 @@ int run_quality(const Options& options) {
 
 }  // namespace
 
-void add_quality(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_quality(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("quality", "Score one agent, drawn by a representation, against the mesh at the same view");
   command->footer(
       "Vertical field of view 30 degrees, background sRGB 128, light fixed to the scene. Lists (30,60,120) and ranges\n"
@@ -243,31 +245,35 @@ void add_quality(CLI::App& app, Run& run) {
       "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
       "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps out/maps --json");
   auto options = std::make_shared<Options>();
-  command->add_option("--representation", options->representations, "what is judged; may be given several times")
-      ->required();
-  command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
-  command->add_option("--height-px", options->heights, "the character's height in pixels, 4 to 4096 (120)");
-  command->add_option("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from the character's left (0)");
-  command->add_option("--elevation-deg", options->elevations, "0 = level, 90 = from straight above (0)");
-  command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
-  command->add_option("--time", options->times, "seconds on the file's own axis (the clip's start)");
-  command->add_option("--maps", options->maps, "a folder for the pictures and their differences; made where missing");
+  add_representation_option(*command, options->representations, "what is judged")->required();
+  add_character_option(*command, options->character);
+  const auto add_list = [&](const char* name, std::string& list, const char* text) {
+    command->add_option(name, list, text)->type_name("LIST")->capture_default_str();
+  };
+  add_list("--height-px", options->heights, "the character's height in pixels, 4 to 4096");
+  add_list("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from the character's left");
+  add_list("--elevation-deg", options->elevations, "0 = level, 90 = from straight above");
+  add_clip_option(*command, options->clip);
+  add_list("--time", options->times, "seconds on the file's own axis (the clip's start)");
+  command->add_option("--maps", options->maps, "a folder for the pictures and their differences; made where missing")
+      ->type_name("DIR")
+      ->output_folder();
   command->add_option("--debug", options->debug,
                       "a debug view of the representation instead of its picture, for --maps: relief has boxes, steps "
                       "(taps a ray),\nhit-face and misses, polypostor wire, lines, parts and stretch");
-  command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
-      ->check(CLI::Range(16, 8192));
+  command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one")
+      ->type_name("N")
+      ->capture_default_str()
+      ->whole_number(16, 8192);
   command->add_flag("--flicker", options->flicker,
                     "also the flicker of each view, over the times as successive frames (three at least)");
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
   command->add_flag("--causes", options->causes,
                     "ssim had the pixels of one kind been the mesh's own: outside one silhouette, on another surface, "
                     "otherwise shaded");
-  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
-  command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
-  command->add_flag("--json", options->json, "print JSON");
+  add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
+  add_device_option(*command, options->device);
+  add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_quality(*options); }; });
 }
 

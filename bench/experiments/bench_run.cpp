@@ -10,6 +10,7 @@
 #include <ctime>
 #include <map>
 
+#include "bench/experiments/time_budget.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/image_io.h"
@@ -28,6 +29,8 @@ namespace {
 
 constexpr uint64_t kBootstrapSeed = 1;
 constexpr uint64_t kSecondTick = 15;
+// Frames of every variant at a point, at least: pictures, counts, warm-up and timed turns.
+constexpr double kLeastTurns = 16;
 
 int usable_threads() {
   cpu_set_t set;
@@ -69,7 +72,8 @@ class Sweep {
         progress_(progress),
         cast_(cast),
         stage_(context, cast),
-        gpu_(gpu_timer_of(context, method)) {
+        gpu_(gpu_timer_of(context, method)),
+        budget_(request.total_time_s, request.agents.size() * request.occupancies.size()) {
     specs_.push_back(renderers::parse_spec("mesh"));
     for (const renderers::Spec& spec : request.representations)
       if (std::none_of(specs_.begin(), specs_.end(), [&](const auto& s) { return s.text() == spec.text(); }))
@@ -77,10 +81,19 @@ class Sweep {
   }
 
   SweepSummary run() {
+    size_t done = 0;
     for (const double occupancy : request_.occupancies) {
       curves_.assign(specs_.size(), {});
+      turn_s_ = 0;
+      uint32_t before = 0;
       const uint32_t shown = agents_to_show(occupancy);
-      for (const uint32_t agents : request_.agents) point(agents, occupancy, agents == shown);
+      for (const uint32_t agents : request_.agents) {
+        const double growth = before > 0 ? static_cast<double>(agents) / before : 1;
+        point(agents, occupancy, agents == shown, growth * turn_s_ * kLeastTurns);
+        before = agents;
+        budget_.point_done();
+        if (request_.after_point) request_.after_point(++done, budget_.left());
+      }
     }
     return summary_;
   }
@@ -97,6 +110,15 @@ class Sweep {
     for (const uint32_t agents : request_.agents)
       if (agents <= request_.picture_agents) shown = std::max(shown, agents);
     return shown;
+  }
+
+  // Whether a point that takes this long at least still fits.
+  bool in_time(uint32_t agents, double occupancy, double least_s) {
+    if (budget_.allows(least_s)) return true;
+    remark(fmt::format("{} at {}: left for another run of the same command: it takes {} at least, and {} are left",
+                       agents_text(agents), view_name(occupancy), duration_text(least_s),
+                       duration_text(budget_.left())));
+    return false;
   }
 
   void remark(const std::string& text) { summary_.remarks.push_back(text); }
@@ -148,9 +170,10 @@ class Sweep {
     return true;
   }
 
-  void point(uint32_t agents, double occupancy, bool keep_pictures) {
+  // least_s: what it takes at least, as the point before lets expect.
+  void point(uint32_t agents, double occupancy, bool keep_pictures, double least_s) {
     const std::string where = fmt::format("{} at {}", agents_text(agents), view_name(occupancy));
-    if (take_from_store(agents, occupancy)) return;
+    if (take_from_store(agents, occupancy) || !in_time(agents, occupancy, least_s)) return;
 
     progress_(where + ": solving for the view");
     scene::Scenario scenario = request_.scenario;
@@ -209,13 +232,18 @@ class Sweep {
     plan.rounds = request_.rounds;
     plan.least_rounds = std::min(request_.least_rounds, request_.rounds);
     plan.metric = method_.headline;
-    plan.time_limit_ns = static_cast<int64_t>(request_.time_limit_s * 1e9);
+    plan.time_limit_ns = static_cast<int64_t>(budget_.share(request_.time_limit_s) * 1e9);
     plan.drop_above_ns = static_cast<int64_t>(2 * request_.budget_ms * 1e6);
     int round = 0;
     const auto results = time_interleaved(variants, plan, clocks_, gpu_, [&] {
       progress_(fmt::format("{}: turn {}", where, ++round));
       throw_if_interrupted();
     });
+
+    turn_s_ = 0;
+    for (const VariantTimes& times : results)
+      turn_s_ += 1e-9 * (times.dropped ? static_cast<double>(times.warmup_frame_ns)
+                                       : median(values_of(times.samples, Metric::wall)));
 
     store_.begin();
     for (size_t s = 0; s < specs_.size(); ++s)
@@ -353,6 +381,8 @@ class Sweep {
   std::map<size_t, std::unique_ptr<TimedRepresentation>> timed_;
   std::map<size_t, std::unique_ptr<TimedRepresentation>> floors_;
   SweepSummary summary_;
+  TimeBudget budget_;
+  double turn_s_ = 0;  // of the latest point at this occupancy: every variant drawn once
 };
 
 std::string interval_text(const std::optional<TimeSummary>& time) {
@@ -360,6 +390,8 @@ std::string interval_text(const std::optional<TimeSummary>& time) {
 }
 
 }  // namespace
+
+std::vector<uint32_t> full_agents() { return {1, 10, 100, 250, 500, 1000, 2000, 5000, 10000}; }
 
 std::vector<renderers::Spec> parse_specs(const std::string& text) {
   std::vector<std::string> pieces(1);
