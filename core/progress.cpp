@@ -136,8 +136,7 @@ struct ProgressBoard::State {
     std::jthread finished;  // joined once the lock is open again
     {
       const std::scoped_lock lock(mutex);
-      jobs.erase(std::remove(jobs.begin(), jobs.end(), job), jobs.end());
-      if (!jobs.empty()) return;
+      if (std::erase(jobs, job) == 0 || !jobs.empty()) return;
       if (line_stands) output.write("\r\x1b[K");
       line_stands = false;
       finished = std::move(ticker);
@@ -184,7 +183,9 @@ Progress::Progress(std::string label, size_t total, ProgressBoard& board)
   board_.begin(job_);
 }
 
-Progress::~Progress() { board_.end(job_); }
+Progress::~Progress() { end(); }
+
+void Progress::end() { board_.end(job_); }
 
 void Progress::advance(size_t steps) {
   throw_if_interrupted();

@@ -45,6 +45,7 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
+  void end();  // before its destruction: results are about to be printed
   // Also throws Interrupted when Ctrl-C was pressed (from the thread that calls).
   void advance(size_t steps = 1);
   void set_done(size_t done);          // the same, as the number of steps done so far

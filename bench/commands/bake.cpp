@@ -13,6 +13,7 @@
 #include "bench/stage/view_samples.h"
 #include "bench/timing/timed_representation.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
 #include "scene/crowd/crowd.h"
@@ -132,9 +133,11 @@ int run_bake(const Options& options) {
   const renderers::Footprint bytes = representation->footprint();
 
   std::vector<ViewAudit> audits;
-  if (options.audit)
+  if (options.audit) {
+    Progress progress("auditing the views", 0);
     for (const auto& character : cast.characters)
       audits.push_back(audit_views(context, character, spec, make.bake_budget, make.use_cache));
+  }
 
   if (options.json) {
     ordered_json out = {{"representation", spec.text()},

@@ -51,7 +51,8 @@ int run_bench(const Options& options) {
   request.bake_budget = options.bake_budget_mib << 20;
   request.representations = parse_representations(options.representations);
   if (options.full) request.agents = full_agents();
-  if (options.minutes || !options.full) request.total_time_s = 60 * options.minutes.value_or(kDefaultMinutes);
+  const bool own_axes = options.full || !options.agents.empty() || !options.occupancies.empty();
+  if (options.minutes || !own_axes) request.total_time_s = 60 * options.minutes.value_or(kDefaultMinutes);
   if (!options.agents.empty()) request.agents = options.agents;
   std::sort(request.agents.begin(), request.agents.end());
   request.agents.erase(std::unique(request.agents.begin(), request.agents.end()), request.agents.end());
@@ -134,7 +135,7 @@ void add_bench(Command& app, Run& run) {
   command
       ->add_option("--minutes", options->minutes,
                    "for all points together: the timed turns are shortened to fit, and points that would not fit wait "
-                   "for the next run of the same command (3; without a limit when --full)")
+                   "for the next run of the same command (3; no limit with --full, --agents or --occupancy)")
       ->type_name("M")
       ->number(0.05, 10'000);
   add_seed_option(*command, options->scene.seed);

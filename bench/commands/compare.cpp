@@ -277,7 +277,7 @@ void add_compare(Command& app, Run& run) {
       "bar; ssim_map.png white (equal) to black, one pixel a window, so 10 pixels narrower and lower.\n\n"
       "Examples:\n"
       "  crowdbench compare mesh.png flat.png\n"
-      "  crowdbench compare mesh.png flat.png --maps out/maps --json\n"
+      "  crowdbench compare mesh.png flat.png --maps maps --json\n"
       "  crowdbench compare a.png b.png --over '#808080'       pictures with alpha, in front of grey\n"
       "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well");
   auto options = std::make_shared<Options>();

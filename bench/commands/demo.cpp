@@ -49,6 +49,7 @@ class Steps {
     progress_.expect(expected_s_ - seconds);
   }
   void say(const std::string& line) { progress_.say("  " + line); }
+  void end() { progress_.end(); }
 
  private:
   size_t total_;
@@ -250,6 +251,7 @@ int run_demo(const Options& options) {
   steps.next("writing the report");
   const std::filesystem::path page = folder / "report.html";
   write_file(page, std::string_view(reports::report_page(read_store(results), {results.filename().string()})));
+  steps.end();
   fmt::print("{}\n", std::filesystem::absolute(page).lexically_normal().string());
   return status;
 }

@@ -170,6 +170,8 @@ int run_quality(const Options& options) {
     progress.advance();
   });
 
+  progress.end();
+
   const std::string clip = view.clip < 0 ? "none" : character.clips[static_cast<size_t>(view.clip)].name;
   if (options.json) {
     ordered_json out = {{"representations", setup.representations},
@@ -243,7 +245,7 @@ void add_quality(Command& app, Run& run) {
       "Examples:\n"
       "  crowdbench quality --representation flat\n"
       "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
-      "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps out/maps --json");
+      "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps maps --json");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representations, "what is judged")->required();
   add_character_option(*command, options->character);

@@ -74,8 +74,11 @@ int render_crowd(const RenderOptions& options) {
     for (scene::CharacterEntry& entry : chosen.scenario.characters) entry.clips = options.clips;
   renderers::Spec spec = representation_of(chosen);
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
+  Progress progress("render", 0);
+  progress.note("loading the characters");
   const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
   const auto context = open_context(options.scene.device);
+  progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
   const scene::Scenario& scenario = staged.scenario;
   const scene::Crowd& crowd = staged.crowd;
@@ -86,18 +89,23 @@ int render_crowd(const RenderOptions& options) {
     const double seconds = static_cast<double>(tick) / scenario.tick_rate;
     return scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), tick);
   };
+  progress.note("making " + spec.text());
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
-  if (representation->has_history())
+  if (representation->has_history()) {
+    Progress played("playing the ticks before", options.tick);
     for (uint64_t tick = 0; tick < options.tick; ++tick) {
-      throw_if_interrupted();
+      played.advance();
       const scene::Frame before = frame_at(tick);
       representation->advance(before, renderers::all_agents(before));
     }
+  }
+  progress.note(fmt::format("drawing {} agents as {}", crowd.size(), spec.text()));
   const scene::Frame frame = frame_at(options.tick);
   renderers::Renderer renderer(*context, cast);
   const renderers::Capture capture = renderer.capture(frame, *representation, {.supersample = options.supersample});
   ImageMetadata metadata = picture_metadata(scenario, spec.text());
   metadata["tick"] = std::to_string(options.tick);
+  progress.end();
   size_t in_view = 0;
   for (const auto& agents : frame.agents) in_view += agents.size();
   write_pictures(

@@ -10,6 +10,7 @@
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/quality.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
 
@@ -68,7 +69,9 @@ int run_switch_distance(const Options& options) {
   request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
   const auto context = open_context(options.device);
+  Progress progress("switch-distance", 0);
   const SwitchReport report = measure_switch_distance(*context, request);
+  progress.end();
 
   if (options.json) {
     Json out = {{"character", request.character->name},

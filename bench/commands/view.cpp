@@ -118,6 +118,7 @@ int run_view(const Options& options) {
     for (size_t* which : {&state.current, &state.beside}) {
       if (pool.holds(*which) || (which == &state.beside && !state.side_by_side)) continue;
       window.set_title(fmt::format("crowdbench: making {} ...", names[*which]));
+      Progress progress("making " + names[*which], 0);
       try {
         pool.get(*which);
       } catch (const Error& error) {

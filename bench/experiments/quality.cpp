@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/progress.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
 
@@ -105,6 +106,7 @@ std::vector<QualityRow> compute_quality(gl::Context& context, const QualitySetup
   for (size_t s = 0; s < specs.size(); ++s) {
     std::map<std::pair<int, double>, Side> sides;
     for (size_t v = 0; v < setup.views.size(); ++v) {
+      throw_if_interrupted();
       const QualityView& view = setup.views[v];
       const std::pair<int, double> moment(view.clip, view.time);
       auto reference = exact_mesh.find(moment);

@@ -40,9 +40,9 @@ TEST_F(Files, NoFolderIsMadeForAFile) {
     return {};
   };
   const fs::path deep = folder_ / "a" / "b";
-  for (const std::string& text : {wrong([&] { write_file(deep / "x.txt", "x"); }),
-                                  wrong([&] { require_writable_file(deep / "x.txt"); }),
-                                  wrong([&] { require_writable_folder(deep / "maps"); })}) {
+  for (const std::string& text :
+       {wrong([&] { write_file(deep / "x.txt", "x"); }), wrong([&] { require_writable_file(deep / "x.txt"); }),
+        wrong([&] { require_writable_folder(deep / "maps"); })}) {
     EXPECT_NE(text.find("there is no folder '" + deep.string() + "'"), std::string::npos) << text;
     EXPECT_NE(text.find("mkdir -p"), std::string::npos) << text;
   }
