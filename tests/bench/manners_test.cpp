@@ -129,6 +129,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"report", "r.sqlite --csv r.csv"},
       {"demo", "--tiny --no-clip " + flat + small},
       {"schema", ""},
+      {"schema", "--results"},
   };
   for (const std::string& command : commands()) {
     if (command == "view") continue;  // its answer is the window
@@ -214,6 +215,7 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "report r.sqlite --out a/b/r.html",
       "report r.sqlite --markdown a/b/r.md",
       "report r.sqlite --csv a/b/r.csv",
+      "report r.sqlite --scores-csv a/b/r.csv",
       "report r.sqlite --json-out a/b/r.json",
       "report r.sqlite --google-benchmark a/b/r.json",
       "demo --out a/b/demo",
