@@ -1,39 +1,66 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <iostream>
 #include <new>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/version.h"
 
-int main(int argc, char** argv) {
-  using namespace crowdbench;
-  set_command_line(argc, argv);
-  install_interrupt_handler();
+namespace {
+
+using namespace crowdbench;
+
+// What the program said on stdout has arrived, or the status says that it has not.
+int flushed(int status) {
+  errno = 0;
+  std::cout.flush();
+  const bool arrived = std::cout.good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (arrived) return status;
+  // A reader that has seen enough (`| head`) needs no message.
+  if (errno != EPIPE)
+    fmt::print(stderr, "crowdbench: standard output: cannot be written{}; free some space or choose another place\n",
+               errno != 0 ? fmt::format(": {}", std::strerror(errno)) : "");
+  return 2;
+}
+
+int run_command(int argc, char** argv) {
   CLI::App app{"crowdbench: draws one seeded crowd in several ways and measures what each costs and gets wrong",
                "crowdbench"};
   app.set_version_flag("--version", fmt::format("crowdbench {} ({})", version(), git_revision()));
   app.require_subcommand(1);
   bench::Run run;
-  bench::add_all_commands(app, run);
+  bench::Command program(app);
+  bench::add_all_commands(program, run);
   try {
     app.parse(argc, argv);
     return run ? run() : 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    fmt::print(stderr, "crowdbench: {}; see crowdbench --help\n", printable(error.what(), 500));
+    fmt::print(stderr, "crowdbench: {}\n", bench::usage_message(app, error));
   } catch (const Error& error) {
     fmt::print(stderr, "crowdbench: {}\n", error.what());
   } catch (const Interrupted&) {
-    fmt::print(stderr, "crowdbench: interrupted; nothing was left half-written\n");
-    return 130;
+    fmt::print(stderr, "{}", interrupt_line());
+    return interrupt_status();
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "crowdbench: out of memory; use fewer agents, smaller pictures or a smaller character\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "crowdbench: {}\n", printable(error.what(), 500));
+    if (std::ferror(stdout) == 0) fmt::print(stderr, "crowdbench: {}\n", printable(error.what(), 500));
   }
   return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  set_command_line(argc, argv);
+  install_interrupt_handler();
+  return flushed(run_command(argc, argv));
 }

@@ -9,7 +9,7 @@ namespace {
 std::string one_line(const std::string& where, const std::string& wrong, const std::string& advice) {
   std::string line = where.empty() ? wrong : where + ": " + wrong;
   if (!advice.empty()) line += "; " + advice;
-  return printable(line, 1000);
+  return printable(line, line.size());
 }
 
 size_t edit_distance(std::string_view a, std::string_view b) {
@@ -36,12 +36,16 @@ Error::Error(std::string where_, std::string wrong_, std::string advice_)
       advice(std::move(advice_)) {}
 
 std::string printable(std::string_view text, size_t limit) {
+  size_t end = std::min(limit, text.size());
+  // Not within a character of several bytes.
+  if (end < text.size())
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;
   std::string out;
-  for (const char c : text.substr(0, limit)) {
+  for (const char c : text.substr(0, end)) {
     const auto byte = static_cast<unsigned char>(c);
     out += byte < 0x20 || byte == 0x7f ? '?' : c;
   }
-  if (text.size() > limit) out += "...";
+  if (end < text.size()) out += "...";
   return out;
 }
 
@@ -57,6 +61,23 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
     }
   }
   return best;
+}
+
+std::string nearest_first(std::string_view name, const std::vector<std::string>& candidates, size_t most) {
+  std::vector<size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  if (candidates.size() > most && name.size() <= 64) {
+    std::vector<size_t> distances;
+    distances.reserve(candidates.size());
+    for (const std::string& candidate : candidates)
+      distances.push_back(edit_distance(name, std::string_view(candidate).substr(0, 64)));
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return distances[a] < distances[b]; });
+  }
+  std::string out;
+  for (size_t i = 0; i < std::min(most, order.size()); ++i)
+    out += (i > 0 ? ", " : "") + printable(candidates[order[i]], 60);
+  if (order.size() > most) out += fmt::format(" and {} more", order.size() - most);
+  return out;
 }
 
 }  // namespace crowdbench

@@ -22,11 +22,16 @@ class Error : public std::runtime_error {
   std::string advice;
 };
 
-// Replaces control characters by '?', so that text from a file cannot break the one line or drive a terminal.
-// At most `limit` bytes are kept; a cut text ends in "...".
+// For text that a user or a file gave, before it enters a message: replaces control characters by '?', so that it
+// cannot break the one line or drive a terminal, and keeps at most `limit` bytes of it, whole characters, with "..."
+// after what was cut. What the program itself says is never cut.
 std::string printable(std::string_view text, size_t limit = 200);
 
 // The candidate nearest to `name` by edit distance, for "did you mean"; empty when none is near.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
+
+// "walk, Walking_A, run and 12 more": as many whole candidates as `most`, in their own order where all are shown, else
+// the nearest to `name` first.
+std::string nearest_first(std::string_view name, const std::vector<std::string>& candidates, size_t most = 12);
 
 }  // namespace crowdbench

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
+#include <set>
 
 #include "core/error.h"
 
@@ -29,13 +31,30 @@ fs::path temporary_beside(const fs::path& target) {
          fmt::format(".{}.{}.part{}", target.stem().string(), ::getpid(), target.extension().string());
 }
 
-void make_parent(const fs::path& path) {
-  std::error_code error;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  if (error)
-    throw Error(path.parent_path().string(), "cannot create the folder: " + error.message(),
-                "choose a place that can be written");
+// The temporary files of this process.
+struct Pending {
+  std::mutex mutex;
+  std::set<fs::path> files;
+};
+Pending& pending_files() {
+  static auto* const pending = new Pending;  // outlives every static that may still write
+  return *pending;
 }
+
+void require_folder(const fs::path& folder, const std::string& of) {
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) {
+    if (::access(folder.c_str(), W_OK) == 0) return;
+    throw Error(of, fmt::format("cannot write into the folder '{}': {}", printable(folder.string()), reason()),
+                "choose a place that can be written");
+  }
+  if (fs::exists(folder, ignored))
+    throw Error(of, fmt::format("'{}' is not a folder", printable(folder.string())), "choose another place");
+  throw Error(of, fmt::format("there is no folder '{}'", printable(folder.string())),
+              fmt::format("make it first (mkdir -p '{}') or choose another place", printable(folder.string())));
+}
+
+fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
 }  // namespace
 
@@ -89,22 +108,57 @@ void write_file(const fs::path& path, const void* data, size_t size) {
 
 void write_file(const fs::path& path, std::string_view text) { write_file(path, text.data(), text.size()); }
 
-PendingFile::PendingFile(fs::path target) : target_(std::move(target)), temporary_(temporary_beside(target_)) {
+void require_writable_file(const fs::path& path) {
   std::error_code ignored;
-  if (fs::is_directory(target_, ignored)) throw Error(target_.string(), "is a directory", "name a file");
-  make_parent(target_);
+  const std::string shown = printable(path.string());
+  if (path.empty()) throw Error("", "the file's name is empty", "name a file");
+  if (path.filename().empty() || fs::is_directory(path, ignored)) throw Error(shown, "is a directory", "name a file");
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
+    throw Error(shown, "is not a regular file", "name a file");
+  require_folder(folder_of(path), shown);
+}
+
+void require_writable_folder(const fs::path& path) {
+  std::error_code ignored;
+  if (path.empty()) throw Error("", "the folder's name is empty", "name a folder");
+  const fs::path bare = path.has_filename() ? path : path.parent_path();  // "maps/" is "maps"
+  const std::string shown = printable(path.string());
+  require_folder(fs::exists(bare, ignored) || bare.empty() ? path : folder_of(bare), shown);
+}
+
+void make_folder(const fs::path& path) {
+  require_writable_folder(path);
+  std::error_code error;
+  fs::create_directory(path, error);
+  if (error) throw Error(printable(path.string()), "cannot make the folder: " + error.message());
+}
+
+PendingFile::PendingFile(fs::path target) : target_(std::move(target)), temporary_(temporary_beside(target_)) {
+  require_writable_file(target_);
+  const std::scoped_lock lock(pending_files().mutex);
+  pending_files().files.insert(temporary_);
 }
 
 PendingFile::~PendingFile() {
   std::error_code ignored;
+  const std::scoped_lock lock(pending_files().mutex);
+  pending_files().files.erase(temporary_);
   if (!committed_) fs::remove(temporary_, ignored);
 }
 
 void PendingFile::commit() {
   std::error_code error;
+  const std::scoped_lock lock(pending_files().mutex);
   fs::rename(temporary_, target_, error);
   if (error) throw Error(target_.string(), "cannot put the file in place: " + error.message());
   committed_ = true;
+}
+
+void remove_pending_files() noexcept {
+  Pending& pending = pending_files();
+  pending.mutex.lock();  // for good
+  std::error_code ignored;
+  for (const fs::path& file : pending.files) fs::remove(file, ignored);
 }
 
 fs::path cache_directory() {

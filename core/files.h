@@ -13,9 +13,17 @@ namespace crowdbench {
 std::vector<uint8_t> read_file(const std::filesystem::path& path, size_t limit = size_t{1} << 31);
 std::string read_text(const std::filesystem::path& path, size_t limit = size_t{16} << 20);
 
-// Writes beside the target and renames, so that a reader sees the old file or the new one, never half of one. Missing
-// parent folders are made. Throws Error (disk full, no permission, target is a directory) and leaves no temporary file
-// behind.
+// Throws Error where nothing can be written under this name: its folder does not exist (no folder is ever made for a
+// file), or the name is that of a directory or a device.
+void require_writable_file(const std::filesystem::path& path);
+// The same for a folder, which may be missing itself but not the folder that it is to lie in.
+void require_writable_folder(const std::filesystem::path& path);
+
+// require_writable_folder(), then makes it where it is missing.
+void make_folder(const std::filesystem::path& path);
+
+// Writes beside the target and renames, so that a reader sees the old file or the new one, never a part. Throws Error
+// (as require_writable_file, disk full, no permission) and leaves no temporary file behind.
 void write_file(const std::filesystem::path& path, const void* data, size_t size);
 void write_file(const std::filesystem::path& path, std::string_view text);
 
@@ -35,6 +43,10 @@ class PendingFile {
   std::filesystem::path temporary_;
   bool committed_ = false;
 };
+
+// Removes what every PendingFile of this process wrote so far, and lets none begin or commit any more: for a process
+// that ends without its destructors.
+void remove_pending_files() noexcept;
 
 // $XDG_CACHE_HOME/crowdbench or ~/.cache/crowdbench; $CROWDBENCH_CACHE_DIR overrides both. Not created here.
 std::filesystem::path cache_directory();

@@ -1,75 +1,236 @@
 #include "core/progress.h"
 
 #include <fmt/format.h>
+#include <semaphore.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <condition_variable>
 #include <csignal>
-#include <cstdio>
 #include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "core/files.h"
 
 namespace crowdbench {
 namespace {
 
-volatile std::sig_atomic_t stop_requested = 0;
+using Nanoseconds = std::chrono::nanoseconds;
+
+constexpr Nanoseconds kTerminalInterval = std::chrono::milliseconds(100);
+constexpr Nanoseconds kLineInterval = std::chrono::seconds(10);
+constexpr Nanoseconds kFirstEstimate = std::chrono::seconds(1);
+
+double seconds_of(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+volatile std::sig_atomic_t stop_requested = 0;  // the signal's number
+sem_t stop_wanted;
+std::mutex kept_mutex;
+std::string kept_text = "nothing was left half-written";
 
 void on_signal(int signal_number) {
-  stop_requested = 1;
+  stop_requested = signal_number;
   std::signal(signal_number, SIG_DFL);
+  sem_post(&stop_wanted);
+}
+
+void write_all(int fd, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t put = ::write(fd, text.data(), text.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) return;
+    text.remove_prefix(static_cast<size_t>(put));
+  }
+}
+
+// Ends a process whose threads do not come to a check.
+void end_when_stuck() {
+  while (sem_wait(&stop_wanted) != 0) {
+  }
+  std::this_thread::sleep_for(kInterruptGrace);
+  remove_pending_files();
+  if (::isatty(STDERR_FILENO) == 1) write_all(STDERR_FILENO, "\r\x1b[K");
+  write_all(STDERR_FILENO, interrupt_line());
+  ::_exit(interrupt_status());
 }
 
 }  // namespace
 
-struct Progress::State {
+struct Progress::Job {
   std::string label;
   std::string note;
   size_t total = 0;
-  std::atomic<size_t> done{0};
-  std::mutex mutex;
-  bool terminal = false;
-  std::chrono::steady_clock::time_point drawn{};
+  size_t done = 0;
+  Nanoseconds begun{};
+  std::optional<double> expected;  // seconds left at `expected_at`
+  Nanoseconds expected_at{};
 
-  void draw(bool force) {
-    if (!terminal) return;
-    const std::scoped_lock lock(mutex);
-    const auto now = std::chrono::steady_clock::now();
-    if (!force && now - drawn < std::chrono::milliseconds(100)) return;
-    drawn = now;
-    const size_t count = done.load();
-    const auto line = total > 0 ? fmt::format("{}: {}/{} {}", label, count, total, note)
-                                : fmt::format("{}: {} {}", label, count, note);
-    fmt::print(stderr, "\r\x1b[K{}", line.substr(0, 100));
-    std::fflush(stderr);
+  std::string text(Nanoseconds now) const {
+    std::string out = label;
+    std::string separator = ": ";
+    const auto add = [&](const std::string& piece) {
+      out += separator + piece;
+      separator = ", ";
+    };
+    if (total > 0)
+      add(fmt::format("{}/{}", done, total));
+    else if (done > 0)
+      add(fmt::format("{}", done));
+    if (!note.empty()) add(note);
+    const double spent = seconds_of(now - begun);
+    if (expected) {
+      const double left = *expected - seconds_of(now - expected_at);
+      if (left > 0) add(duration_text(left) + " left");
+    } else if (total > 0 && done > 0 && done < total && now - begun >= kFirstEstimate) {
+      add(duration_text(spent / static_cast<double>(done) * static_cast<double>(total - done)) + " left");
+    } else if (done < total || total == 0) {
+      add(duration_text(spent) + " so far");
+    }
+    return out;
   }
 };
 
-Progress::Progress(std::string label, size_t total) : state_(new State) {
-  state_->label = std::move(label);
-  state_->total = total;
-  state_->terminal = ::isatty(STDERR_FILENO) == 1;
+struct ProgressBoard::State {
+  explicit State(ProgressOutput output_) : output(std::move(output_)) {}
+
+  ProgressOutput output;
+  std::mutex mutex;
+  std::vector<std::shared_ptr<Progress::Job>> jobs;  // the outermost first
+  Nanoseconds written{};                             // when the last line came; off a terminal, when work began
+  bool line_stands = false;                          // on a terminal
+
+  // Only the process's own board has a thread that shows it.
+  bool ticks = false;
+  std::jthread ticker;
+  std::condition_variable_any ended;
+
+  void show(bool force) {
+    const Nanoseconds now = output.now();
+    if (jobs.empty() || (!force && now - written < (output.terminal ? kTerminalInterval : kLineInterval))) return;
+    written = now;
+    std::string line;
+    for (const auto& job : jobs) line += (line.empty() ? "" : "; ") + job->text(now);
+    if (!output.terminal) {
+      output.write(line + "\n");
+      return;
+    }
+    if (line.size() >= output.columns && output.columns > 4) line = line.substr(0, output.columns - 4) + "...";
+    output.write("\r\x1b[K" + line);
+    line_stands = true;
+  }
+
+  void begin(const std::shared_ptr<Progress::Job>& job) {
+    const std::scoped_lock lock(mutex);
+    job->begun = output.now();
+    if (jobs.empty() && !output.terminal) written = job->begun;
+    jobs.push_back(job);
+    if (ticks && !ticker.joinable()) ticker = std::jthread([this](const std::stop_token& stop) { tick(stop); });
+  }
+
+  void end(const std::shared_ptr<Progress::Job>& job) {
+    std::jthread finished;  // joined once the lock is open again
+    {
+      const std::scoped_lock lock(mutex);
+      if (std::erase(jobs, job) == 0 || !jobs.empty()) return;
+      if (line_stands) output.write("\r\x1b[K");
+      line_stands = false;
+      finished = std::move(ticker);
+    }
+  }
+
+  void tick(const std::stop_token& stop) {
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) {
+      ended.wait_for(lock, stop, std::chrono::milliseconds(500), [] { return false; });
+      if (!stop.stop_requested()) show(false);
+    }
+  }
+};
+
+ProgressBoard::ProgressBoard(ProgressOutput output) : state_(new State(std::move(output))) {}
+ProgressBoard::~ProgressBoard() = default;
+
+ProgressBoard& ProgressBoard::on_stderr() {
+  static ProgressBoard* const board = [] {  // never destroyed: work may still be going on when the process ends
+    ProgressOutput output;
+    output.terminal = ::isatty(STDERR_FILENO) == 1;
+    winsize size{};
+    if (output.terminal && ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
+      output.columns = size.ws_col;
+    output.write = [](std::string_view text) { write_all(STDERR_FILENO, text); };
+    output.now = [] { return Nanoseconds(std::chrono::steady_clock::now().time_since_epoch()); };
+    auto* made = new ProgressBoard(std::move(output));
+    made->state_->ticks = true;
+    return made;
+  }();
+  return *board;
 }
 
-Progress::~Progress() {
-  if (state_->terminal) fmt::print(stderr, "\r\x1b[K");
-  delete state_;
+void ProgressBoard::show() {
+  const std::scoped_lock lock(state_->mutex);
+  state_->show(false);
 }
+
+Progress::Progress(std::string label, size_t total, ProgressBoard& board)
+    : board_(*board.state_), job_(std::make_shared<Job>()) {
+  job_->label = std::move(label);
+  job_->total = total;
+  board_.begin(job_);
+}
+
+Progress::~Progress() { end(); }
+
+void Progress::end() { board_.end(job_); }
 
 void Progress::advance(size_t steps) {
   throw_if_interrupted();
-  state_->done += steps;
-  state_->draw(false);
+  const std::scoped_lock lock(board_.mutex);
+  job_->done += steps;
+  board_.show(false);
+}
+
+void Progress::set_done(size_t done) {
+  throw_if_interrupted();
+  const std::scoped_lock lock(board_.mutex);
+  job_->done = done;
+  board_.show(false);
+}
+
+void Progress::say(const std::string& line) {
+  const std::scoped_lock lock(board_.mutex);
+  board_.output.write((board_.line_stands ? "\r\x1b[K" : "") + line + "\n");
+  board_.show(board_.line_stands);
 }
 
 void Progress::note(const std::string& text) {
-  {
-    const std::scoped_lock lock(state_->mutex);
-    state_->note = text;
-  }
-  state_->draw(true);
+  const std::scoped_lock lock(board_.mutex);
+  job_->note = text;
+  board_.show(board_.output.terminal);
+}
+
+void Progress::expect(double seconds) {
+  const std::scoped_lock lock(board_.mutex);
+  job_->expected = seconds;
+  job_->expected_at = board_.output.now();
+}
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<long long>(std::clamp(std::round(seconds), 1.0, 1e9));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600)
+    return whole % 60 == 0 ? fmt::format("{} min", whole / 60) : fmt::format("{} min {} s", whole / 60, whole % 60);
+  const long long minutes = (whole + 30) / 60;
+  return minutes % 60 == 0 ? fmt::format("{} h", minutes / 60) : fmt::format("{} h {} min", minutes / 60, minutes % 60);
 }
 
 void install_interrupt_handler() {
+  sem_init(&stop_wanted, 0, 0);
+  std::thread(end_when_stuck).detach();
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);
@@ -79,6 +240,18 @@ bool interrupted() { return stop_requested != 0; }
 
 void throw_if_interrupted() {
   if (interrupted()) throw Interrupted{};
+}
+
+int interrupt_status() { return stop_requested == 0 ? 0 : 128 + stop_requested; }
+
+void say_when_interrupted(const std::string& kept) {
+  const std::scoped_lock lock(kept_mutex);
+  kept_text = kept;
+}
+
+std::string interrupt_line() {
+  const std::scoped_lock lock(kept_mutex);
+  return fmt::format("crowdbench: interrupted; {}\n", kept_text);
 }
 
 }  // namespace crowdbench

@@ -26,7 +26,7 @@ const RepresentationType& require_type(const std::string& name, const std::vecto
   std::vector<std::string> names;
   for (const RepresentationType& t : types) names.push_back(t.name);
   const std::string near = nearest_name(name, names);
-  throw Error("--representation", fmt::format("there is no representation '{}'", printable(name)),
+  throw Error("", fmt::format("there is no representation '{}'", printable(name)),
               near.empty() ? "crowdbench info --representations lists them" : fmt::format("did you mean '{}'?", near));
 }
 

@@ -25,7 +25,7 @@ const views = ['--height-px', '120,60', '--azimuth-deg', azimuths, '--elevation-
 
 if (table === 'memory') {
   const mib = (bytes) => (bytes / (1 << 20)).toFixed(2)
-  const bytesOf = (spec, clips) => run('bake', spec, '--bake-budget', '16384', ...clips.flatMap((c) => ['--clip', c]))
+  const bytesOf = (spec, clips) => run('bake', '--representation', spec, '--bake-budget', '16384', ...clips.flatMap((c) => ['--clip', c]))
   console.log('| views | frames | clips | key | vertices | images MiB | polygons MiB | square flat MiB | trimmed flat MiB | square / this | trimmed / this |')
   console.log('|---|---|---|---|---|---|---|---|---|---|---|')
   const row = (grid, frames, clips, key, vertices) => {
@@ -96,7 +96,7 @@ if (table === 'bake') {
   console.log('| bake | seconds |\n|---|---|')
   for (const key of ['first', 'most_visible', 'two_keys']) {
     const spec = `polypostor:key=${key}` + (quick ? ',views=sphere-4x1' : '')
-    console.log(`| ${spec} | ${run('bake', spec, '--no-cache').bake_seconds.toFixed(1)} |`)
+    console.log(`| ${spec} | ${run('bake', '--representation', spec, '--no-cache').bake_seconds.toFixed(1)} |`)
   }
 }
 

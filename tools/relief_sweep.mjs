@@ -46,7 +46,7 @@ function measure(cell) {
   const { rows } = call('quality', '--representation', spec, '--height-px', '60,120,240', '--azimuth-deg', '0,45,90',
     '--time', '0.1,0.6', '--json');
   const mean = (key) => rows.reduce((sum, row) => sum + row[key], 0) / rows.length;
-  const { measurements } = call('bench', scenario, '--representations', spec, '--agents', '250', '--occupancy', '0.15',
+  const { measurements } = call('bench', scenario, '--representation', spec, '--agents', '250', '--occupancy', '0.15',
     '--size', '640x480', '--rounds', '10', '--no-floors', '--budget-ms', '60000', '--out', `${name}.sqlite`, '--json');
   const relief = measurements.find((row) => row.representation !== 'mesh');
   const mesh = measurements.find((row) => row.representation === 'mesh');

@@ -1,17 +1,19 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "bench/experiments/audit.h"
 #include "bench/stage/stage_scenario.h"
 #include "bench/stage/view_samples.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
 #include "scene/crowd/crowd.h"
@@ -27,7 +29,7 @@ struct Options {
   std::string representation;
   std::vector<std::string> characters = {"mannequin"};
   std::vector<std::string> clips;
-  double bake_budget_mib = 512;
+  uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   std::string device;
   bool force = false;
   bool no_cache = false;
@@ -102,7 +104,7 @@ void print(const ViewAudit& a) {
 }
 
 int run_bake(const Options& options) {
-  const renderers::Spec spec = renderers::parse_spec(options.representation);
+  const renderers::Spec spec = parse_representation(options.representation);
   scene::Scenario scenario;
   scenario.characters.clear();
   for (const std::string& source : options.characters) {
@@ -119,7 +121,7 @@ int run_bake(const Options& options) {
   const scene::Cast cast = scene::load_cast(scenario, folder);
   gl::Context context({.device = options.device});
   renderers::MakeContext make{.context = context, .cast = cast};
-  make.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
+  make.bake_budget = options.bake_budget_mib << 20;
   make.use_cache = !options.no_cache;
   make.rebake = options.force;
   Staged staged;
@@ -136,9 +138,11 @@ int run_bake(const Options& options) {
   const renderers::Footprint bytes = representation->footprint();
 
   std::vector<ViewAudit> audits;
-  if (options.audit)
+  if (options.audit) {
+    Progress progress("auditing the views", 0);
     for (const auto& character : cast.characters)
       audits.push_back(audit_views(context, character, spec, make.bake_budget, make.use_cache));
+  }
 
   if (options.json) {
     ordered_json out = {{"representation", spec.text()},
@@ -206,26 +210,25 @@ int run_bake(const Options& options) {
 
 }  // namespace
 
-void add_bake(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("bake", "Bake a representation of a character, or read it from the cache");
+void add_bake(Command& app, Run& run) {
+  Command* command = app.add_subcommand("bake", "Bake a representation of a character, or read it from the cache");
   command->footer(
       "Bakes are kept in $CROWDBENCH_CACHE_DIR, else $XDG_CACHE_HOME/crowdbench, else ~/.cache/crowdbench, keyed by "
       "the\n"
       "character's content, the options, the bake's version and the OpenGL renderer.\n\n"
       "Examples:\n"
-      "  crowdbench bake flat\n"
-      "  crowdbench bake flat:views=sphere-32x9,frames=16 --character knight.glb --json\n"
-      "  crowdbench bake relief --report --json\n"
-      "  crowdbench bake flat:views=sphere-17x8-mirrored --audit\n"
-      "  crowdbench bake flat --required-by plaza.toml");
+      "  crowdbench bake --representation flat\n"
+      "  crowdbench bake --representation flat:views=sphere-32x9,frames=16 --character knight.glb --json\n"
+      "  crowdbench bake --representation relief --report --json\n"
+      "  crowdbench bake --representation flat:views=sphere-17x8-mirrored --audit\n"
+      "  crowdbench bake --representation flat --required-by plaza.toml");
   auto options = std::make_shared<Options>();
-  command->add_option("REPRESENTATION", options->representation, "name[:key=value,...]; info --representations")
-      ->required();
-  command->add_option("--character", options->characters,
-                      "a glTF file, or mannequin[:triangles=N,joints=N]; may be given several times");
-  command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that the bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
+  add_representation_option(*command, options->representation, "what is baked")->required();
+  add_character_option(*command, options->characters);
+  command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)")
+      ->type_name("CLIP")
+      ->take_all()
+      ->expected(1);
   command
       ->add_option("--required-by", options->required_by,
                    "a scenario: bake only the views and frames that its camera sees of its agents")
@@ -237,13 +240,13 @@ void add_bake(CLI::App& app, Run& run) {
       "also state how coarse the stored views and frames are, what 6 degrees a step would take, and what\n"
       "they were measured to cost in the picture (flat)");
   command->add_flag("--force", options->force, "bake anew although it is in the cache");
-  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
-  command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
+  add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
+  add_device_option(*command, options->device);
   command->add_flag(
       "--report", options->report,
       "also the bake's parts (relief: each joint's texels a side and bytes); JSON: what the representation "
       "says of its\nbake (nominal_bytes, boxes, ...) beside the sizes, not only under facts");
-  command->add_flag("--json", options->json, "print JSON");
+  add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_bake(*options); }; });
 }
 

@@ -1,11 +1,12 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/score_rows.h"
@@ -23,14 +24,16 @@ namespace {
 
 struct Options {
   SceneOptions scene;
-  std::string representations;
+  std::vector<std::string> representations;
   std::vector<uint32_t> agents;
   std::vector<double> occupancies;
   std::string out = "results.sqlite";
   SweepRequest request;
   bool no_floors = false;
   bool json = false;
-  int bake_budget_mib = 512;
+  bool full = false;
+  std::optional<double> minutes;
+  uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
 };
 
 // The rows of the file, and the stages of the points that were solved for now.
@@ -45,30 +48,37 @@ std::string json_of(const StoreContents& contents, const SweepSummary& summary) 
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+// Without a word about it, a run is over while one waits for it.
+constexpr double kDefaultMinutes = 3;
+// What solving, looking and writing take beside the timed turns, seconds a point; rough.
+constexpr double kPointOverhead = 4;
+
+// What is about to be done, and about how long it takes at most.
+std::string forecast(const SweepRequest& request, const std::string& out) {
+  const size_t points = request.agents.size() * request.occupancies.size();
+  double seconds = static_cast<double>(points) * (2 * request.time_limit_s + kPointOverhead);
+  if (request.total_time_s > 0) seconds = std::min(seconds, request.total_time_s);
+  return fmt::format("bench: {} points of {} representations and the mesh, about {} at most; results go to {}", points,
+                     request.representations.size(), duration_text(seconds), out);
+}
+
 int run_bench(const Options& options) {
   SweepRequest request = options.request;
   request.floors = !options.no_floors;
-  request.bake_budget = uint64_t(options.bake_budget_mib) << 20;
-  if (!options.representations.empty()) request.representations = renderers::parse_specs(options.representations);
+  request.bake_budget = options.bake_budget_mib << 20;
+  request.representations = parse_representations(options.representations);
+  if (options.full) request.agents = full_agents();
+  const bool own_axes = options.full || !options.agents.empty() || !options.occupancies.empty();
+  if (options.minutes || !own_axes) request.total_time_s = 60 * options.minutes.value_or(kDefaultMinutes);
   if (!options.agents.empty()) request.agents = options.agents;
   std::sort(request.agents.begin(), request.agents.end());
   request.agents.erase(std::unique(request.agents.begin(), request.agents.end()), request.agents.end());
-  if (request.agents.front() < 1 || request.agents.back() > 1'000'000)
-    throw Error("--agents", "a number of agents lies outside 1 to 1000000");
   if (!options.occupancies.empty()) request.occupancies = options.occupancies;
-  for (const double occupancy : request.occupancies)
-    if (!(occupancy >= 0 && occupancy <= 1))
-      throw Error("--occupancy", fmt::format("{} is not a fraction of 0 to 1", occupancy),
-                  "0.15 is 15 % of the picture; 0 is the scenario's own camera");
-  if (request.rounds < request.least_rounds)
-    throw Error("--rounds", fmt::format("{} is too few", request.rounds),
-                fmt::format("use at least {}", request.least_rounds));
-  if (!(request.budget_ms > 0)) throw Error("--budget-ms", "must be above 0");
 
   const ChosenScenario chosen = read_scenario(options.scene);
   request.scenario = chosen.scenario;
   if (request.representations.empty() && request.scenario.representation != "mesh")
-    request.representations.push_back(renderers::parse_spec(request.scenario.representation));
+    request.representations.push_back(representation_of(chosen));
   if (request.representations.empty())
     for (const renderers::RepresentationType& type : renderers::representation_types())
       if (type.name != "mesh" && type.name != "hybrid")
@@ -86,21 +96,22 @@ int run_bench(const Options& options) {
   run.id = store.write(run);
   SweepSummary summary;
   {
-    Progress progress("bench", 0);
-    try {
-      summary =
-          run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
-    } catch (const Interrupted&) {
-      progress.note("");
-      fmt::print(stderr, "crowdbench: stopped; finished points are in {}, the same command goes on from there\n",
-                 options.out);
-      throw;
-    }
+    say_when_interrupted(
+        fmt::format("finished points are in {}, the same command goes on from there", printable(options.out)));
+    Progress progress("bench", request.agents.size() * request.occupancies.size());
+    progress.say(forecast(request, printable(options.out)));
+    request.after_point = [&](size_t done, double seconds_left) {
+      progress.set_done(done);
+      if (request.total_time_s > 0) progress.expect(seconds_left);
+    };
+    summary =
+        run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
   }
   const StoreContents contents = read_store(options.out, false, false);
   if (options.json) {
     fmt::print("{}", json_of(contents, summary));
     for (const std::string& remark : summary.remarks) fmt::print(stderr, "{}\n", remark);
+    fmt::print(stderr, "{} points measured, {} taken from the file; {}\n", summary.measured, summary.held, options.out);
     return summary.invalid == 0 ? 0 : 1;
   }
   fmt::print("{}", sweep_table(contents, run));
@@ -111,59 +122,67 @@ int run_bench(const Options& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("bench", "Frame times against the number of agents, into a result file");
+void add_bench(Command& app, Run& run) {
+  Command* command = app.add_subcommand("bench", "Frame times against the number of agents, into a result file");
   command->footer(
       "All representations draw the same crowd from the same camera and take turns. A curve ends with the first frame "
       "beyond\nthe budget. Ctrl-C keeps every finished point; the same command continues the file. Exit status 1 when "
       "a "
-      "picture check\nfailed (the row says so).\nExamples:\n  crowdbench bench --representations mesh,flat --agents "
-      "1,10,100,250 --occupancy 0.15 --out results.sqlite\n  crowdbench bench plaza.toml --budget-ms 500 --out "
-      "results.sqlite");
+      "picture check\nfailed (the row says so).\nExamples:\n  crowdbench bench\n  crowdbench bench --representation "
+      "flat,relief --agents 1,10,100,250 --occupancy 0.15 --out results.sqlite\n  crowdbench bench plaza.toml --full "
+      "--budget-ms 500 --out results.sqlite");
   auto options = std::make_shared<Options>();
   SweepRequest& request = options->request;
-  command->add_option("SCENARIO", options->scene.file, "scenario file; without one, the built-in character on a plaza")
-      ->type_name("FILE.toml");
-  command
-      ->add_option("--representations", options->representations,
-                   "drawn beside the mesh, name[:key=value,...] separated by commas [all that are built in]")
-      ->type_name("R,R,...");
-  command->add_option("--agents", options->agents, "numbers of agents [1,10,100,250,500,1000,2000,5000,10000]")
+  add_scenario_argument(*command, options->scene.file);
+  add_representation_option(*command, options->representations, "drawn beside the mesh (all that are built in)");
+  command->add_option("--agents", options->agents, "numbers of agents (1,10,100,1000)")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->type_name("N,N,...");
+      ->type_name("N,N,...")
+      ->whole_number(1, kMostAgents);
   command
       ->add_option("--occupancy", options->occupancies,
-                   "fractions of the picture to cover, 0 = the scenario's camera [0.15,0.9]")
+                   "fractions of the picture to cover, 0 = the scenario's camera (0.15,0.9)")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->type_name("F,F,...");
-  command->add_option("--seed", options->scene.seed, "seed of the crowd")->type_name("S");
-  command->add_option("--size", options->scene.size, "picture size in pixels")->type_name("WxH");
-  command->add_option("--character", options->scene.character, "mannequin[:key=value,...] or a glTF file")
-      ->type_name("C");
-  command->add_option("--device", options->scene.device, "N or software")->type_name("D");
+      ->type_name("F,F,...")
+      ->number(0, 1);
+  command->add_flag("--full", options->full,
+                    "1 to 10000 agents in nine steps, up to 10 s of timing a point, however long that takes in all");
+  command
+      ->add_option("--minutes", options->minutes,
+                   "for all points together: the timed turns are shortened to fit, and points that would not fit wait "
+                   "for the next run of the same command (3; no limit with --full, --agents or --occupancy)")
+      ->type_name("M")
+      ->number(0.05, 10'000);
+  add_seed_option(*command, options->scene.seed);
+  add_size_option(*command, options->scene.size);
+  add_character_option(*command, options->scene.character);
+  add_device_option(*command, options->scene.device);
   command->add_option("--budget-ms", request.budget_ms, "wall time a frame may take before its curve ends")
       ->type_name("MS")
-      ->capture_default_str();
-  command->add_option("--rounds", request.rounds, "timed turns a point")->type_name("K")->capture_default_str();
+      ->capture_default_str()
+      ->number(0.001, 1e6);
+  command->add_option("--rounds", request.rounds, "timed turns a point")
+      ->type_name("K")
+      ->capture_default_str()
+      ->whole_number(static_cast<uint64_t>(request.least_rounds), 100'000);
   command->add_option("--time-limit", request.time_limit_s, "seconds of timing a point, from 10 turns on")
       ->type_name("S")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->number(0, 1e6);
   command->add_option("--picture-agents", request.picture_agents, "pictures are kept of the largest crowd up to this")
       ->type_name("N")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->whole_number(1, kMostAgents);
   command->add_flag("--no-floors", options->no_floors, "do not time the floors (half the time)");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB a bake may take")
-      ->type_name("MIB")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
+  add_bake_options(*command, options->bake_budget_mib);
   command->add_option("--out", options->out, "result file; continued when it exists")
       ->type_name("FILE.sqlite")
-      ->capture_default_str();
-  command->add_flag("--json", options->json,
-                    "print every row of the result file as JSON instead of the table, and the stages of the points\n"
-                    "measured now (camera, crowd, occupancy)");
+      ->capture_default_str()
+      ->output_file();
+  add_json_option(*command, options->json, "print every row of the result file as JSON instead of the table, and the stages of the points\n"
+                  "measured now (camera, crowd, occupancy)");
   command->callback([options, &run] { run = [options] { return run_bench(*options); }; });
 }
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -12,9 +11,12 @@
 #include <variant>
 #include <vector>
 
+#include "bench/commands/command_line.h"
+#include "bench/commands/options.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/image_io.h"
 #include "metrics/agents.h"
 #include "metrics/difference.h"
@@ -129,6 +131,7 @@ metrics::Buffers buffers_of(const AnyImage& image, const ImageU32& ids) {
 }
 
 void write_maps(const std::filesystem::path& folder, const metrics::ScoreInput& input, Result& result) {
+  make_folder(folder);
   const auto save = [&](const std::string& name, const Image8& image) {
     write_png(folder / name, image);
     result.maps.push_back((folder / name).string());
@@ -253,10 +256,10 @@ std::string maps_text(metrics::ScoreTable table) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Run& run) { add_compare(app, run, metrics::scores()); }
+void add_compare(Command& app, Run& run) { add_compare(app, run, metrics::scores()); }
 
-void add_compare(CLI::App& app, Run& run, metrics::ScoreTable table) {
-  CLI::App* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
+void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
+  Command* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
   command->footer(
       std::string(
           "Scores are over sRGB code values of 0..255 as they lie in the files, those of structure over BT.601 luma;\n"
@@ -265,14 +268,16 @@ void add_compare(CLI::App& app, Run& run, metrics::ScoreTable table) {
       ".\n\n"
       "Examples:\n"
       "  crowdbench compare mesh.png flat.png\n"
-      "  crowdbench compare mesh.png flat.png --maps out/maps --json\n"
+      "  crowdbench compare mesh.png flat.png --maps maps --json\n"
       "  crowdbench compare a.png b.png --over '#808080'       pictures with alpha, in front of grey\n"
       "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well");
   auto options = std::make_shared<Options>();
   command->add_option("REFERENCE", options->reference, "the picture that is right (PNG, EXR, JPEG, TIFF ...)")
       ->required();
   command->add_option("TEST", options->test, "the picture that is judged, of the same size")->required();
-  command->add_option("--maps", options->maps, "a folder for the pictures of the error; made where missing");
+  command->add_option("--maps", options->maps, "a folder for the pictures of the error; made where missing")
+      ->type_name("DIR")
+      ->output_folder();
   command->add_option("--over", options->over,
                       "composite pictures with alpha onto this colour first, '#rrggbb' (else alpha is ignored)");
   auto* ids_ref = command->add_option("--ids-ref", options->ids_reference,
@@ -280,7 +285,7 @@ void add_compare(CLI::App& app, Run& run, metrics::ScoreTable table) {
   auto* ids_test = command->add_option("--ids-test", options->ids_test, "EXR with the test's agent ids");
   ids_ref->needs(ids_test);
   ids_test->needs(ids_ref);
-  command->add_flag("--json", options->json, "print JSON");
+  add_json_option(*command, options->json);
   command->callback([options, table, &run] {
     run = [options, table] {
       const Result result = compare(*options, table);

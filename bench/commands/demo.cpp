@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/quality.h"
@@ -34,17 +35,30 @@ struct Options {
   bool tiny = false;
 };
 
-// Says what is going on and when, one line a step.
+// About what a character takes on two cores without a GPU, seconds, and the clip's part of it.
+constexpr double kCharacterSeconds = 180;
+constexpr double kClipSeconds = 40;
+
+// Says what is going on and when, one line a step, and how long all of it will take.
 class Steps {
  public:
-  explicit Steps(size_t total) : total_(total) {}
+  Steps(size_t total, double expected_s) : total_(total), expected_s_(expected_s), progress_("demo", total) {
+    progress_.say(fmt::format("demo: {} steps, about {} on two cores without a GPU", total, duration_text(expected_s)));
+  }
   void next(const std::string& text) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    fmt::print(stderr, "[{}/{}, {:.0f} s] {}\n", ++done_, total_, seconds, text);
+    progress_.say(fmt::format("[{}/{}, {:.0f} s] {}", ++done_, total_, seconds, text));
+    progress_.set_done(done_ - 1);
+    progress_.note(text);
+    progress_.expect(expected_s_ - seconds);
   }
+  void say(const std::string& line) { progress_.say("  " + line); }
+  void end() { progress_.end(); }
 
  private:
   size_t total_;
+  double expected_s_;
+  Progress progress_;
   size_t done_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
@@ -115,9 +129,10 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
           view.time = motion != nullptr ? motion->start + part * motion->duration() : 0;
           setup.views.push_back(view);
         }
+  Progress progress("comparing", setup.views.size());
   store.begin();
   compute_quality(context, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
-    throw_if_interrupted();
+    progress.advance();
     ComparisonRow comparison;
     comparison.run = run;
     comparison.kind = "agent";
@@ -166,7 +181,9 @@ std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scen
 int run_demo(const Options& options) {
   const std::vector<std::string> characters =
       options.characters.empty() ? std::vector<std::string>{"mannequin"} : options.characters;
+  (void)parse_representation(options.representation);  // refused before anything is made
   const std::filesystem::path folder = options.out;
+  make_folder(folder);
   const std::filesystem::path results = folder / "results.sqlite";
   // The demonstration always starts anew: its own results go, nothing else does.
   std::error_code ignored;
@@ -175,7 +192,8 @@ int run_demo(const Options& options) {
   const std::unique_ptr<gl::Context> opened = open_context(options.device);
   gl::Context& context = *opened;
   const TimingMethod method = choose_timing_method(context);
-  Steps steps(characters.size() * (options.no_clip ? 3 : 4) + 1);
+  const double each = options.tiny ? 5 : kCharacterSeconds - (options.no_clip ? kClipSeconds : 0);
+  Steps steps(characters.size() * (options.no_clip ? 3 : 4) + 1, each * static_cast<double>(characters.size()));
   int status = 0;
   for (const std::string& character : characters) {
     const scene::Scenario scenario = demo_scenario(character);
@@ -195,7 +213,7 @@ int run_demo(const Options& options) {
     request.rounds = options.tiny ? 10 : 24;
     SweepSummary summary;
     {
-      Progress progress("demo", 0);
+      Progress progress("timing", 0);
       for (const auto& [occupancy, agents] : options.tiny
                                                  ? std::vector<std::pair<double, std::vector<uint32_t>>>{{0.15, {1, 5}}}
                                                  : std::vector<std::pair<double, std::vector<uint32_t>>>{
@@ -208,7 +226,7 @@ int run_demo(const Options& options) {
         summary.remarks.insert(summary.remarks.end(), part.remarks.begin(), part.remarks.end());
       }
     }
-    for (const std::string& remark : summary.remarks) fmt::print(stderr, "  {}\n", remark);
+    for (const std::string& remark : summary.remarks) steps.say(remark);
     if (summary.invalid > 0) status = 1;
 
     steps.next(fmt::format("{}: comparing single agents with the mesh", cast_name(cast)));
@@ -218,10 +236,10 @@ int run_demo(const Options& options) {
       steps.next(fmt::format("{}: encoding both as one clip", cast_name(cast)));
       try {
         const std::string path = make_clip(context, cast, scenario, options);
-        fmt::print(stderr, "  {}\n", path.empty() ? "the clip missed its accuracy and was not kept" : path);
+        steps.say(path.empty() ? "the clip missed its accuracy and was not kept" : path);
       } catch (const Error& error) {
         // A bundle without FFmpeg still makes its report.
-        fmt::print(stderr, "  no clip: {}\n", error.what());
+        steps.say(fmt::format("no clip: {}", error.what()));
       }
     }
   }
@@ -229,29 +247,27 @@ int run_demo(const Options& options) {
   const std::filesystem::path page = folder / "report.html";
   write_file(page, std::string_view(reports::report_page(
                        read_store(results), {results.filename().string(), score_docs(metrics::scores())})));
+  steps.end();
   fmt::print("{}\n", std::filesystem::absolute(page).lexically_normal().string());
   return status;
 }
 
 }  // namespace
 
-void add_demo(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_demo(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("demo", "All of it in one go: pictures, times, differences, a clip and the report");
   command->footer(
       "Takes a few minutes on two cores without a GPU. Prints the path of the report last.\nExamples:\n  crowdbench "
-      "demo\n  "
-      "crowdbench demo robot.glb --out robot-demo");
+      "demo\n  crowdbench demo --character robot.glb --out robot-demo");
   auto options = std::make_shared<Options>();
-  command->add_option("CHARACTER", options->characters, "glTF files or mannequin[:key=value,...] [mannequin]")
-      ->type_name("C...");
-  command->add_option("--representation", options->representation, "what is held against the mesh")
-      ->type_name("R")
-      ->capture_default_str();
+  add_character_option(*command, options->characters);
+  add_representation_option(*command, options->representation, "what is held against the mesh");
   command->add_option("--out", options->out, "folder for the report, the result file, pictures and clips")
       ->type_name("DIR")
-      ->capture_default_str();
-  command->add_option("--device", options->device, "N or software")->type_name("D");
+      ->capture_default_str()
+      ->output_folder();
+  add_device_option(*command, options->device);
   command->add_flag("--no-clip", options->no_clip, "leave the clip out");
   command->add_flag("--tiny", options->tiny, "a few agents and small pictures: to see that it runs, not to learn from");
   command->callback([options, &run] { run = [options] { return run_demo(*options); }; });

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
-#include "bench/commands/scene_options.h"
+#include "bench/commands/options.h"
 #include "core/version.h"
 #include "renderers/gl/counters.h"
 #include "renderers/representation.h"
@@ -87,8 +87,8 @@ void print_device(const Json& j) {
 
 }  // namespace
 
-void add_info(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("info", "Say which device draws and what it can do, or list representations");
+void add_info(Command& app, Run& run) {
+  Command* command = app.add_subcommand("info", "Say which device draws and what it can do, or list representations");
   command->footer(
       "Examples:\n  crowdbench info\n  crowdbench info --device software --json\n"
       "  crowdbench info --representations");
@@ -98,7 +98,7 @@ void add_info(CLI::App& app, Run& run) {
     std::string device;
   };
   auto options = std::make_shared<Options>();
-  command->add_flag("--json", options->json, "print JSON");
+  add_json_option(*command, options->json);
   command->add_flag("--representations", options->representations,
                     "list the representations with their options (asks no device)");
   add_device_option(*command, options->device);

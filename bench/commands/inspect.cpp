@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "core/error.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
@@ -20,7 +21,7 @@ using nlohmann::ordered_json;
 
 struct Options {
   std::string file;
-  std::string save;
+  std::string out;
   std::string height = "1.75";
   std::vector<std::string> hide;
   bool no_rigid = false;
@@ -32,7 +33,7 @@ std::optional<double> parse_height(const std::string& text) {
   double metres = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), metres);
   if (error != std::errc{} || stop != text.data() + text.size() || !(metres >= 1e-3 && metres <= 1e3))
-    throw Error("--height", fmt::format("{} is no height", printable(text, 40)),
+    throw Error("--height", fmt::format("'{}' is not a height", printable(text, 40)),
                 "give metres from 0.001 to 1000, or as_is");
   return metres;
 }
@@ -187,7 +188,7 @@ int inspect(const Options& options) {
   load.rigid_meshes = !options.no_rigid;
   load.hide = options.hide;
   const scene::Character character = scene::open_character(options.file, load);
-  if (!options.save.empty()) scene::save_character(character, options.save);
+  if (!options.out.empty()) scene::save_character(character, options.out);
   if (options.json)
     fmt::print("{}\n", to_json(character).dump(2, ' ', false, ordered_json::error_handler_t::replace));
   else
@@ -197,18 +198,21 @@ int inspect(const Options& options) {
 
 }  // namespace
 
-void add_inspect(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("inspect", "Say what a character file holds; write it as glTF");
+void add_inspect(Command& app, Run& run) {
+  Command* command = app.add_subcommand("inspect", "Say what a character file holds; write it as glTF");
   command->footer(
       "Examples:\n  crowdbench inspect knight.glb\n  crowdbench inspect knight.glb --json --hide 2H_Sword\n"
-      "  crowdbench inspect mannequin:joints=53 --save mannequin.glb\n" +
+      "  crowdbench inspect mannequin:joints=53 --out mannequin.glb\n" +
       limits_text());
   auto options = std::make_shared<Options>();
-  command->add_option("character", options->file, "a .glb or .gltf file, or mannequin[:triangles=N,joints=N]")
-      ->required();
-  command->add_flag("--json", options->json, "print the facts as JSON");
-  command->add_option("--save", options->save, "write the character as a self-contained .glb");
-  command->add_option("--height", options->height, "height to scale it to, in metres, or as_is")->capture_default_str();
+  command->add_option("CHARACTER", options->file, "a glTF file, or mannequin[:triangles=N,joints=N]")->required();
+  add_json_option(*command, options->json);
+  command->add_option("--out", options->out, "write the character as a self-contained file")
+      ->type_name("FILE.glb")
+      ->output_file();
+  command->add_option("--height", options->height, "height to scale it to, in metres, or as_is")
+      ->type_name("M")
+      ->capture_default_str();
   command->add_option("--hide", options->hide, "drop the meshes at and below the node of this name (may be repeated)")
       ->take_all()
       ->expected(1);

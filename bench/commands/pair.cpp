@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_scenario.h"
@@ -33,24 +33,15 @@ std::string decibels(double db) { return std::isinf(db) ? "exact" : fmt::format(
 
 int run_pair(const Options& options) {
   studies::PairRequest request;
-  request.a = renderers::parse_spec(options.a);
-  request.b = renderers::parse_spec(options.b);
+  request.a = parse_representation(options.a, "--a");
+  request.b = parse_representation(options.b, "--b");
   request.supersample = options.supersample;
   request.clip = options.clip;
   request.clip.title = "crowdbench pair";
   if (options.frames) {
     request.frames = *options.frames;
   } else {
-    if (!(options.seconds > 0 && options.seconds <= 3600)) {
-      throw Error("--seconds", fmt::format("{} is not above 0 and at most 3600", options.seconds));
-    }
-    request.frames = static_cast<size_t>(std::llround(options.seconds * request.clip.fps));
-  }
-  if (request.frames < 1 || request.frames > 108'000) {
-    throw Error("--frames", fmt::format("{} is not 1 to 108000", request.frames));
-  }
-  if (request.supersample < 1 || request.supersample > 9 || request.supersample % 2 == 0) {
-    throw Error("--supersample", fmt::format("{} is not odd and 1 to 9", request.supersample));
+    request.frames = static_cast<size_t>(std::max(1LL, std::llround(options.seconds * request.clip.fps)));
   }
 
   ChosenScenario chosen = read_scenario(options.scene);
@@ -75,6 +66,9 @@ int run_pair(const Options& options) {
                clip.attempts.back().crf);
     return 1;
   }
+  if (pair.equal)
+    fmt::print(stderr, "crowdbench: {} and {} draw equal pictures: there is nothing to tell apart in this clip\n",
+               request.a.text(), request.b.text());
   if (options.json) {
     fmt::print("{}", pair.manifest);
     return 0;
@@ -94,8 +88,8 @@ int run_pair(const Options& options) {
 
 }  // namespace
 
-void add_pair(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("pair", "Two representations of one crowd as one stacked clip, for a study");
+void add_pair(Command& app, Run& run) {
+  Command* command = app.add_subcommand("pair", "Two representations of one crowd as one stacked clip, for a study");
   command->footer(
       "The same scenario and seed give the same bytes on one machine and build. A manifest (JSON) beside the clip "
       "says\n"
@@ -107,24 +101,28 @@ void add_pair(CLI::App& app, Run& run) {
   command->add_option("--b", options->b, "the other; a hash of the seed says which is on top")
       ->required()
       ->type_name("R");
-  command->add_option("--out", options->out, "the clip to write")->required()->type_name("FILE.mp4");
+  command->add_option("--out", options->out, "the clip to write")->required()->type_name("FILE.mp4")->output_file();
   auto* seconds = command->add_option("--seconds", options->seconds, "length, at 30 frames a second")
                       ->type_name("S")
-                      ->capture_default_str();
-  command->add_option("--frames", options->frames, "length in frames")->type_name("N")->excludes(seconds);
-  command->add_option("--supersample", options->supersample, "K x K samples a pixel, K odd, both halves alike")
-      ->type_name("K")
-      ->capture_default_str();
+                      ->capture_default_str()
+                      ->number(0.01, 3600);
+  command->add_option("--frames", options->frames, "length in frames")
+      ->type_name("N")
+      ->excludes(seconds)
+      ->whole_number(1, 108'000);
+  add_supersample_option(*command, options->supersample);
   command->add_flag("--no-ground", options->no_ground, "leave the grey grid out");
   command->add_option("--crf", options->clip.crf, "x264's rate factor to start from; lowered until accurate enough")
       ->type_name("N")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->whole_number(0, 51);
   command->add_option("--least-psnr", options->clip.least_psnr, "decoded accuracy of the worst frame, dB; else exit 1")
       ->type_name("DB")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->number(0, 200);
   command->add_flag("--compat", options->clip.compat, "also a 4:2:0 copy, marked as not for studies");
   command->add_flag("--master", options->clip.master, "also a lossless RGB copy");
-  command->add_flag("--json", options->json, "print the manifest");
+  add_json_option(*command, options->json, "print the manifest");
   command->callback([options, &run] { run = [options] { return run_pair(*options); }; });
 }
 

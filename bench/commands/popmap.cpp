@@ -1,13 +1,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
@@ -42,7 +44,7 @@ struct Options {
   std::string out;
   std::string device;
   int fade = 4;
-  double bake_budget_mib = 512;
+  uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   bool no_cache = false;
   bool json = false;
 };
@@ -245,7 +247,7 @@ reports::PopSize page_size(const std::vector<PopCell>& cells, const Scores& scor
 PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   PopRequest request;
   request.table = table;
-  request.representation = renderers::parse_spec(options.representation);
+  request.representation = parse_representation(options.representation);
   request.azimuths_deg = parse_numbers(options.azimuths, "--azimuth-deg", -360, 360);
   request.elevations_deg = parse_numbers(options.elevations, "--elevation-deg", -90, 90);
   request.phases = parse_numbers(options.phases, "--phase", 0, 0.999999);
@@ -258,7 +260,7 @@ PopRequest read_options(const Options& options, metrics::ScoreTable table) {
     request.clip = options.clip == "none" && !scene::find_clip(*request.character, "none")
                        ? -1
                        : scene::require_clip(*request.character, options.clip);
-  request.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
+  request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
   return request;
 }
@@ -332,7 +334,7 @@ void write_page(const std::filesystem::path& path, const PopMap& map, const PopR
 
 void write_folder(const std::filesystem::path& folder, const PopMap& map, const PopRequest& request, Json report,
                   const gl::Context& context) {
-  std::filesystem::create_directories(folder);
+  make_folder(folder);
   const metrics::Score& ranking = *map.scores[map.ranking];
   report["cells"] = Json::array();
   for (const PopCell& cell : map.cells) report["cells"].push_back(to_json(cell, map.scores));
@@ -391,10 +393,10 @@ int run_popmap(const Options& options, metrics::ScoreTable table) {
 
 }  // namespace
 
-void add_popmap(CLI::App& app, Run& run) { add_popmap(app, run, metrics::scores()); }
+void add_popmap(Command& app, Run& run) { add_popmap(app, run, metrics::scores()); }
 
-void add_popmap(CLI::App& app, Run& run, metrics::ScoreTable table) {
-  CLI::App* command =
+void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
+  Command* command =
       app.add_subcommand("popmap", "What a switch from the mesh would show, over views, phases and sizes");
   command->footer(
       "Mesh and impostor at the identical camera and frame: scores over their silhouettes. `own pose`: the mesh\n"
@@ -404,21 +406,27 @@ void add_popmap(CLI::App& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench popmap --representation flat --out pops\n"
       "  crowdbench popmap --representation relief --height-px 40,80 --azimuth-deg 0:330:30 --fade 8 --json");
   auto options = std::make_shared<Options>();
-  command->add_option("--representation", options->representation, "what is switched to (flat)");
-  command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
-  command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
-  command->add_option("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from its left (0:337.5:22.5)");
-  command->add_option("--elevation-deg", options->elevations, "0 = level, 90 = from straight above (0:30:10)");
-  command->add_option("--phase", options->phases, "of the clip, 0 to 1 (0.025:0.975:0.25)");
-  command->add_option("--ratio", options->ratios, "pixels that a texel spans (0.5,1,2)");
-  command->add_option("--height-px", options->heights, "instead of --ratio: the character's height in pixels");
-  command->add_option("--fade", options->fade, "ticks of the cross-fade (4)")->check(CLI::Range(1, 60));
-  command->add_option("--out", options->out, "a folder for the page, the table, the heat map and the worst case");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
-  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
+  add_representation_option(*command, options->representation, "what is switched to");
+  add_character_option(*command, options->character);
+  add_clip_option(*command, options->clip);
+  const auto add_list = [&](const char* name, std::string& list, const char* text) {
+    command->add_option(name, list, text)->type_name("LIST")->capture_default_str();
+  };
+  add_list("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from its left");
+  add_list("--elevation-deg", options->elevations, "0 = level, 90 = from straight above");
+  add_list("--phase", options->phases, "of the clip, 0 to 1");
+  add_list("--ratio", options->ratios, "pixels that a texel spans");
+  add_list("--height-px", options->heights, "instead of --ratio: the character's height in pixels");
+  command->add_option("--fade", options->fade, "ticks of the cross-fade")
+      ->type_name("N")
+      ->capture_default_str()
+      ->whole_number(1, 60);
+  command->add_option("--out", options->out, "a folder for the page, the table, the heat map and the worst case")
+      ->type_name("DIR")
+      ->output_folder();
+  add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);
-  command->add_flag("--json", options->json, "print JSON");
+  add_json_option(*command, options->json);
   command->callback([options, table, &run] { run = [options, table] { return run_popmap(*options, table); }; });
 }
 

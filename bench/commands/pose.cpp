@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "core/error.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
@@ -20,7 +21,7 @@ using nlohmann::ordered_json;
 
 struct Options {
   std::string file;
-  std::string clip = "none";
+  std::string clip;
   double time = 0.0;
   std::vector<size_t> vertices;
   bool json = false;
@@ -29,13 +30,12 @@ struct Options {
 ordered_json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 int pose(const Options& options) {
-  if (!std::isfinite(options.time)) throw Error("--time", "is not a finite number", "give seconds on the file's axis");
   scene::LoadOptions load;
   load.normalise.height = std::nullopt;
   const scene::Character character = scene::open_character(options.file, load);
   // A name comes first, even the name "none".
   int clip = -1;
-  if (options.clip != "none" || scene::find_clip(character, options.clip)) {
+  if (!options.clip.empty() && (options.clip != "none" || scene::find_clip(character, options.clip))) {
     clip = scene::require_clip(character, options.clip);
   }
   const auto drawn = scene::skin_positions(character.mesh, scene::joint_matrices(character, clip, options.time));
@@ -93,8 +93,8 @@ int pose(const Options& options) {
 
 }  // namespace
 
-void add_pose(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_pose(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("pose", "Skin a character on the CPU and print posed vertices in raw glTF units");
   command->footer(
       "Examples:\n  crowdbench pose knight.glb --clip Walking_A --time 0.25 --vertex 0 --vertex 411 --json\n"
@@ -102,15 +102,19 @@ void add_pose(CLI::App& app, Run& run) {
       "Vertices count through the nodes by ascending index, then primitives, then vertices; a mesh on two nodes counts "
       "twice.\nTime is the file's own, clamped to each channel's keys; curves are evaluated in double precision.");
   auto options = std::make_shared<Options>();
-  command->add_option("character", options->file, "a .glb or .gltf file, or mannequin[:triangles=N,joints=N]")
-      ->required();
-  command->add_option("--clip", options->clip, "a clip's name, else its index; none for the bind pose")
-      ->capture_default_str();
-  command->add_option("--time", options->time, "seconds on the file's own axis")->capture_default_str();
-  command->add_option("--vertex", options->vertices, "a vertex to print (may be repeated; 0 when none is given)")
+  command->add_option("CHARACTER", options->file, "a glTF file, or mannequin[:triangles=N,joints=N]")->required();
+  command->add_option("--clip", options->clip, "a clip's name, else its index; none for the bind pose (none)")
+      ->type_name("CLIP");
+  command->add_option("--time", options->time, "seconds on the file's own axis")
+      ->type_name("S")
+      ->capture_default_str()
+      ->number(-1e9, 1e9);
+  command->add_option("--vertex", options->vertices, "a vertex to print; may be given several times (0)")
+      ->type_name("N")
       ->take_all()
-      ->expected(1);
-  command->add_flag("--json", options->json, "print the facts as JSON");
+      ->expected(1)
+      ->whole_number(0, std::numeric_limits<uint32_t>::max());
+  add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return pose(*options); }; });
 }
 

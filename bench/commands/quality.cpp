@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,11 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "bench/commands/command_line.h"
+#include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/hash.h"
 #include "core/image_io.h"
 #include "core/progress.h"
@@ -38,7 +40,7 @@ struct Options {
   std::string times;
   std::string maps;
   std::string device;
-  double bake_budget_mib = 512;
+  uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   int rows = 480;
   bool exact_pose = false;
   bool flicker = false;
@@ -124,8 +126,8 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   Asked asked;
   QualitySetup& setup = asked.setup;
   // A text that cannot be read is refused before anything is drawn.
-  for (const std::string& text : options.representations)
-    setup.representations.push_back(renderers::parse_spec(text).text());
+  for (const renderers::Spec& spec : parse_representations(options.representations))
+    setup.representations.push_back(spec.text());
   setup.debug = options.debug;
   setup.character = std::make_shared<const scene::Character>(scene::open_character(options.character));
   const scene::Character& character = *setup.character;
@@ -135,12 +137,13 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   setup.causes = options.causes;
   setup.maps = !options.maps.empty();
   setup.table = table;
-  setup.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
+  setup.bake_budget = options.bake_budget_mib << 20;
 
   QualityView view;
-  view.clip = options.clip == "none" ? -1
-              : options.clip.empty() ? character.placement.default_clip
-                                     : scene::require_clip(character, options.clip);
+  view.clip = options.clip.empty() ? character.placement.default_clip
+              : options.clip == "none" && !scene::find_clip(character, "none")
+                  ? -1
+                  : scene::require_clip(character, options.clip);
   asked.clip = view.clip < 0 ? "none" : character.clips[static_cast<size_t>(view.clip)].name;
   const double start = view.clip < 0 ? 0.0 : character.clips[static_cast<size_t>(view.clip)].start;
   const std::vector<double> times =
@@ -262,6 +265,7 @@ void print_text(const std::vector<QualityRow>& rows, const Films& films, const A
 int run_quality(const Options& options, metrics::ScoreTable table) {
   const Asked asked = read_options(options, table);
   const std::vector<std::string> names = file_names(asked.setup.representations);
+  if (!options.maps.empty()) make_folder(options.maps);
   gl::Context context({.device = options.device});
   Films films;
   std::vector<QualityRow> rows;
@@ -282,10 +286,10 @@ int run_quality(const Options& options, metrics::ScoreTable table) {
 
 }  // namespace
 
-void add_quality(CLI::App& app, Run& run) { add_quality(app, run, metrics::scores()); }
+void add_quality(Command& app, Run& run) { add_quality(app, run, metrics::scores()); }
 
-void add_quality(CLI::App& app, Run& run, metrics::ScoreTable table) {
-  CLI::App* command =
+void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
+  Command* command =
       app.add_subcommand("quality", "Score one agent, drawn by a representation, against the mesh at the same view");
   command->footer(
       "Vertical field of view 30 degrees, background sRGB 128, light fixed to the scene. Lists (30,60,120) and ranges\n"
@@ -298,36 +302,39 @@ void add_quality(CLI::App& app, Run& run, metrics::ScoreTable table) {
       "Examples:\n"
       "  crowdbench quality --representation flat\n"
       "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
-      "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps out/maps --json");
+      "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps maps --json");
   auto options = std::make_shared<Options>();
-  command->add_option("--representation", options->representations, "what is judged; may be given several times")
-      ->required();
-  command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
-  command->add_option("--height-px", options->heights, "the character's height in pixels, 4 to 4096 (120)");
-  command->add_option("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from the character's left (0)");
-  command->add_option("--elevation-deg", options->elevations, "0 = level, 90 = from straight above (0)");
-  command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
-  command->add_option("--time", options->times, "seconds on the file's own axis (the clip's start)");
-  command->add_option(
-      "--maps", options->maps,
-      "a folder for the pictures and the scores' maps, named by representation, height and view; made where "
-      "missing");
+  add_representation_option(*command, options->representations, "what is judged")->required();
+  add_character_option(*command, options->character);
+  const auto add_list = [&](const char* name, std::string& list, const char* text) {
+    command->add_option(name, list, text)->type_name("LIST")->capture_default_str();
+  };
+  add_list("--height-px", options->heights, "the character's height in pixels, 4 to 4096");
+  add_list("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from the character's left");
+  add_list("--elevation-deg", options->elevations, "0 = level, 90 = from straight above");
+  add_clip_option(*command, options->clip);
+  add_list("--time", options->times, "seconds on the file's own axis (the clip's start)");
+  command->add_option("--maps", options->maps, 
+                      "a folder for the pictures and the scores' maps, named by representation, height and view; made "
+                      "where missing")
+      ->type_name("DIR")
+      ->output_folder();
   command->add_option("--debug", options->debug,
                       "a debug view of the representation instead of its picture, for --maps: relief has boxes, steps "
                       "(taps a ray),\nhit-face and misses, polypostor wire, lines, parts and stretch");
-  command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
-      ->check(CLI::Range(16, 8192));
+  command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one")
+      ->type_name("N")
+      ->capture_default_str()
+      ->whole_number(16, 8192);
   command->add_flag("--flicker", options->flicker,
                     "also the scores over time of each view, with the times as successive frames (three at least)");
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
   command->add_flag("--causes", options->causes,
                     "ssim had the pixels of one kind been the mesh's own: outside one silhouette, on another surface, "
                     "otherwise shaded");
-  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
-  command->add_option("--device", options->device, "EGL device: its index, software, or surfaceless");
-  command->add_flag("--json", options->json, "print JSON");
+  add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
+  add_device_option(*command, options->device);
+  add_json_option(*command, options->json);
   command->callback([options, table, &run] { run = [options, table] { return run_quality(*options, table); }; });
 }
 

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
@@ -20,7 +21,7 @@ struct Options {
   SceneOptions scene;
   std::string of, to;
   int pairs = 24;
-  int bake_budget_mib = 512;
+  uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   bool json = false;
 };
 
@@ -106,10 +107,10 @@ void print(const RatioReport& report, const scene::Scenario& scenario) {
 
 int run_ratio(const Options& options) {
   RatioRequest request;
-  request.of = renderers::parse_spec(options.of);
-  request.to = renderers::parse_spec(options.to);
+  request.of = parse_representation(options.of, "--of");
+  request.to = parse_representation(options.to, "--to");
   request.pairs = options.pairs;
-  request.bake_budget = uint64_t(options.bake_budget_mib) << 20;
+  request.bake_budget = options.bake_budget_mib << 20;
   const ChosenScenario chosen = read_scenario(options.scene);
   request.scenario = chosen.scenario;
   const bool by_default = options.scene.file.empty();
@@ -131,8 +132,8 @@ int run_ratio(const Options& options) {
 
 }  // namespace
 
-void add_ratio(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_ratio(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("ratio", "How many times as fast as another one representation is, drawn in turns");
   command->footer(
       "t(TO) / t(OF): above 1 OF is the faster. Both draw the same crowd from the same camera (solved with the mesh), "
@@ -146,12 +147,10 @@ void add_ratio(CLI::App& app, Run& run) {
   command->add_option("--to", options->to, "what it is measured against")->required()->type_name("R");
   command->add_option("--pairs", options->pairs, "timed turns of each, at least 20")
       ->type_name("K")
-      ->capture_default_str();
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB a bake may take")
-      ->type_name("MIB")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "print JSON");
+      ->capture_default_str()
+      ->whole_number(kLeastPairs, 100'000);
+  add_bake_options(*command, options->bake_budget_mib);
+  add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_ratio(*options); }; });
 }
 

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_facts.h"
@@ -49,7 +49,9 @@ constexpr double kPi = 3.14159265358979323846;
 
 float to_linear(uint8_t encoded) { return static_cast<float>(srgb_to_linear(encoded / 255.0)); }
 
-void write_pictures(const RenderOptions& options, const renderers::Capture& capture, const ImageMetadata& metadata) {
+// Writes what was asked for, and says on stdout what was drawn.
+void write_pictures(const RenderOptions& options, const renderers::Capture& capture, const ImageMetadata& metadata,
+                    const std::string& drawn) {
   // Alpha is 255 everywhere: three channels say all.
   Image8 colour(capture.colour.width, capture.colour.height, 3);
   for (size_t i = 0; i < colour.pixels(); ++i)
@@ -62,6 +64,10 @@ void write_pictures(const RenderOptions& options, const renderers::Capture& capt
   }
   if (!options.ids.empty()) write_exr(options.ids, capture.ids, metadata);
   if (!options.depth.empty()) write_exr(options.depth, capture.depth, metadata);
+  std::string files;
+  for (const std::string* file : {&options.out, &options.mask, &options.ids, &options.depth})
+    if (!file->empty()) files += (files.empty() ? "" : ", ") + printable(*file);
+  fmt::print("drew {}, {}x{} pixels: {}\n", drawn, capture.colour.width, capture.colour.height, files);
 }
 
 std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& context, const renderers::Spec& spec,
@@ -77,13 +83,16 @@ std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& 
 
 int render_crowd(const RenderOptions& options) {
   ChosenScenario chosen = read_scenario(options.scene);
-  if (!options.representation.empty()) chosen.scenario.representation = options.representation;
+  override_representation(chosen, options.representation);
   if (!options.clips.empty())
     for (scene::CharacterEntry& entry : chosen.scenario.characters) entry.clips = options.clips;
-  renderers::Spec spec = renderers::parse_spec(chosen.scenario.representation);
+  renderers::Spec spec = representation_of(chosen);
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
+  Progress progress("render", 0);
+  progress.note("loading the characters");
   const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
   const auto context = open_context(options.scene.device);
+  progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
   const scene::Scenario& scenario = staged.scenario;
   const scene::Crowd& crowd = staged.crowd;
@@ -94,19 +103,28 @@ int render_crowd(const RenderOptions& options) {
     const double seconds = static_cast<double>(tick) / scenario.tick_rate;
     return scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), tick);
   };
+  progress.note("making " + spec.text());
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
-  if (representation->has_history())
+  if (representation->has_history()) {
+    Progress played("playing the ticks before", options.tick);
     for (uint64_t tick = 0; tick < options.tick; ++tick) {
-      throw_if_interrupted();
+      played.advance();
       const scene::Frame before = frame_at(tick);
       representation->advance(before, renderers::all_agents(before));
     }
+  }
+  progress.note(fmt::format("drawing {} agents as {}", crowd.size(), spec.text()));
   const scene::Frame frame = frame_at(options.tick);
   renderers::Renderer renderer(*context, cast);
   const renderers::Capture capture = renderer.capture(frame, *representation, {.supersample = options.supersample});
   ImageMetadata metadata = picture_metadata(scenario, spec.text());
   metadata["tick"] = std::to_string(options.tick);
-  write_pictures(options, capture, metadata);
+  progress.end();
+  size_t in_view = 0;
+  for (const auto& agents : frame.agents) in_view += agents.size();
+  const std::string drawn =
+      fmt::format("{} agents ({} in view) as {}, tick {}", crowd.size(), in_view, spec.text(), options.tick);
+  write_pictures(options, capture, metadata, drawn);
   if (options.json) fmt::print("{}", json_of(staged, cast, *context, spec, options));
   return 0;
 }
@@ -115,7 +133,6 @@ int render_single(const RenderOptions& options) {
   if (!options.scene.file.empty())
     throw Error("render --single", "a scenario file makes no sense for one agent", "leave it out");
   if (options.clips.size() > 1) throw Error("--clip", "one agent shows one clip", "give --clip once");
-  if (!std::isfinite(options.time)) throw Error("--time", "it is not a finite number", "give seconds");
 
   scene::LoadOptions load;
   if (options.height == "as_is") {
@@ -124,7 +141,7 @@ int render_single(const RenderOptions& options) {
     char* end = nullptr;
     const double height = std::strtod(options.height.c_str(), &end);
     if (end == options.height.c_str() || *end != '\0' || !(height > 0) || !(height <= 1e4))
-      throw Error("--height", fmt::format("'{}' is no height", printable(options.height)),
+      throw Error("--height", fmt::format("'{}' is not a height", printable(options.height)),
                   "give metres above 0, or as_is for the file's own units");
     load.normalise.height = height;
   }
@@ -150,11 +167,6 @@ int render_single(const RenderOptions& options) {
     frame.width = size.width;
     frame.height = size.height;
   }
-  if (!(options.fov_y_deg > 0 && options.fov_y_deg < 180))
-    throw Error("--fov-y-deg", fmt::format("{} is no field of view", options.fov_y_deg), "give degrees in (0, 180)");
-  if (!(options.near > 0) || !std::isfinite(options.near))
-    throw Error("--near", fmt::format("{} is no distance", options.near), "give a distance above 0");
-  if (!std::isfinite(options.heading_deg)) throw Error("--heading-deg", "it is not a finite number", "give degrees");
   scene::Camera& camera = frame.camera;
   camera.fov_y = options.fov_y_deg * kPi / 180;
   camera.near = options.near;
@@ -180,8 +192,7 @@ int render_single(const RenderOptions& options) {
   agent.heading = {static_cast<float>(heading.sin), static_cast<float>(heading.cos)};
   frame.agents.push_back({agent});
 
-  const std::string spec_text = options.representation.empty() ? "mesh" : options.representation;
-  renderers::Spec spec = renderers::parse_spec(spec_text);
+  renderers::Spec spec = parse_representation(options.representation.empty() ? "mesh" : options.representation);
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   const auto context = open_context(options.scene.device);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
@@ -195,14 +206,15 @@ int render_single(const RenderOptions& options) {
       {"seed", "0"},
       {"backend", spec.text()},
       {"version", std::string(version())}};
-  write_pictures(options, capture, metadata);
+  write_pictures(options, capture, metadata,
+                 fmt::format("{} (clip {}) as {}", printable(character->name), printable(clip_name), spec.text()));
   return 0;
 }
 
 }  // namespace
 
-void add_render(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("render", "Draw one tick of a scenario, or one agent alone, to pictures");
+void add_render(Command& app, Run& run) {
+  Command* command = app.add_subcommand("render", "Draw one tick of a scenario, or one agent alone, to pictures");
   command->footer(
       "Examples:\n"
       "  crowdbench render --agents 100 --tick 30 --out crowd.png --ids ids.exr --depth depth.exr\n"
@@ -213,35 +225,45 @@ void add_render(CLI::App& app, Run& run) {
       "      --eye 0,1,5 --target 0,1,0 --fov-y-deg 40 --size 512x512 --out x.png --mask m.png");
   auto options = std::make_shared<RenderOptions>();
   add_scene_options(*command, options->scene);
-  command->add_option("--representation,-r", options->representation,
-                      "how agents are drawn (crowdbench info --representations)");
+  add_representation_option(*command, options->representation, "how agents are drawn (the scenario's, else mesh)");
   command->add_option(
       "--debug", options->debug,
       "a debug view of the representation instead of its picture: relief has boxes, steps (taps a ray), "
       "hit-face\nand misses, polypostor wire, lines, parts and stretch");
-  command->add_option("--clip", options->clips, "clip in use, by name or index; repeatable (--single: one, or none)");
-  command->add_option("--tick", options->tick, "which tick of the scenario (30 a second by default)");
-  command->add_option("--out", options->out, "colour, PNG");
-  command->add_option("--mask", options->mask,
-                      "silhouettes, PNG: 255 where an agent covers the pixel's centre, else 0");
-  command->add_option("--ids", options->ids, "agent index + 1 by pixel, 0 = nothing: EXR, 32-bit unsigned");
-  command->add_option("--depth", options->depth, "metres along the view axis, infinite where empty: EXR, float");
-  command->add_option("--supersample", options->supersample, "odd k: k x k samples a pixel, averaged in linear light");
-  auto* json = command->add_flag("--json", options->json,
-                                 "print what stands on the stage: the camera, the crowd's placement, the occupancy");
+  command
+      ->add_option("--clip", options->clips,
+                   "clip in use, by name or index; may be given several times (--single: one, or none)")
+      ->type_name("CLIP")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--tick", options->tick, "which tick of the scenario (30 a second by default)")
+      ->type_name("N")
+      ->capture_default_str()
+      ->whole_number(0, 1'000'000'000);
+  const auto add_picture = [&](const char* name, std::string& file, const char* type, const char* text) {
+    command->add_option(name, file, text)->type_name(type)->output_file();
+  };
+  add_picture("--out", options->out, "FILE.png", "colour");
+  add_picture("--mask", options->mask, "FILE.png", "silhouettes: 255 where an agent covers the pixel's centre, else 0");
+  add_picture("--ids", options->ids, "FILE.exr", "agent index + 1 by pixel, 0 = nothing: 32-bit unsigned");
+  add_picture("--depth", options->depth, "FILE.exr", "metres along the view axis, infinite where empty: float");
+  add_supersample_option(*command, options->supersample);
+  auto* json = add_json_option(*command, options->json,
+                               "print what stands on the stage: the camera, the crowd's placement, the occupancy");
   auto* single = command->add_flag("--single", options->single, "one agent, its glTF origin at the world's origin")
                      ->excludes(json);
   const auto add_single = [&](const char* name, auto& value, const char* text) {
-    command->add_option(name, value, std::string("with --single: ") + text)->needs(single);
+    return command->add_option(name, value, std::string("with --single: ") + text)->needs(single);
   };
-  add_single("--time", options->time, "the file's own seconds, clamped to the clip");
+  add_single("--time", options->time, "the file's own seconds, clamped to the clip")->number(-1e9, 1e9);
   add_single("--height", options->height, "metres, or as_is for the file's own units (default 1.75)");
-  add_single("--heading-deg", options->heading_deg, "turns +Z towards +X; 0 leaves the glTF axes untouched");
+  add_single("--heading-deg", options->heading_deg, "turns +Z towards +X; 0 leaves the glTF axes untouched")
+      ->number(-360, 360);
   add_single("--eye", options->eye, "x,y,z of the camera");
   add_single("--target", options->target, "x,y,z looked at");
   add_single("--up", options->up, "x,y,z (default 0,1,0)");
-  add_single("--fov-y-deg", options->fov_y_deg, "vertical field of view in degrees (default 40)");
-  add_single("--near", options->near, "near plane (default 0.1); the far one is infinite");
+  add_single("--fov-y-deg", options->fov_y_deg, "vertical field of view in degrees (default 40)")->number(0.1, 179);
+  add_single("--near", options->near, "near plane (default 0.1); the far one is infinite")->number(1e-6, 1e6);
   add_single("--background", options->background, "'#rrggbb', sRGB (default #808080)");
   command->callback([options, &run] {
     run = [options] {

@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -44,8 +45,8 @@ int run_report(const Options& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand(
+void add_report(Command& app, Run& run) {
+  Command* command = app.add_subcommand(
       "report", "Tell what a result file says: a page that opens offline, tables, other tools' forms");
   command->footer(
       "Examples:\n  crowdbench report results.sqlite --out report.html\n  crowdbench report results.sqlite "
@@ -55,16 +56,24 @@ void add_report(CLI::App& app, Run& run) {
   command->add_option("FILE", options->file, "result file that `bench` or `demo` made")
       ->required()
       ->type_name("FILE.sqlite");
-  command->add_option("--out", options->out, "one self-contained HTML page")->type_name("FILE.html");
-  command->add_option("--markdown", options->markdown, "the same tables in Markdown")->type_name("FILE.md");
-  command->add_option("--csv", options->csv, "one row a measurement, units in the column names")->type_name("FILE.csv");
+  command->add_option("--out", options->out, "one self-contained HTML page")->type_name("FILE.html")->output_file();
+  command->add_option("--markdown", options->markdown, "the same tables in Markdown")
+      ->type_name("FILE.md")
+      ->output_file();
+  command->add_option("--csv", options->csv, "one row a measurement, units in the column names")
+      ->type_name("FILE.csv")
+      ->output_file();
   command->add_option("--scores-csv", options->scores_csv, "one row a score, with what was compared")
-      ->type_name("FILE.csv");
-  command->add_option("--json-out", options->json, "every row as JSON, samples included")->type_name("FILE.json");
+      ->type_name("FILE.csv")
+      ->output_file();
+  command->add_option("--json-out", options->json, "every row as JSON, samples included")
+      ->type_name("FILE.json")
+      ->output_file();
   command
       ->add_option("--google-benchmark", options->google_benchmark,
                    "Google Benchmark's JSON, for compare.py and trackers")
-      ->type_name("FILE.json");
+      ->type_name("FILE.json")
+      ->output_file();
   command->callback([options, &run] { run = [options] { return run_report(*options); }; });
 }
 

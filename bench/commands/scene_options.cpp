@@ -1,10 +1,11 @@
 #include "bench/commands/scene_options.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <vector>
 
+#include "bench/commands/command_line.h"
 #include "core/error.h"
 #include "core/version.h"
 #include "renderers/gl/context.h"
@@ -13,23 +14,27 @@
 
 namespace crowdbench::bench {
 
-void add_scene_options(CLI::App& command, SceneOptions& options) {
-  command.add_option("scenario", options.file, "scenario file (TOML); see crowdbench schema")->type_name("SCENARIO");
-  command.add_option("--agents", options.agents, "number of agents")->type_name("N");
-  command.add_option("--seed", options.seed, "seed of the crowd")->type_name("S");
+void add_scene_options(Command& command, SceneOptions& options) {
+  add_scenario_argument(command, options.file);
+  command.add_option("--agents", options.agents, "number of agents")->type_name("N")->whole_number(0, kMostAgents);
+  add_seed_option(command, options.seed);
   command.add_option("--occupancy", options.occupancy, "fraction of the picture that the crowd covers, solved for")
-      ->type_name("F");
-  command.add_option("--size", options.size, "size of the picture in pixels")->type_name("WxH");
-  command.add_option("--character", options.character, "mannequin[:triangles=N,joints=N] or a glTF file")
-      ->type_name("C");
+      ->type_name("F")
+      ->number(0.0001, 1);
+  add_size_option(command, options.size);
+  add_character_option(command, options.character);
   add_device_option(command, options.device);
 }
 
-void add_device_option(CLI::App& command, std::string& device) {
-  command
-      .add_option("--device", device,
-                  "EGL device: its index, software, or surfaceless (default: $CROWDBENCH_DEVICE, else the first GPU)")
-      ->type_name("D");
+void add_scenario_argument(Command& command, std::string& file) {
+  command.add_option("SCENARIO", file, "scenario file, see schema; without one, every key is at its default")
+      ->type_name("FILE.toml");
+}
+
+void add_seed_option(Command& command, std::optional<uint64_t>& seed) {
+  command.add_option("--seed", seed, "seed of the crowd")
+      ->type_name("S")
+      ->whole_number(0, std::numeric_limits<uint64_t>::max());
 }
 
 PictureSize parse_size(const std::string& text, const std::string& option) {
@@ -43,7 +48,7 @@ PictureSize parse_size(const std::string& text, const std::string& option) {
   }
   const auto in_range = [](int side) { return side >= 1 && side <= 16384; };
   if (!fine || !in_range(size.width) || !in_range(size.height)) {
-    throw Error(option, fmt::format("'{}' is no size", printable(text)), "write it as 640x480, sides 1 to 16384");
+    throw Error(option, fmt::format("'{}' is not a size", printable(text)), "write it as 640x480, sides 1 to 16384");
   }
   return size;
 }
@@ -51,22 +56,16 @@ PictureSize parse_size(const std::string& text, const std::string& option) {
 ChosenScenario read_scenario(const SceneOptions& options) {
   ChosenScenario chosen;
   if (!options.file.empty()) {
-    chosen.scenario = scene::load_scenario(options.file);
+    scene::KeyPlaces places;
+    chosen.scenario = scene::load_scenario(options.file, &places);
+    if (const auto place = places.find("representation"); place != places.end())
+      chosen.representation_from = place->second + ": `representation`";
     chosen.folder = std::filesystem::path(options.file).parent_path();
   }
   scene::Scenario& scenario = chosen.scenario;
-  if (options.agents) {
-    if (*options.agents > 1'000'000) throw Error("--agents", fmt::format("{} is more than 1000000", *options.agents));
-    scenario.crowd.agents = *options.agents;
-  }
+  if (options.agents) scenario.crowd.agents = *options.agents;
   if (options.seed) scenario.seed = *options.seed;
-  if (options.occupancy) {
-    if (!(*options.occupancy > 0 && *options.occupancy <= 1)) {
-      throw Error("--occupancy", fmt::format("{} is not above 0 and at most 1", *options.occupancy),
-                  "0.15 is 15 % of the picture");
-    }
-    scenario.occupancy = options.occupancy;
-  }
+  if (options.occupancy) scenario.occupancy = options.occupancy;
   if (!options.size.empty()) {
     const PictureSize size = parse_size(options.size);
     scenario.width = size.width;
@@ -81,6 +80,16 @@ ChosenScenario read_scenario(const SceneOptions& options) {
   return chosen;
 }
 
+void override_representation(ChosenScenario& chosen, const std::string& text) {
+  if (text.empty()) return;
+  chosen.scenario.representation = text;
+  chosen.representation_from = "--representation";
+}
+
+renderers::Spec representation_of(const ChosenScenario& chosen) {
+  return parse_representation(chosen.scenario.representation, chosen.representation_from);
+}
+
 glm::dvec3 parse_vector(const std::string& text, const std::string& option) {
   glm::dvec3 out(0.0);
   const char* at = text.data();
@@ -91,7 +100,7 @@ glm::dvec3 parse_vector(const std::string& text, const std::string& option) {
     fine = fault == std::errc{} && std::isfinite(out[i]) && (i == 2 ? next == end : next < end && *next == ',');
     at = fine && i < 2 ? next + 1 : next;
   }
-  if (!fine) throw Error(option, fmt::format("'{}' is no point", printable(text)), "write x,y,z: 0,1.5,4");
+  if (!fine) throw Error(option, fmt::format("'{}' is not a point", printable(text)), "write x,y,z: 0,1.5,4");
   return out;
 }
 
@@ -105,7 +114,8 @@ glm::u8vec3 parse_colour(const std::string& text, const std::string& option) {
     fine = fault == std::errc{} && end == at + 2;
     out[i] = value;
   }
-  if (!fine) throw Error(option, fmt::format("'{}' is no colour", printable(text)), "write '#rrggbb' in hexadecimal");
+  if (!fine)
+    throw Error(option, fmt::format("'{}' is not a colour", printable(text)), "write '#rrggbb' in hexadecimal");
   return out;
 }
 

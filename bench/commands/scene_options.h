@@ -7,14 +7,12 @@
 #include <optional>
 #include <string>
 
+#include "bench/commands/options.h"
 #include "core/image_io.h"
 #include "scene/crowd/crowd.h"
 #include "scene/crowd/occupancy.h"
 #include "scene/scenario/scenario.h"
 
-namespace CLI {
-class App;
-}
 namespace crowdbench::gl {
 class Context;
 }
@@ -33,17 +31,23 @@ struct SceneOptions {
 };
 
 // [SCENARIO] --agents --seed --occupancy --size --character --device. `options` must outlive `command`.
-void add_scene_options(CLI::App& command, SceneOptions& options);
-// --device alone, for commands that draw no scene.
-void add_device_option(CLI::App& command, std::string& device);
+void add_scene_options(Command& command, SceneOptions& options);
+void add_scenario_argument(Command& command, std::string& file);
+void add_seed_option(Command& command, std::optional<uint64_t>& seed);
+inline constexpr uint64_t kMostAgents = 1'000'000;
 
 // The scenario with the overrides in it, and the folder that its characters' paths are relative to.
 struct ChosenScenario {
   scene::Scenario scenario;
   std::filesystem::path folder;
+  std::string representation_from = "--representation";  // who is to blame where it cannot be parsed
 };
 // Throws Error.
 ChosenScenario read_scenario(const SceneOptions& options);
+// The scenario draws this instead, unless the text is empty.
+void override_representation(ChosenScenario& chosen, const std::string& text);
+// scenario.representation taken apart. Throws Error naming the option or the file's line.
+renderers::Spec representation_of(const ChosenScenario& chosen);
 
 // "640x480" taken apart, each side 1..16384. Throws Error naming `option`.
 struct PictureSize {

@@ -2,13 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/quality.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
 
@@ -24,7 +26,7 @@ struct Options {
   std::string ratios = "0.5,1,2";
   std::string size = "640x480";
   std::string device;
-  double bake_budget_mib = 512;
+  uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   SwitchRequest request;
   bool no_cache = false;
   bool json = false;
@@ -53,7 +55,7 @@ Json to_json(const SwitchRow& row) {
 
 int run_switch_distance(const Options& options) {
   SwitchRequest request = options.request;
-  request.representation = renderers::parse_spec(options.representation);
+  request.representation = parse_representation(options.representation);
   request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
   const PictureSize size = parse_size(options.size);
   request.width = size.width;
@@ -64,10 +66,12 @@ int run_switch_distance(const Options& options) {
     request.clip = options.clip == "none" && !scene::find_clip(*request.character, "none")
                        ? -1
                        : scene::require_clip(*request.character, options.clip);
-  request.bake_budget = static_cast<uint64_t>(options.bake_budget_mib * (1 << 20));
+  request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
   const auto context = open_context(options.device);
+  Progress progress("switch-distance", 0);
   const SwitchReport report = measure_switch_distance(*context, request);
+  progress.end();
 
   if (options.json) {
     Json out = {{"character", request.character->name},
@@ -117,8 +121,8 @@ int run_switch_distance(const Options& options) {
 
 }  // namespace
 
-void add_switch_distance(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_switch_distance(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("switch-distance", "Where a texel of an impostor covers a pixel: derived and measured");
   command->footer(
       "Derived: d = texel * rows / (2 * ratio * tan(fov / 2)). Measured: the impostor is drawn as texel coordinates, "
@@ -130,25 +134,24 @@ void add_switch_distance(CLI::App& app, Run& run) {
       "--off-axis-deg 30 --json");
   auto options = std::make_shared<Options>();
   SwitchRequest& request = options->request;
-  command->add_option("--representation", options->representation, "an impostor with texels (flat)");
-  command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
-  command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
-  command->add_option("--ratio", options->ratios, "pixels that a texel spans, 0.01 to 100 (0.5,1,2)");
-  command->add_option("--size", options->size, "of the picture in pixels (640x480)")->type_name("WxH");
-  command->add_option("--fov-y-deg", request.fov_y_deg, "vertical field of view in degrees (35)")
-      ->check(CLI::Range(1.0, 170.0));
-  command->add_option("--azimuth-deg", request.azimuth_deg, "0 = seen from the front, 90 = from its left (0)")
-      ->check(CLI::Range(-360.0, 360.0));
-  command->add_option("--elevation-deg", request.elevation_deg, "0 = level, 90 = from straight above (0)")
-      ->check(CLI::Range(-89.0, 90.0));
-  command->add_option("--off-axis-deg", request.off_axis_deg, "the agent's angle off the view axis (0)")
-      ->check(CLI::Range(0.0, 85.0));
-  command->add_option("--scale", request.scale, "of the agent (1)")->check(CLI::Range(0.01, 100.0));
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
-  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
+  add_representation_option(*command, options->representation, "an impostor with texels");
+  add_character_option(*command, options->character);
+  add_clip_option(*command, options->clip);
+  command->add_option("--ratio", options->ratios, "pixels that a texel spans, 0.01 to 100")
+      ->type_name("LIST")
+      ->capture_default_str();
+  add_size_option(*command, options->size);
+  const auto add_number = [&](const char* name, double& value, double low, double high, const char* text) {
+    command->add_option(name, value, text)->type_name("X")->capture_default_str()->number(low, high);
+  };
+  add_number("--fov-y-deg", request.fov_y_deg, 1, 170, "vertical field of view in degrees");
+  add_number("--azimuth-deg", request.azimuth_deg, -360, 360, "0 = seen from the front, 90 = from its left");
+  add_number("--elevation-deg", request.elevation_deg, -89, 90, "0 = level, 90 = from straight above");
+  add_number("--off-axis-deg", request.off_axis_deg, 0, 85, "the agent's angle off the view axis");
+  add_number("--scale", request.scale, 0.01, 100, "of the agent");
+  add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);
-  command->add_flag("--json", options->json, "print JSON");
+  add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_switch_distance(*options); }; });
 }
 

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
 #include <optional>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/viewer.h"
@@ -29,12 +29,10 @@ struct Options {
 };
 
 // What the number keys offer: what was asked for, else the scenario's own and every other that needs no options.
-std::vector<renderers::Spec> offered(const std::vector<std::string>& asked, const scene::Scenario& scenario) {
+std::vector<renderers::Spec> offered(const std::vector<std::string>& asked, const ChosenScenario& chosen) {
   std::vector<renderers::Spec> specs;
-  specs.reserve(asked.size());
-  for (const std::string& text : asked) specs.push_back(renderers::parse_spec(text));
-  if (!specs.empty()) return specs;
-  specs.push_back(renderers::parse_spec(scenario.representation));
+  if (!asked.empty()) return parse_representations(asked);
+  specs.push_back(representation_of(chosen));
   for (const renderers::RepresentationType& type : renderers::representation_types()) {
     renderers::Spec spec;
     spec.name = type.name;
@@ -74,7 +72,7 @@ int run_view(const Options& options) {
   }
   ChosenScenario chosen = read_scenario(options.scene);
   chosen.scenario.ground = !options.no_ground;
-  const std::vector<renderers::Spec> specs = offered(options.representations, chosen.scenario);
+  const std::vector<renderers::Spec> specs = offered(options.representations, chosen);
   std::vector<std::string> names;
   names.reserve(specs.size());
   for (const renderers::Spec& spec : specs) names.push_back(spec.text());
@@ -120,6 +118,7 @@ int run_view(const Options& options) {
     for (size_t* which : {&state.current, &state.beside}) {
       if (pool.holds(*which) || (which == &state.beside && !state.side_by_side)) continue;
       window.set_title(fmt::format("crowdbench: making {} ...", names[*which]));
+      Progress progress("making " + names[*which], 0);
       try {
         pool.get(*which);
       } catch (const Error& error) {
@@ -156,8 +155,8 @@ int run_view(const Options& options) {
 
 }  // namespace
 
-void add_view(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("view", "Look at a scenario in a window; switch representations with 1..9");
+void add_view(Command& app, Run& run) {
+  Command* command = app.add_subcommand("view", "Look at a scenario in a window; switch representations with 1..9");
   command->footer(
       "Left drag orbits, right drag pans, the wheel zooms; space pauses, '.' steps, 1..9 switch, s shows two side by\n"
       "side, h hides the help text, Esc quits. Everything is drawn off screen, as it is measured, and shown as it is.\n"
@@ -165,14 +164,15 @@ void add_view(CLI::App& app, Run& run) {
       "  crowdbench view --representation mesh --representation flat --side-by-side");
   auto options = std::make_shared<Options>();
   add_scene_options(*command, options->scene);
-  command
-      ->add_option("--representation", options->representations,
-                   "what the keys 1..9 show; may be given several times (default: the scenario's, then all others)")
-      ->type_name("R");
+  add_representation_option(*command, options->representations,
+                            "what the keys 1..9 show (the scenario's, then all others)");
   command->add_flag("--side-by-side", options->side_by_side, "start with the first two beside each other");
-  command->add_option("--frames", options->frames, "end after N frames, frame n showing tick n")->type_name("N");
+  command->add_option("--frames", options->frames, "end after N frames, frame n showing tick n")
+      ->type_name("N")
+      ->whole_number(1, 1'000'000'000);
   command->add_option("--screenshot", options->screenshot, "what stood in the window at the last of --frames")
-      ->type_name("FILE.png");
+      ->type_name("FILE.png")
+      ->output_file();
   command->add_flag("--no-ground", options->no_ground, "leave the grey grid out");
   command->callback([options, &run] { run = [options] { return run_view(*options); }; });
 }

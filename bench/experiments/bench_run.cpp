@@ -12,12 +12,16 @@
 #include "bench/stage/stage.h"
 #include "bench/timing/image_check.h"
 #include "bench/timing/timed_representation.h"
+#include "bench/experiments/time_budget.h"
 #include "core/image_io.h"
 #include "core/progress.h"
 #include "metrics/pseudocolour.h"
 
 namespace crowdbench::bench {
 namespace {
+
+// Frames of every variant at a point, at least: pictures, counts, warm-up and timed turns.
+constexpr double kLeastTurns = 16;
 
 // A curve: one representation at one occupancy. Once it has ended, every later point says so.
 struct Curve {
@@ -45,7 +49,8 @@ class Sweep {
         progress_(progress),
         cast_(cast),
         stage_(context, cast),
-        gpu_(gpu_timer_of(context, method)) {
+        gpu_(gpu_timer_of(context, method)),
+        budget_(request.total_time_s, request.agents.size() * request.occupancies.size()) {
     specs_.push_back(renderers::parse_spec("mesh"));
     for (const renderers::Spec& spec : request.representations)
       if (std::none_of(specs_.begin(), specs_.end(), [&](const auto& s) { return s.text() == spec.text(); }))
@@ -53,10 +58,19 @@ class Sweep {
   }
 
   SweepSummary run() {
+    size_t done = 0;
     for (const double occupancy : request_.occupancies) {
       curves_.assign(specs_.size(), {});
+      turn_s_ = 0;
+      uint32_t before = 0;
       const uint32_t shown = agents_to_show();
-      for (const uint32_t agents : request_.agents) measure({agents, occupancy}, agents == shown);
+      for (const uint32_t agents : request_.agents) {
+        const double growth = before > 0 ? static_cast<double>(agents) / before : 1;
+        measure({agents, occupancy}, agents == shown, growth * turn_s_ * kLeastTurns);
+        before = agents;
+        budget_.point_done();
+        if (request_.after_point) request_.after_point(++done, budget_.left());
+      }
     }
     return summary_;
   }
@@ -93,6 +107,14 @@ class Sweep {
     for (const uint32_t agents : request_.agents)
       if (agents <= request_.picture_agents) shown = std::max(shown, agents);
     return shown;
+  }
+
+  // Whether a point that takes this long at least still fits.
+  bool in_time(const Point& at, double least_s) {
+    if (budget_.allows(least_s)) return true;
+    remark(fmt::format("{}: left for another run of the same command: it takes {} at least, and {} are left", at.name(),
+                       duration_text(least_s), duration_text(budget_.left())));
+    return false;
   }
 
   void remark(const std::string& text) { summary_.remarks.push_back(text); }
@@ -141,8 +163,9 @@ class Sweep {
     return true;
   }
 
-  void measure(const Point& at, bool keep_pictures) {
-    if (take_from_store(at)) return;
+  // least_s: what it takes at least, as the point before lets expect.
+  void measure(const Point& at, bool keep_pictures, double least_s) {
+    if (take_from_store(at) || !in_time(at, least_s)) return;
     progress_(at.name() + ": solving for the view");
     scene::Scenario scenario = request_.scenario;
     scenario.crowd.agents = at.agents;
@@ -212,7 +235,7 @@ class Sweep {
     plan.rounds = request_.rounds;
     plan.least_rounds = std::min(request_.least_rounds, request_.rounds);
     plan.metric = method_.headline;
-    plan.time_limit_ns = static_cast<int64_t>(request_.time_limit_s * 1e9);
+    plan.time_limit_ns = static_cast<int64_t>(budget_.share(request_.time_limit_s) * 1e9);
     plan.drop_above_ns = static_cast<int64_t>(2 * request_.budget_ms * 1e6);
     plan.order_seed = request_.order_seed;
     int round = 0;
@@ -220,6 +243,10 @@ class Sweep {
       progress_(fmt::format("{}: turn {}", at.name(), ++round));
       throw_if_interrupted();
     });
+    turn_s_ = 0;
+    for (const VariantTimes& one : results)
+      turn_s_ += 1e-9 * (one.dropped ? static_cast<double>(one.warmup_frame_ns)
+                                     : median(values_of(one.samples, Metric::wall)));
     Times times;
     times.looks.resize(looks.size());
     for (size_t v = 0; v < variants.size(); ++v)
@@ -353,9 +380,13 @@ class Sweep {
   std::map<size_t, std::unique_ptr<TimedRepresentation>> timed_;
   std::map<size_t, std::unique_ptr<TimedRepresentation>> floors_;
   SweepSummary summary_;
+  TimeBudget budget_;
+  double turn_s_ = 0;  // of the latest point at this occupancy: every variant drawn once
 };
 
 }  // namespace
+
+std::vector<uint32_t> full_agents() { return {1, 10, 100, 250, 500, 1000, 2000, 5000, 10000}; }
 
 SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
                        const SweepRequest& request, StoreWriter& store,

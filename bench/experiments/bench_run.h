@@ -17,12 +17,15 @@ struct SweepRequest {
   scene::Scenario scenario;  // agents and occupancy are replaced by the axes below
   // Drawn beside the reference, which is always the mesh and need not be named. Canonical texts are unique.
   std::vector<renderers::Spec> representations;
-  std::vector<uint32_t> agents{1, 10, 100, 250, 500, 1000, 2000, 5000, 10000};  // ascending, each at least 1
-  std::vector<double> occupancies{0.15, 0.9};                                   // 0: the scenario's own camera
-  double budget_ms = 1000;  // wall time a frame: a curve ends with the first point beyond it
+  std::vector<uint32_t> agents{1, 10, 100, 1000};  // ascending, each at least 1
+  std::vector<double> occupancies{0.15, 0.9};      // 0: the scenario's own camera
+  double budget_ms = 1000;                         // wall time a frame: a curve ends with the first point beyond it
   int rounds = 24;  // timed turns a point, fewer when they take longer than time_limit_s, never below least_rounds
   int least_rounds = 10;
   double time_limit_s = 10;
+  double total_time_s = 0;  // for all points together (see TimeBudget), 0: as long as it takes
+  // Called after each point with how many are through, and what is left of total_time_s.
+  std::function<void(size_t done, double seconds_left)> after_point;
   bool floors = true;                // also time each representation's floor
   uint64_t order_seed = kOrderSeed;  // of the order of turns (TimingPlan)
   uint32_t picture_agents = 250;     // pictures are kept of the largest measured crowd up to this, at each occupancy
@@ -36,6 +39,9 @@ struct StagedPoint {
   double requested_occupancy = 0;  // 0: the scenario's own camera
   StageFacts facts;
 };
+
+// The numbers of agents of a thorough sweep: 1 to 10,000.
+std::vector<uint32_t> full_agents();
 
 struct SweepSummary {
   size_t measured = 0;               // points timed now

@@ -9,6 +9,7 @@
 
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
 
@@ -109,6 +110,7 @@ class Comparison {
       text = spec->text();
     });
     for (size_t v = 0; v < setup_.views.size(); ++v) {
+      throw_if_interrupted();
       QualityRow row = described(v);
       row.index = index;
       row.representation = text;

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/progress.h"
 #include "renderers/frame/capture.h"
 #include "scene/crowd/crowd.h"
 
@@ -179,6 +180,7 @@ SwitchReport measure_switch_distance(gl::Context& context, const SwitchRequest& 
     constexpr int kMostPictures = 12;
     constexpr double kClose = 1e-4;
     for (int i = 0; i < kMostPictures && probe.measures(); ++i) {
+      throw_if_interrupted();
       const std::optional<TexelFootprint> found = probe.footprint(depth);
       if (!found) break;
       const double step = found->across_y / ratio;

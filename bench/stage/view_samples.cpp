@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/progress.h"
 #include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
@@ -19,6 +20,7 @@ renderers::VisitViewSamples view_samples_of(const scene::Scenario& scenario, con
   return [&scenario, &cast, &crowd, ticks](size_t character,
                                            const std::function<void(const renderers::ViewSample&)>& see) {
     for (uint64_t tick = 0; tick < ticks; ++tick) {
+      throw_if_interrupted();
       const scene::Camera camera = scenario.camera.at(static_cast<double>(tick) / scenario.tick_rate);
       const scene::Frame frame = scene::make_frame(scenario, cast, crowd, camera, tick);
       for (const scene::FrameAgent& a : frame.agents[character]) {

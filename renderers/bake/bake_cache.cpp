@@ -78,6 +78,11 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
 uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span<const uint8_t> payload) const {
   if (!enabled_) return 0;
   try {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error)
+      throw Error(folder_.string(), "cannot create the folder: " + error.message(),
+                  "set CROWDBENCH_CACHE_DIR to a place that can be written");
     PendingFile pending(path(kind, key));
     {
       const Header header = make_header(kind, key, payload);

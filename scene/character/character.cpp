@@ -22,14 +22,12 @@ std::optional<int> find_clip(const Character& character, std::string_view name_o
 
 int require_clip(const Character& character, std::string_view name_or_index) {
   if (const auto clip = find_clip(character, name_or_index)) return *clip;
-  std::string names;
-  for (size_t i = 0; i < character.clips.size(); ++i) {
-    const std::string& name = character.clips[i].name;
-    names += fmt::format("{}{}", i == 0 ? "" : ", ", name.empty() ? fmt::format("{} (unnamed)", i) : name);
-  }
+  std::vector<std::string> names;
+  for (size_t i = 0; i < character.clips.size(); ++i)
+    names.push_back(character.clips[i].name.empty() ? fmt::format("{} (unnamed)", i) : character.clips[i].name);
   throw Error(printable(character.source), fmt::format("there is no clip '{}'", printable(name_or_index)),
-              character.clips.empty() ? "this character has no clips"
-                                      : fmt::format("give a name or an index; it has {}", printable(names, 400)));
+              names.empty() ? "this character has no clips"
+                            : fmt::format("give a name or an index; it has {}", nearest_first(name_or_index, names)));
 }
 
 }  // namespace crowdbench::scene

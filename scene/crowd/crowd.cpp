@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/portable_math.h"
+#include "core/progress.h"
 #include "core/random.h"
 #include "scene/crowd/crowd_stage.h"
 
@@ -45,6 +46,7 @@ enum Purpose : uint64_t {
 constexpr double kLaneJitter = 0.15;     // spacings, either way: neighbours in lanes stay 0.7 spacings apart
 constexpr double kPersonalSpace = 0.49;  // metres between the pivots of jittered neighbours, a person's breadth
 constexpr double kDiskDistance = 0.75;   // spacings; 81 % of the density at which dart throwing jams
+constexpr uint64_t kStepsBetweenChecks = 65536;  // whether the user wants to stop: every few milliseconds
 constexpr double kBody = 1.0;            // metres around a pivot that a body may reach: lanes wrap so far out of view
 
 // A measured length enters the crowd rounded, so that the last bits of the machine's sine do not.
@@ -133,6 +135,7 @@ bool throw_darts(const Scenario& scenario, const Box& box, const Inside& inside,
   places.clear();
   const uint64_t darts = uint64_t{400} * n + 1000;
   for (uint64_t dart = 0; dart < darts && places.size() < n; ++dart) {
+    if (dart % kStepsBetweenChecks == 0) throw_if_interrupted();
     const double x = random_unit(scenario.seed, dart, kDartX) * box.width;
     const double z = random_unit(scenario.seed, dart, kDartZ) * box.depth;
     const Place at{box.low.x + x, box.low.z + z};
@@ -204,9 +207,11 @@ std::vector<Place> place_view(const Scenario& scenario, const ViewGround& ground
     cells.clear();
     const Box box = box_around(ground, reach, turn);
     const auto index = [&](double metres) { return static_cast<int32_t>(floor_exact(metres / crowd.spacing)); };
-    for (int32_t row = index(box.low.z); row <= index(box.low.z + box.depth) + 1; ++row)
+    for (int32_t row = index(box.low.z); row <= index(box.low.z + box.depth) + 1; ++row) {
+      throw_if_interrupted();
       for (int32_t column = index(box.low.x); column <= index(box.low.x + box.width) + 1; ++column)
         if (const double norm = ground.norm(place(column, row)); norm <= reach) cells.push_back({norm, column, row});
+    }
   }
   const auto nearer = [](const Cell& a, const Cell& b) {
     return std::tie(a.norm, a.row, a.column) < std::tie(b.norm, b.row, b.column);
@@ -483,6 +488,7 @@ Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd,
   const double seconds = static_cast<double>(tick) / scenario.tick_rate;
   const double ground = scenario.crowd.centre.y - camera.eye.y;
   for (size_t i = 0; i < crowd.size(); ++i) {
+    if (i % kStepsBetweenChecks == 0) throw_if_interrupted();
     const Kind& kind = kinds[crowd.character[i]];
     const uint16_t clip = crowd.bank_clip[i];
     const double sine = crowd.heading_sin[i];

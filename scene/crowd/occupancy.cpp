@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/progress.h"
 #include "scene/cast/cast.h"
 #include "scene/crowd/crowd_stage.h"
 
@@ -152,6 +153,7 @@ class Solver {
   }
 
   double measure(Scenario trial) {
+    progress_.advance();
     Crowd crowd = make_crowd(trial, cast_, stage_view(trial));
     const Camera camera = trial.camera.at(0.0);
     const Coverage coverage = measure_(make_frame(trial, cast_, crowd, camera, 0));
@@ -170,6 +172,7 @@ class Solver {
   const Cast& cast_;
   const MeasureCoverage& measure_;
   double target_;
+  Progress progress_{"solving for the view", kMeasurements};
   Solved best_;
 };
 

@@ -284,7 +284,7 @@ class Reader {
 
 class Parser {
  public:
-  explicit Parser(std::string where) : where_(std::move(where)) {}
+  Parser(std::string where, KeyPlaces* places) : where_(std::move(where)), places_(places) {}
 
   Scenario run(const std::string& text) {
     scan(text, where_);
@@ -312,6 +312,7 @@ class Parser {
       }
       if (key == nullptr) unknown(name, key_name, entry, std::move(known));
       key->set(scenario_, index, Reader(where_, *key).read(entry));
+      if (places_ != nullptr) (*places_)[full] = at_line(where_, line_of(entry));
     }
   }
 
@@ -400,15 +401,18 @@ class Parser {
   }
 
   std::string where_;
+  KeyPlaces* places_;
   Scenario scenario_;
 };
 
 }  // namespace
 
-Scenario parse_scenario(const std::string& toml, const std::string& where) { return Parser(where).run(toml); }
+Scenario parse_scenario(const std::string& toml, const std::string& where, KeyPlaces* places) {
+  return Parser(where, places).run(toml);
+}
 
-Scenario load_scenario(const std::filesystem::path& path) {
-  return parse_scenario(read_text(path, kScenarioBytes), path.string());
+Scenario load_scenario(const std::filesystem::path& path, KeyPlaces* places) {
+  return parse_scenario(read_text(path, kScenarioBytes), path.string(), places);
 }
 
 }  // namespace crowdbench::scene

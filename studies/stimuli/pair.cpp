@@ -43,6 +43,7 @@ nlohmann::ordered_json manifest(const gl::Context& context, const PairRequest& r
       fmt::format("a is on top when the highest bit of random_bits(seed, pair, {:#x}) is 0", kSidePurpose);
   json["pair"] = request.pair;
   json["seed"] = scenario.seed;
+  json["equal"] = pair.equal;
   json["agents"] = request.crowd.size();
   json["half"] = {{"width", scenario.width}, {"height", scenario.height}, {"supersample", request.supersample}};
   json["bar"] = {{"height", request.style.bar_height},
@@ -84,6 +85,7 @@ Pair export_pair(gl::Context& context, const scene::Cast& cast, const PairReques
       const scene::Frame frame = scene::make_frame(scenario, cast, request.crowd, camera, tick);
       const Image8 upper = renderer.capture(frame, top, options).colour;
       const Image8 lower = renderer.capture(frame, bottom, options).colour;
+      pair.equal = pair.equal && upper == lower;
       writer.add(stack_vertically(upper, lower, request.style));
       progress.advance();
     }

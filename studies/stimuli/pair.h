@@ -28,6 +28,7 @@ struct PairRequest {
 struct Pair {
   Clip clip;
   bool a_on_top = true;
+  bool equal = true;  // both halves of every frame are the same picture: no stimulus to tell apart
   // The manifest's text (JSON): files, hashes, sides and their rule, seed, scenario, encoder, decoded error, renderer.
   std::string manifest;
 };

@@ -54,7 +54,7 @@ TEST(BakeReportGl, AFrameOfViewsAsTheSourceCountsIt) {
 TEST(BakeReportGl, AFullDiskIsReportedAndTheRunGoesOn) {
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
   const support::ScratchFolder folder;
-  const std::string bake = "bake relief:map=32,capture=bind,merge=0 --character mannequin:triangles=500 --json";
+  const std::string bake = "bake --representation relief:map=32,capture=bind,merge=0 --character mannequin:triangles=500 --json";
   const std::string cache = "CROWDBENCH_CACHE_DIR='" + folder.path().string() + "'";
   // 16 blocks of 512 bytes; the bake is larger. The signal that comes with the limit is ignored, so that writing fails.
   const std::string full = "trap '' XFSZ; ulimit -f 16; MESA_SHADER_CACHE_DISABLE=1 " + cache;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -34,7 +35,8 @@ fs::path scratch() {
 std::string output_of(std::vector<std::string> arguments) {
   CLI::App app;
   Run run;
-  add_compare(app, run);
+  Command program(app);
+  add_compare(program, run);
   arguments.insert(arguments.begin(), "compare");
   std::reverse(arguments.begin(), arguments.end());
   app.parse(arguments);

@@ -93,7 +93,7 @@ TEST_F(Facts, PoseRefusesWhatIsNotThere) {
 
 TEST_F(Facts, InspectAgreesWithTheCharacterAndWithItsOwnExport) {
   const std::string saved = (folder_ / "m.glb").string();
-  const json built_in = facts("inspect mannequin:triangles=500 --save '" + saved + "'");
+  const json built_in = facts("inspect mannequin:triangles=500 --out '" + saved + "'");
   const json loaded = facts("inspect '" + saved + "'");
   const scene::Character character = scene::open_character("mannequin:triangles=500", {});
   EXPECT_EQ(built_in.at("triangles"), character.triangles());
@@ -118,12 +118,12 @@ TEST_F(Facts, InspectAgreesWithTheCharacterAndWithItsOwnExport) {
 
 TEST_F(Facts, InspectRefusesAndLeavesNothingHalfWritten) {
   refuses("inspect '" + (folder_ / "none.glb").string() + "'", "none.glb");
-  refuses("inspect mannequin --save /proc/nowhere/m.glb", "/proc/nowhere");
+  refuses("inspect mannequin --out /proc/nowhere/m.glb", "/proc/nowhere");
   refuses("inspect mannequin:triangles=lots", "triangles");
 }
 
 TEST_F(FactsGl, BakeTellsBytesAndReadsItsCacheTheSecondTime) {
-  const std::string what = "bake flat:views=sphere-8x3,texels=32,frames=2 --character mannequin:triangles=500";
+  const std::string what = "bake --representation flat:views=sphere-8x3,texels=32,frames=2 --character mannequin:triangles=500";
   const json first = facts(what);
   EXPECT_FALSE(first.at("cached").get<bool>());
   EXPECT_EQ(first.at("facts").at("views"), 24.0);
@@ -142,13 +142,13 @@ TEST_F(FactsGl, BakeTellsBytesAndReadsItsCacheTheSecondTime) {
   EXPECT_EQ(second.at("cache_key"), first.at("cache_key"));
   EXPECT_EQ(second.at("texture_bytes"), first.at("texture_bytes"));
   EXPECT_FALSE(facts(what + " --force").at("cached").get<bool>());
-  EXPECT_NE(facts("bake flat:views=sphere-8x3,texels=32,frames=3 --character mannequin:triangles=500").at("cache_key"),
+  EXPECT_NE(facts("bake --representation flat:views=sphere-8x3,texels=32,frames=3 --character mannequin:triangles=500").at("cache_key"),
             first.at("cache_key"));
 }
 
 // A driver without S3TC, as Mesa pretends to be one on demand: RGBA8, and one line that says so.
 TEST_F(FactsGl, CompressionFallsBackWhereTheDriverLacksIt) {
-  const std::string common = "bake flat:views=sphere-4x1,texels=32,frames=1";
+  const std::string common = "bake --representation flat:views=sphere-4x1,texels=32,frames=1";
   const std::string cast = " --character mannequin:triangles=500 --character mannequin:triangles=2200 --no-cache";
   const std::string without = "MESA_EXTENSION_OVERRIDE=-GL_EXT_texture_compression_s3tc";
   const json plain = facts(common + cast);
@@ -172,10 +172,10 @@ TEST_F(FactsGl, CompressionFallsBackWhereTheDriverLacksIt) {
 }
 
 TEST_F(FactsGl, BakeRefusesWhatCannotBe) {
-  refuses("bake flatt", "flat");
-  refuses("bake flat:texels=lots", "texels");
-  refuses("bake flat --clip no_such", "no_such");
-  refuses("bake flat --bake-budget 1 --character mannequin:triangles=500", "budget");
+  refuses("bake --representation flatt", "flat");
+  refuses("bake --representation flat:texels=lots", "texels");
+  refuses("bake --representation flat --clip no_such", "no_such");
+  refuses("bake --representation flat --bake-budget 1 --character mannequin:triangles=500", "budget");
 }
 
 TEST_F(FactsGl, FlickerTellsJumpsFromMotion) {

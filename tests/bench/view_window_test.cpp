@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_scenario.h"
@@ -25,7 +26,8 @@ namespace fs = std::filesystem;
 int view(std::vector<std::string> arguments) {
   CLI::App app;
   Run run;
-  add_view(app, run);
+  Command program(app);
+  add_view(program, run);
   arguments.insert(arguments.begin(), "view");
   std::reverse(arguments.begin(), arguments.end());
   app.parse(arguments);

@@ -15,6 +15,23 @@ TEST(Printable, CutsAndReplaces) {
   EXPECT_EQ(printable("abc", 3), "abc");
   EXPECT_EQ(printable("abcd", 3), "abc...");
   EXPECT_EQ(printable("a\tb\x7f"), "a?b?");
+  EXPECT_EQ(printable("gr\u00fc\u00dfe", 5), "gr\u00fc...") << "whole characters";
+}
+
+TEST(Error, WhatTheProgramSaysIsNeverCut) {
+  const std::string long_advice(5000, 'x');
+  EXPECT_EQ(std::string(Error("a", "b", long_advice).what()), "a: b; " + long_advice);
+}
+
+TEST(NearestFirst, ShowsWholeNamesTheLikeliestFirst) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 40; ++i) names.push_back("Clip_with_a_long_name_" + std::to_string(100 + i));
+  names.push_back("Walking_A");
+  const std::string text = nearest_first("Walking", names);
+  EXPECT_EQ(text.find("Walking_A, "), 0U) << text;
+  EXPECT_TRUE(text.ends_with(" and 29 more")) << text;
+  EXPECT_EQ(nearest_first("x", {"walk", "run"}), "walk, run") << "all of them, in their own order";
+  EXPECT_EQ(nearest_first("x", {}), "");
 }
 
 TEST(NearestName, FindsSlipsAndNothingElse) {

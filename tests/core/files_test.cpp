@@ -24,10 +24,42 @@ class Files : public testing::Test {
 
 TEST_F(Files, WhatIsWrittenIsRead) {
   const std::string text("a\0b\n", 4);
-  write_file(folder_ / "deep" / "er" / "x.txt", text);
-  EXPECT_EQ(read_text(folder_ / "deep" / "er" / "x.txt"), text);
-  write_file(folder_ / "deep" / "er" / "x.txt", "");
-  EXPECT_EQ(read_text(folder_ / "deep" / "er" / "x.txt"), "");
+  write_file(folder_ / "x.txt", text);
+  EXPECT_EQ(read_text(folder_ / "x.txt"), text);
+  write_file(folder_ / "x.txt", "");
+  EXPECT_EQ(read_text(folder_ / "x.txt"), "");
+}
+
+TEST_F(Files, NoFolderIsMadeForAFile) {
+  const auto wrong = [](const auto& does) -> std::string {
+    try {
+      does();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const fs::path deep = folder_ / "a" / "b";
+  for (const std::string& text :
+       {wrong([&] { write_file(deep / "x.txt", "x"); }), wrong([&] { require_writable_file(deep / "x.txt"); }),
+        wrong([&] { require_writable_folder(deep / "maps"); })}) {
+    EXPECT_NE(text.find("there is no folder '" + deep.string() + "'"), std::string::npos) << text;
+    EXPECT_NE(text.find("mkdir -p"), std::string::npos) << text;
+  }
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_NE(wrong([] { write_file("", "x"); }).find("empty"), std::string::npos);
+  // A folder is made within one that exists, and one that exists is fine.
+  make_folder(folder_ / "maps/");
+  make_folder(folder_ / "maps");
+  EXPECT_TRUE(fs::is_directory(folder_ / "maps"));
+  write_file(folder_ / "taken", "x");
+  EXPECT_NE(wrong([&] { make_folder(folder_ / "taken"); }).find("not a folder"), std::string::npos);
+}
+
+// As root, a rename would put a file in the device's place.
+TEST_F(Files, ADeviceIsNotReplaced) {
+  EXPECT_THROW(write_file("/dev/null", "x"), Error);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
 TEST_F(Files, ReadsNoMoreThanTheLimit) {

@@ -1,0 +1,223 @@
+#include "bench/commands/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "core/error.h"
+#include "core/files.h"
+
+namespace crowdbench::bench {
+namespace {
+
+// The whole text as a T, or nothing.
+template <typename T>
+std::optional<T> read_number(const std::string& text) {
+  T value{};
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+template <typename T>
+CLI::Validator in_range(T low, T high, const char* kind) {
+  const auto check = [low, high, kind](std::string& text) -> std::string {
+    const std::optional<T> value = read_number<T>(text);
+    if (!value || !(*value >= low && *value <= high))
+      return fmt::format("'{}' is not a {} from {} to {}", printable(text, 60), kind, low, high);
+    text = fmt::format("{}", *value);  // as it was read: CLI11 takes 010 for eight
+    return {};
+  };
+  return {check, fmt::format("{}..{}", low, high)};
+}
+
+CLI::Validator writable(void (*require)(const std::filesystem::path&)) {
+  const auto check = [require](std::string& text) -> std::string {
+    try {
+      require(text);
+      return {};
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  return {check, ""};
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+std::string wrong_command(const CLI::App& app, const std::string& given) {
+  const std::vector<std::string> names = command_names(app);
+  const std::string near = nearest_name(given, names);
+  if (!near.empty()) return fmt::format("'{}' is not a command; did you mean '{}'?", printable(given, 60), near);
+  return fmt::format("'{}' is not a command; there are {}", printable(given, 60), fmt::join(names, ", "));
+}
+
+// What the first argument that nobody took should have been.
+std::string unexpected(const CLI::App& app, const CLI::App* command, const std::string& given) {
+  const std::string name = given.substr(0, given.find('='));
+  const std::string help = fmt::format("crowdbench {}--help", command != nullptr ? command->get_name() + " " : "");
+  if (!name.starts_with("-") || name == "-") {
+    if (command == nullptr) return wrong_command(app, given);
+    return fmt::format("'{}' is one argument too many for {}; see {}", printable(given, 60), command->get_name(), help);
+  }
+  const std::vector<std::string> names = option_names(command != nullptr ? *command : app);
+  const std::string whose = command != nullptr ? command->get_name() : "crowdbench without a command";
+  if (std::find(names.begin(), names.end(), name) != names.end())
+    return fmt::format("{} belongs behind the command: crowdbench {} {} ...", name, command->get_name(), name);
+  const std::string near = nearest_name(name, names);
+  return fmt::format("{} has no option '{}'; {}", whose, printable(name, 60),
+                     near.empty() ? "see " + help : fmt::format("did you mean {}?", near));
+}
+
+}  // namespace
+
+Option* Option::required() {
+  option_->required();
+  return this;
+}
+
+Option* Option::type_name(const std::string& name) {
+  option_->type_name(name);
+  return this;
+}
+
+Option* Option::capture_default_str() {
+  option_->capture_default_str();
+  return this;
+}
+
+Option* Option::number(double least, double most) {
+  option_->check(in_range(least, most, "number"));
+  return this;
+}
+
+Option* Option::whole_number(uint64_t least, uint64_t most) {
+  option_->check(in_range(least, most, "whole number"));
+  return this;
+}
+
+Option* Option::odd_number(uint64_t least, uint64_t most) {
+  const auto check = [least, most](std::string& text) -> std::string {
+    const auto value = read_number<uint64_t>(text);
+    if (value && *value >= least && *value <= most && *value % 2 == 1) return {};
+    return fmt::format("'{}' is not an odd number from {} to {}", printable(text, 60), least, most);
+  };
+  option_->check(CLI::Validator(check, fmt::format("{}..{}", least, most)));
+  return this;
+}
+
+Option* Option::output_file() {
+  option_->check(writable(require_writable_file));
+  return this;
+}
+
+Option* Option::output_folder() {
+  option_->check(writable(require_writable_folder));
+  return this;
+}
+
+Option* Option::delimiter(char separator) {
+  option_->delimiter(separator);
+  return this;
+}
+
+Option* Option::expected(int arguments) {
+  option_->expected(arguments);
+  return this;
+}
+
+Option* Option::take_all() {
+  option_->take_all();
+  return this;
+}
+
+Option* Option::allow_extra_args(bool allow) {
+  option_->allow_extra_args(allow);
+  return this;
+}
+
+Option* Option::needs(const Option* other) {
+  option_->needs(other->option_);
+  return this;
+}
+
+Option* Option::excludes(const Option* other) {
+  option_->excludes(other->option_);
+  return this;
+}
+
+Option* Option::excludes(const std::string& name) {
+  option_->excludes(name);
+  return this;
+}
+
+Command* Command::add_subcommand(const std::string& name, const std::string& description) {
+  return commands_.emplace_back(std::make_unique<Command>(*app_.add_subcommand(name, description))).get();
+}
+
+void Command::footer(const std::string& text) { app_.footer(text); }
+
+void Command::callback(std::function<void()> run) { app_.callback(std::move(run)); }
+
+template <typename T>
+Option* Command::add_option(const std::string& name, T& target, const std::string& description) {
+  return options_.emplace_back(std::make_unique<Option>(app_.add_option(name, target, description))).get();
+}
+
+Option* Command::add_flag(const std::string& name, bool& target, const std::string& description) {
+  return options_.emplace_back(std::make_unique<Option>(app_.add_flag(name, target, description))).get();
+}
+
+#define CROWDBENCH_OPTION_TYPE(...) \
+  template Option* Command::add_option(const std::string&, __VA_ARGS__&, const std::string&)
+CROWDBENCH_OPTION_TYPE(std::string);
+CROWDBENCH_OPTION_TYPE(int);
+CROWDBENCH_OPTION_TYPE(uint32_t);
+CROWDBENCH_OPTION_TYPE(uint64_t);
+CROWDBENCH_OPTION_TYPE(double);
+CROWDBENCH_OPTION_TYPE(std::optional<int>);
+CROWDBENCH_OPTION_TYPE(std::optional<uint32_t>);
+CROWDBENCH_OPTION_TYPE(std::optional<uint64_t>);
+CROWDBENCH_OPTION_TYPE(std::optional<double>);
+CROWDBENCH_OPTION_TYPE(std::vector<std::string>);
+CROWDBENCH_OPTION_TYPE(std::vector<uint32_t>);
+CROWDBENCH_OPTION_TYPE(std::vector<uint64_t>);
+CROWDBENCH_OPTION_TYPE(std::vector<double>);
+#undef CROWDBENCH_OPTION_TYPE
+
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App* command = chosen.empty() ? nullptr : chosen.front();
+  const std::string help = fmt::format("see crowdbench {}--help", command != nullptr ? command->get_name() + " " : "");
+  const std::vector<std::string> left = app.remaining(true);
+  if (!left.empty()) return unexpected(app, command, left.front());
+  if (command == nullptr) return fmt::format("a command is missing; there are {}", fmt::join(command_names(app), ", "));
+  const std::string text = printable(error.what(), 1000);
+  const std::string option = text.substr(0, text.find(':'));
+  if (text.ends_with("flag override"))
+    return fmt::format("{}: takes no value; {}", text.substr(0, text.find(' ')), help);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
+    return text.find("missing") != std::string::npos || text.find("At least") != std::string::npos
+               ? fmt::format("{}: its value is missing; {}", option, help)
+               : fmt::format("{}: is given more than once; {}", option, help);
+  return fmt::format("{}; {}", text, help);
+}
+
+}  // namespace crowdbench::bench

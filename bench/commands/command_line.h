@@ -1,0 +1,71 @@
+// The command line as commands see it. CLI11 is header-only and costs 5 s of compilation a file that includes it; it is
+// compiled once, behind these two handles, whose functions are CLI11's of the same names.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+class ParseError;
+}  // namespace CLI
+
+namespace crowdbench::bench {
+
+// One option or flag. A command owns it; pointers to it stay valid as long as the command.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  Option* required();
+  Option* type_name(const std::string& name);  // what --help calls its value
+  Option* capture_default_str();               // --help shows the value that the target has now
+  // What values it takes; others are refused before anything is loaded or drawn, and the range stands in --help.
+  Option* number(double least, double most);
+  Option* whole_number(uint64_t least, uint64_t most);
+  Option* odd_number(uint64_t least, uint64_t most);
+  Option* output_file();              // a file that can be written: its folder exists, none is made (core/files.h)
+  Option* output_folder();            // a folder that can be written, or made within one that exists
+  Option* delimiter(char separator);  // one argument holds several values
+  Option* expected(int arguments);    // how many arguments follow each time it is given
+  Option* take_all();                 // may be given several times, each adds
+  Option* allow_extra_args(bool allow);
+  Option* needs(const Option* other);
+  Option* excludes(const Option* other);
+  Option* excludes(const std::string& name);
+
+ private:
+  CLI::Option* option_;
+};
+
+// A program or one of its commands.
+class Command {
+ public:
+  explicit Command(CLI::App& app) : app_(app) {}
+
+  Command* add_subcommand(const std::string& name, const std::string& description);
+  void footer(const std::string& text);
+  void callback(std::function<void()> run);
+
+  // `name`: "--long,-s", or a bare word for a positional argument. `target` is written when the line is parsed and must
+  // live until then. T is one of the types at the end of command_line.cpp; another fails to link until it is named
+  // there.
+  template <typename T>
+  Option* add_option(const std::string& name, T& target, const std::string& description);
+  Option* add_flag(const std::string& name, bool& target, const std::string& description);
+
+ private:
+  CLI::App& app_;
+  std::vector<std::unique_ptr<Option>> options_;
+  std::vector<std::unique_ptr<Command>> commands_;
+};
+
+// What is wrong with a command line, one line without the program's name: an unknown command or option with the nearest
+// that there is, a missing value, a value out of its range, each with where to look it up. `app` is the one whose
+// parse() threw `error`.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
+
+}  // namespace crowdbench::bench

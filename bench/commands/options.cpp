@@ -1,0 +1,100 @@
+#include "bench/commands/options.h"
+
+#include "bench/commands/command_line.h"
+#include "bench/experiments/bench_run.h"
+#include "core/error.h"
+
+namespace crowdbench::bench {
+namespace {
+
+constexpr const char* kCharacterMeaning = "a glTF file, or mannequin[:triangles=N,joints=N]";
+
+[[noreturn]] void blame(const std::string& where, const Error& error) {
+  throw Error(where, error.where.empty() ? error.wrong : error.where + ": " + error.wrong, error.advice);
+}
+
+}  // namespace
+
+Option* add_representation_option(Command& command, std::string& text, const std::string& meaning) {
+  return command
+      .add_option("-r,--representation", text, meaning + "; name[:key=value,...], see info --representations")
+      ->type_name("R")
+      ->capture_default_str();
+}
+
+Option* add_representation_option(Command& command, std::vector<std::string>& texts, const std::string& meaning) {
+  return command
+      .add_option("-r,--representation", texts,
+                  meaning + "; name[:key=value,...], repeated or in a list with commas, see info --representations")
+      ->take_all()
+      ->expected(1)
+      ->type_name("R");
+}
+
+Option* add_character_option(Command& command, std::string& source) {
+  return command.add_option("--character", source, kCharacterMeaning)->type_name("C")->capture_default_str();
+}
+
+Option* add_character_option(Command& command, std::vector<std::string>& sources) {
+  return command
+      .add_option("--character", sources, std::string(kCharacterMeaning) + "; may be given several times (mannequin)")
+      ->take_all()
+      ->expected(1)
+      ->type_name("C");
+}
+
+Option* add_clip_option(Command& command, std::string& clip) {
+  return command.add_option("--clip", clip, "a clip's name, else its index; none for the bind pose (the default clip)")
+      ->type_name("CLIP");
+}
+
+Option* add_device_option(Command& command, std::string& device) {
+  return command
+      .add_option("--device", device,
+                  "EGL device: its index, software, or surfaceless (default: $CROWDBENCH_DEVICE, else the first GPU)")
+      ->type_name("D");
+}
+
+Option* add_size_option(Command& command, std::string& size) {
+  return command.add_option("--size", size, "size of the picture in pixels")->type_name("WxH")->capture_default_str();
+}
+
+Option* add_supersample_option(Command& command, int& samples) {
+  return command.add_option("--supersample", samples, "K x K samples a pixel, averaged in linear light; K is odd")
+      ->type_name("K")
+      ->capture_default_str()
+      ->odd_number(1, 9);
+}
+
+void add_bake_options(Command& command, uint64_t& budget_mib, bool* no_cache) {
+  command.add_option("--bake-budget", budget_mib, "MiB that a bake may take")
+      ->type_name("MIB")
+      ->capture_default_str()
+      ->whole_number(1, 1 << 20);
+  if (no_cache != nullptr) command.add_flag("--no-cache", *no_cache, "neither read nor write stored bakes");
+}
+
+Option* add_json_option(Command& command, bool& json, const std::string& meaning) {
+  return command.add_flag("--json", json, meaning);
+}
+
+renderers::Spec parse_representation(const std::string& text, const std::string& where) {
+  try {
+    return renderers::parse_spec(text);
+  } catch (const Error& error) {
+    blame(where, error);
+  }
+}
+
+std::vector<renderers::Spec> parse_representations(const std::vector<std::string>& texts, const std::string& where) {
+  std::vector<renderers::Spec> specs;
+  for (const std::string& text : texts) try {
+      const std::vector<renderers::Spec> some = renderers::parse_specs(text);
+      specs.insert(specs.end(), some.begin(), some.end());
+    } catch (const Error& error) {
+      blame(where, error);
+    }
+  return specs;
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,356 @@
+// The driver as a new user meets it, from outside: it stops when told to, says what it does and for how long, names
+// what was wrong and what would be right, calls one thing by one name, and never says that what was not written was.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "core/files.h"
+#include "tests/support/driver.h"
+#include "tests/support/running_driver.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench::bench {
+namespace {
+namespace fs = std::filesystem;
+
+using support::Outcome;
+using support::RunningDriver;
+
+constexpr double kAnswerSeconds = 3;  // to Ctrl-C and SIGTERM
+
+size_t lines_of(const std::string& text) { return static_cast<size_t>(std::count(text.begin(), text.end(), '\n')); }
+
+class Manners : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+    fs::create_directories(work_);
+    ::setenv("CROWDBENCH_CACHE_DIR", (folder_ / "cache").c_str(), 1);
+  }
+  void TearDown() override { ::unsetenv("CROWDBENCH_CACHE_DIR"); }
+  // In a folder of the test's own.
+  Outcome run(const std::string& arguments, bool with_stderr = true) const {
+    return support::run_driver("cd '" + work_.string() + "';", arguments, with_stderr);
+  }
+  std::vector<std::string> commands() const {
+    std::vector<std::string> names;
+    const std::string help = run("--help").text;
+    const std::regex row("\n  ([a-z-]+)  +[A-Z]");
+    const size_t from = help.find("Subcommands:");
+    for (auto it = std::sregex_iterator(help.begin() + static_cast<std::ptrdiff_t>(from), help.end(), row);
+         it != std::sregex_iterator(); ++it)
+      names.push_back((*it)[1]);
+    return names;
+  }
+  support::ScratchFolder folder_;
+  fs::path work_ = folder_ / "work";
+};
+using MannersGl = Manners;
+
+// ---- stopping
+
+struct Long {
+  const char* name;
+  std::vector<std::string> arguments;
+  int signal_number;
+};
+
+class StopsGl : public Manners, public ::testing::WithParamInterface<Long> {};
+
+TEST_P(StopsGl, WithinThreeSecondsAndLeavesNothingHalfWritten) {
+  const Long& work = GetParam();
+  write_file(work_ / "million.toml", "[crowd]\nagents = 1000000\nplacement = \"poisson\"\n");
+  RunningDriver driver(work.arguments, work_, folder_.path());
+  ASSERT_TRUE(driver.wait_until_it_says("drawing on", 60)) << driver.said();
+  driver.wait_for_end(1);  // it is well under way then
+  if (driver.status() >= 0) GTEST_SKIP() << "this device is done with it in a second";
+  driver.send(work.signal_number);
+  EXPECT_LE(driver.wait_for_end(60), kAnswerSeconds);
+  EXPECT_EQ(driver.status(), 128 + work.signal_number);
+  const std::string said = driver.said();
+  EXPECT_NE(said.find("crowdbench: interrupted; "), std::string::npos) << said;
+  for (const auto& entry : fs::directory_iterator(work_)) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name == "million.toml" || name.starts_with("results.sqlite")) << name;
+  }
+  if (fs::exists(folder_ / "cache"))
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
+      EXPECT_EQ(entry.path().filename().string().find(".part"), std::string::npos) << entry.path();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Commands, StopsGl,
+    ::testing::Values(
+        Long{"ManyMeshes", {"render", "--agents", "200000", "--out", "x.png"}, SIGTERM},
+        Long{"ManyImpostors",
+             {"render", "--agents", "200000", "--size", "2000x2000", "--out", "x.png", "--supersample", "3",
+              "--representation", "flat:views=sphere-4x1,texels=32,frames=1"},
+             SIGINT},
+        Long{"Placement", {"render", "million.toml", "--out", "x.png"}, SIGTERM},
+        Long{"Solving", {"render", "--agents", "100000", "--occupancy", "0.3", "--out", "x.png"}, SIGINT},
+        Long{"Bake", {"bench", "--representation", "relief", "--agents", "1", "--out", "results.sqlite"}, SIGTERM},
+        Long{"Bench", {"bench", "--representation", "mesh", "--agents", "20000", "--full"}, SIGINT},
+        Long{"Ratio", {"ratio", "--of", "mesh", "--to", "mesh", "--agents", "20000"}, SIGTERM},
+        Long{"Pair", {"pair", "--a", "mesh", "--b", "mesh", "--agents", "3000", "--out", "x.mp4"}, SIGTERM}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+// ---- stdout
+
+TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is not there";
+  ASSERT_EQ(run("render --agents 2 --size 48x48 --out a.png").status, 0);
+  ASSERT_EQ(run("bench --representation mesh --agents 2 --occupancy 0 --size 32x32 --rounds 10 --time-limit 0.1 --out "
+                "r.sqlite")
+                .status,
+            0);
+  const std::string flat = "--representation flat:views=sphere-4x1,texels=32,frames=1";
+  const std::string small = " --character mannequin:triangles=500";
+  const std::multimap<std::string, std::string> prints = {
+      {"info", ""},
+      {"info", "--json"},
+      {"info", "--representations"},
+      {"inspect", "mannequin:triangles=500 --json"},
+      {"render", "--agents 2 --size 48x48 --out b.png"},
+      {"bake", "--representation mesh --json" + small},
+      {"pose", "mannequin:triangles=500 --json"},
+      {"compare", "a.png a.png --json"},
+      {"compare", "a.png a.png"},
+      {"quality", "--representation mesh --height-px 20 --rows 48 --json" + small},
+      {"switch-distance", flat + " --ratio 1 --size 64x64 --json" + small},
+      {"popmap", flat + " --azimuth-deg 0 --elevation-deg 0 --phase 0 --ratio 1 --json" + small},
+      {"ratio", "--of mesh --to mesh --agents 2 --size 32x32 --pairs 20 --json" + small},
+      {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
+      {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite --json"},
+      {"pair", "--a mesh --b mesh --agents 2 --size 48x48 --frames 2 --out c.mp4"},
+      {"report", "r.sqlite --csv r.csv"},
+      {"demo", "--tiny --no-clip " + flat + small},
+      {"schema", ""},
+      {"schema", "--results"},
+  };
+  for (const std::string& command : commands()) {
+    if (command == "view") continue;  // its answer is the window
+    const auto [from, to] = prints.equal_range(command);
+    EXPECT_NE(from, to) << command << " is not tried here";
+    for (auto it = from; it != to; ++it) {
+      SCOPED_TRACE(command + " " + it->second);
+      const Outcome outcome = run(command + " " + it->second + " 2>err.txt >/dev/full; exit $?; true", false);
+      EXPECT_EQ(outcome.status, 2);
+      EXPECT_NE(read_text(work_ / "err.txt").find("standard output: cannot be written"), std::string::npos)
+          << read_text(work_ / "err.txt");
+    }
+  }
+  EXPECT_EQ(run("--help >/dev/full; exit $?; true", false).status, 2);
+  EXPECT_EQ(run("--version >/dev/full; exit $?; true", false).status, 2);
+}
+
+// ---- what was wrong
+
+TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
+  write_file(work_ / "wrong.toml", "seed = 4\n\nrepresentation = \"flax\"\n");
+  const struct {
+    const char* arguments;
+    const char* says;
+  } wrong[] = {
+      {"", "a command is missing; there are info, "},
+      {"rendr", "'rendr' is not a command; did you mean 'render'?"},
+      {"rendr --agents 5", "did you mean 'render'?"},
+      {"frobnicate", "'frobnicate' is not a command; there are info, "},
+      {"--agents 5 render", "--agents belongs behind the command: crowdbench render --agents"},
+      {"render --agentz 5", "render has no option '--agentz'; did you mean --agents?"},
+      {"render --frobnicate", "render has no option '--frobnicate'; see crowdbench render --help"},
+      {"render a.toml b.toml", "'b.toml' is one argument too many for render"},
+      {"render --agents", "--agents: its value is missing"},
+      {"render --seed 1 --seed 2", "--seed: is given more than once"},
+      {"info --json=5", "--json: takes no value"},
+      {"render --agents -1", "--agents: '-1' is not a whole number from 0 to 1000000"},
+      {"render --agents 5x", "--agents: '5x' is not a whole number from 0 to 1000000"},
+      {"bench --agents 10,0", "--agents: '0' is not a whole number from 1 to 1000000"},
+      {"render --seed -5", "--seed: '-5' is not a whole number from 0 to 18446744073709551615"},
+      {"bench --seed -5", "--seed: '-5' is not a whole number from 0 to 18446744073709551615"},
+      {"render --seed 18446744073709551616", "is not a whole number from 0 to 18446744073709551615"},
+      {"render --occupancy nan", "--occupancy: 'nan' is not a number from 0.0001 to 1"},
+      {"render --tick -1", "--tick: '-1' is not a whole number"},
+      {"pair --a mesh --b flat --out x.mp4 --crf 99", "--crf: '99' is not a whole number from 0 to 51"},
+      {"ratio --of mesh --to mesh --pairs 3", "--pairs: '3' is not a whole number from 20 to"},
+      {"popmap --fade 0", "--fade: '0' is not a whole number from 1 to 60"},
+      {"pose mannequin --vertex -1", "--vertex: '-1' is not a whole number"},
+      {"quality", "--representation is required"},
+      {"quality --representation flax", "--representation: there is no representation 'flax'; did you mean 'flat'?"},
+      {"ratio --of flax --to mesh", "--of: there is no representation 'flax'"},
+      {"pair --a mesh --b flax --out x.mp4", "--b: there is no representation 'flax'"},
+      {"render wrong.toml --out x.png", "wrong.toml:3: `representation`: there is no representation 'flax'"},
+      {"bench wrong.toml", "wrong.toml:3: `representation`: there is no representation 'flax'"},
+      {"view wrong.toml", "wrong.toml:3: `representation`: there is no representation 'flax'"},
+      {"pose mannequin --clip wlak", "there is no clip 'wlak'; give a name or an index; it has walk, run, idle, wave"},
+  };
+  for (const auto& w : wrong) {
+    SCOPED_TRACE(w.arguments);
+    const Outcome outcome = run(w.arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.text;
+    EXPECT_EQ(lines_of(outcome.text), 1U) << outcome.text;
+    EXPECT_NE(outcome.text.find(w.says), std::string::npos) << outcome.text;
+  }
+  // What stands in the file is not to blame where an option overrides it.
+  const Outcome overridden = run("render wrong.toml --out x.png --representation flay");
+  EXPECT_NE(overridden.text.find("--representation: there is no representation 'flay'"), std::string::npos)
+      << overridden.text;
+}
+
+// No command makes a folder for a file, and all say so before anything is drawn.
+TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
+  write_file(work_ / "r.sqlite", "");
+  const char* const outputs[] = {
+      "render --out a/b/x.png",
+      "render --mask a/b/x.png",
+      "render --ids a/b/x.exr",
+      "render --depth a/b/x.exr",
+      "inspect mannequin --out a/b/m.glb",
+      "bench --out a/b/r.sqlite",
+      "pair --a mesh --b mesh --out a/b/c.mp4",
+      "view --frames 1 --screenshot a/b/x.png",
+      "report r.sqlite --out a/b/r.html",
+      "report r.sqlite --markdown a/b/r.md",
+      "report r.sqlite --csv a/b/r.csv",
+      "report r.sqlite --scores-csv a/b/r.csv",
+      "report r.sqlite --json-out a/b/r.json",
+      "report r.sqlite --google-benchmark a/b/r.json",
+      "demo --out a/b/demo",
+      "popmap --out a/b/pops",
+      "quality --representation mesh --maps a/b/maps",
+      "compare x.png y.png --maps a/b/maps",
+  };
+  for (const char* arguments : outputs) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.text;
+    EXPECT_EQ(lines_of(outcome.text), 1U) << outcome.text;
+    EXPECT_NE(outcome.text.find("there is no folder 'a/b'; make it first (mkdir -p 'a/b')"), std::string::npos)
+        << outcome.text;
+  }
+  EXPECT_FALSE(fs::exists(work_ / "a"));
+  for (const char* arguments : {"render --out /dev/null", "render --out ''", "render --out ."}) {
+    SCOPED_TRACE(arguments);
+    EXPECT_EQ(run(arguments).status, 2);
+  }
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+// ---- one name
+
+// Options by name with their text, as --help shows them.
+std::map<std::string, std::string> options_in(const std::string& help) {
+  std::map<std::string, std::string> out;
+  const std::regex row("\n  (?:-.,)?--([a-z-]+)( [^ ]+( \\.\\.\\.)?)?\\s+([^\n]*)");
+  for (auto it = std::sregex_iterator(help.begin(), help.end(), row); it != std::sregex_iterator(); ++it)
+    out[(*it)[1]] = (*it)[4];
+  return out;
+}
+
+TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
+  std::map<std::string, std::map<std::string, std::set<std::string>>> texts;  // option, wording, commands
+  std::map<std::string, std::map<std::string, std::string>> by_command;
+  for (const std::string& command : commands()) {
+    by_command[command] = options_in(run(command + " --help").text);
+    for (const auto& [name, text] : by_command[command]) texts[name][text].insert(command);
+  }
+  ASSERT_GE(by_command.size(), 16U);
+  for (const char* shared : {"device", "seed", "size", "bake-budget", "no-cache", "supersample", "no-ground"}) {
+    EXPECT_EQ(texts[shared].size(), 1U) << shared;
+    for (const auto& [text, commands] : texts[shared]) EXPECT_GE(commands.size(), 2U) << shared << ": " << text;
+  }
+  // What draws one representation, or several, says so with the same option; pairs name their two sides.
+  for (const char* command : {"render", "bake", "quality", "switch-distance", "popmap", "bench", "view", "demo"})
+    EXPECT_TRUE(by_command[command].count("representation")) << command;
+  for (const auto& [command, options] : by_command) {
+    if (options.count("representations")) EXPECT_EQ(command, "info") << "there it is a question, not a choice";
+    for (const char* other : {"save", "output", "backend", "renderer", "gpu", "char", "resolution"})
+      EXPECT_FALSE(options.count(other)) << command << " --" << other;
+  }
+  // Everything that takes a character, takes it so; it is an argument only where it is what the command is about.
+  for (const char* command :
+       {"render", "bake", "quality", "switch-distance", "popmap", "ratio", "bench", "pair", "view", "demo"})
+    EXPECT_TRUE(by_command[command].count("character")) << command;
+  for (const auto& [command, options] : by_command)
+    if (command != "schema" && command != "inspect" && command != "pose" && command != "report" && command != "compare")
+      EXPECT_TRUE(options.count("device")) << command;
+}
+
+// ---- what was done
+
+TEST_F(MannersGl, RenderEndsWithWhatItDrew) {
+  const Outcome outcome = run("render --agents 7 --size 60x40 --tick 3 --out a.png --ids ids.exr", false);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(std::regex_match(outcome.text,
+                               std::regex("drew 7 agents \\([0-7] in view\\) as mesh, tick 3, 60x40 pixels: a.png, "
+                                          "ids.exr\n")))
+      << outcome.text;
+}
+
+TEST_F(MannersGl, EqualSidesOfAPairAreSaidToBeEqual) {
+  const std::string common = " --agents 3 --size 64x48 --frames 2 --character mannequin:triangles=500 --out ";
+  const Outcome equal = run("pair --a mesh --b mesh" + common + "equal.mp4");
+  EXPECT_EQ(equal.status, 0) << equal.text;
+  EXPECT_NE(equal.text.find("mesh and mesh draw equal pictures"), std::string::npos) << equal.text;
+  EXPECT_TRUE(nlohmann::json::parse(read_text(work_ / "equal.json")).at("equal"));
+  const Outcome other = run("pair --a mesh --b mesh:floor=1" + common + "other.mp4");
+  EXPECT_EQ(other.status, 0) << other.text;
+  EXPECT_EQ(other.text.find("equal pictures"), std::string::npos) << other.text;
+  EXPECT_FALSE(nlohmann::json::parse(read_text(work_ / "other.json")).at("equal"));
+}
+
+TEST_F(MannersGl, BenchForecastsKeepsToItsTimeAndSaysWhatItWrote) {
+  const std::string small = " --representation mesh --size 32x32 --character mannequin:triangles=500 --occupancy 0";
+  const Outcome first = run("bench --agents 1,2 --rounds 10 --time-limit 0.1" + small);
+  EXPECT_EQ(first.status, 0) << first.text;
+  EXPECT_NE(first.text.find("bench: 2 points of 1 representations and the mesh, about "), std::string::npos)
+      << first.text;
+  EXPECT_NE(first.text.find("2 points measured, 0 taken from the file; results.sqlite"), std::string::npos)
+      << first.text;
+  // A thousand agents do not fit into what is left of three seconds; the points that do not are named.
+  const auto begun = std::chrono::steady_clock::now();
+  const Outcome brief = run("bench --minutes 0.05 --agents 1,20000,40000 --out brief.sqlite" + small);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), 60);
+  EXPECT_EQ(brief.status, 0) << brief.text;
+  EXPECT_NE(brief.text.find("40000 agents at the scenario's camera: left for another run of the same command"),
+            std::string::npos)
+      << brief.text;
+}
+
+TEST_F(MannersGl, DemoForecasts) {
+  const Outcome outcome =
+      run("demo --tiny --no-clip --character mannequin:triangles=500 --representation "
+          "flat:views=sphere-4x1,texels=32,frames=1");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("demo: 4 steps, about "), std::string::npos) << outcome.text;
+}
+
+// The stored command line is the whole of it.
+TEST_F(MannersGl, TheResultFileHoldsTheWholeCommandLine) {
+  const std::string line =
+      "bench --representation mesh --agents 1 --occupancy 0 --size 32x32 --rounds 10 --time-limit 0.1 --character "
+      "mannequin:triangles=500 --out 'my results.sqlite'";
+  const Outcome outcome = run(line + " --json", false);
+  ASSERT_EQ(outcome.status, 0);
+  EXPECT_EQ(nlohmann::json::parse(outcome.text).at("runs").at(0).at("arguments"), "crowdbench " + line + " --json");
+}
+
+// ---- fast answers
+
+// What needs no OpenGL loads neither its driver nor what reads and writes pictures and clips.
+TEST_F(Manners, FastAnswersLoadNoHeavyLibrary) {
+  for (const char* arguments : {"--help", "--version", "render --help", "info --representations", "schema", "rendr",
+                                "render --agents -1", "render --out x.png --representation flax"}) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = support::run_driver("LD_DEBUG=libs", arguments);
+    EXPECT_NE(outcome.text.find("calling init"), std::string::npos) << "the loader says what it loads";
+    for (const char* heavy : {"OpenImageIO", "libEGL", "libGL.so", "avcodec", "libLLVM", "libX11-xcb"})
+      EXPECT_EQ(outcome.text.find(heavy), std::string::npos) << heavy;
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
