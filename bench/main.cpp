@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <new>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "core/command_line.h"
 #include "core/error.h"
@@ -18,7 +19,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("crowdbench {} ({})", version(), git_revision()));
   app.require_subcommand(1);
   bench::Run run;
-  bench::add_all_commands(app, run);
+  bench::Command program(app);
+  bench::add_all_commands(program, run);
   try {
     app.parse(argc, argv);
     return run ? run() : 0;

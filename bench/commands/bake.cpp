@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/experiments/audit.h"
 #include "bench/stage/stage_scenario.h"
@@ -206,8 +206,8 @@ int run_bake(const Options& options) {
 
 }  // namespace
 
-void add_bake(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("bake", "Bake a representation of a character, or read it from the cache");
+void add_bake(Command& app, Run& run) {
+  Command* command = app.add_subcommand("bake", "Bake a representation of a character, or read it from the cache");
   command->footer(
       "Bakes are kept in $CROWDBENCH_CACHE_DIR, else $XDG_CACHE_HOME/crowdbench, else ~/.cache/crowdbench, keyed by "
       "the\n"
@@ -224,8 +224,7 @@ void add_bake(CLI::App& app, Run& run) {
   command->add_option("--character", options->characters,
                       "a glTF file, or mannequin[:triangles=N,joints=N]; may be given several times");
   command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that the bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
+  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that the bake may take (512)")->range(1.0, 1e6);
   command
       ->add_option("--required-by", options->required_by,
                    "a scenario: bake only the views and frames that its camera sees of its agents")

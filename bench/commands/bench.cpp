@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
@@ -111,8 +111,8 @@ int run_bench(const Options& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("bench", "Frame times against the number of agents, into a result file");
+void add_bench(Command& app, Run& run) {
+  Command* command = app.add_subcommand("bench", "Frame times against the number of agents, into a result file");
   command->footer(
       "All representations draw the same crowd from the same camera and take turns. A curve ends with the first frame "
       "beyond\nthe budget. Ctrl-C keeps every finished point; the same command continues the file. Exit status 1 when "
@@ -156,7 +156,7 @@ void add_bench(CLI::App& app, Run& run) {
   command->add_flag("--no-floors", options->no_floors, "do not time the floors (half the time)");
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB a bake may take")
       ->type_name("MIB")
-      ->check(CLI::Range(1, 1 << 20))
+      ->range(1, 1 << 20)
       ->capture_default_str();
   command->add_option("--out", options->out, "result file; continued when it exists")
       ->type_name("FILE.sqlite")

@@ -1,10 +1,12 @@
 #include "bench/commands/commands.h"
 
+#include "bench/commands/command_line.h"
+
 namespace crowdbench::bench {
 
 // In the order that --help lists them.
 
-void add_all_commands(CLI::App& app, Run& run) {
+void add_all_commands(Command& app, Run& run) {
   // One a line, so that two additions do not meet.
   // clang-format off
   const std::initializer_list<AddCommand> commands = {

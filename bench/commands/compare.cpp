@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -12,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
 #include "core/error.h"
@@ -253,10 +253,10 @@ std::string maps_text(metrics::ScoreTable table) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Run& run) { add_compare(app, run, metrics::scores()); }
+void add_compare(Command& app, Run& run) { add_compare(app, run, metrics::scores()); }
 
-void add_compare(CLI::App& app, Run& run, metrics::ScoreTable table) {
-  CLI::App* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
+void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
+  Command* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
   command->footer(
       std::string(
           "Scores are over sRGB code values of 0..255 as they lie in the files, those of structure over BT.601 luma;\n"

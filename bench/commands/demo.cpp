@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
@@ -235,8 +235,8 @@ int run_demo(const Options& options) {
 
 }  // namespace
 
-void add_demo(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_demo(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("demo", "All of it in one go: pictures, times, differences, a clip and the report");
   command->footer(
       "Takes a few minutes on two cores without a GPU. Prints the path of the report last.\nExamples:\n  crowdbench "

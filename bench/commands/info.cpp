@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "core/version.h"
@@ -87,8 +87,8 @@ void print_device(const Json& j) {
 
 }  // namespace
 
-void add_info(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("info", "Say which device draws and what it can do, or list representations");
+void add_info(Command& app, Run& run) {
+  Command* command = app.add_subcommand("info", "Say which device draws and what it can do, or list representations");
   command->footer(
       "Examples:\n  crowdbench info\n  crowdbench info --device software --json\n"
       "  crowdbench info --representations");

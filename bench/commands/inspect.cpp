@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "core/error.h"
 #include "scene/cast/open_character.h"
@@ -197,8 +197,8 @@ int inspect(const Options& options) {
 
 }  // namespace
 
-void add_inspect(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("inspect", "Say what a character file holds; write it as glTF");
+void add_inspect(Command& app, Run& run) {
+  Command* command = app.add_subcommand("inspect", "Say what a character file holds; write it as glTF");
   command->footer(
       "Examples:\n  crowdbench inspect knight.glb\n  crowdbench inspect knight.glb --json --hide 2H_Sword\n"
       "  crowdbench inspect mannequin:joints=53 --save mannequin.glb\n" +

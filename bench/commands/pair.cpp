@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_scenario.h"
@@ -94,8 +94,8 @@ int run_pair(const Options& options) {
 
 }  // namespace
 
-void add_pair(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("pair", "Two representations of one crowd as one stacked clip, for a study");
+void add_pair(Command& app, Run& run) {
+  Command* command = app.add_subcommand("pair", "Two representations of one crowd as one stacked clip, for a study");
   command->footer(
       "The same scenario and seed give the same bytes on one machine and build. A manifest (JSON) beside the clip "
       "says\n"

@@ -1,13 +1,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
@@ -391,10 +391,10 @@ int run_popmap(const Options& options, metrics::ScoreTable table) {
 
 }  // namespace
 
-void add_popmap(CLI::App& app, Run& run) { add_popmap(app, run, metrics::scores()); }
+void add_popmap(Command& app, Run& run) { add_popmap(app, run, metrics::scores()); }
 
-void add_popmap(CLI::App& app, Run& run, metrics::ScoreTable table) {
-  CLI::App* command =
+void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
+  Command* command =
       app.add_subcommand("popmap", "What a switch from the mesh would show, over views, phases and sizes");
   command->footer(
       "Mesh and impostor at the identical camera and frame: scores over their silhouettes. `own pose`: the mesh\n"
@@ -412,10 +412,9 @@ void add_popmap(CLI::App& app, Run& run, metrics::ScoreTable table) {
   command->add_option("--phase", options->phases, "of the clip, 0 to 1 (0.025:0.975:0.25)");
   command->add_option("--ratio", options->ratios, "pixels that a texel spans (0.5,1,2)");
   command->add_option("--height-px", options->heights, "instead of --ratio: the character's height in pixels");
-  command->add_option("--fade", options->fade, "ticks of the cross-fade (4)")->check(CLI::Range(1, 60));
+  command->add_option("--fade", options->fade, "ticks of the cross-fade (4)")->range(1, 60);
   command->add_option("--out", options->out, "a folder for the page, the table, the heat map and the worst case");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
+  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")->range(1.0, 1e6);
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   add_device_option(*command, options->device);
   command->add_flag("--json", options->json, "print JSON");

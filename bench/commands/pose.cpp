@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "core/error.h"
 #include "scene/cast/open_character.h"
@@ -93,8 +93,8 @@ int pose(const Options& options) {
 
 }  // namespace
 
-void add_pose(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_pose(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("pose", "Skin a character on the CPU and print posed vertices in raw glTF units");
   command->footer(
       "Examples:\n  crowdbench pose knight.glb --clip Walking_A --time 0.25 --vertex 0 --vertex 411 --json\n"

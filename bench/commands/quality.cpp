@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
@@ -282,10 +282,10 @@ int run_quality(const Options& options, metrics::ScoreTable table) {
 
 }  // namespace
 
-void add_quality(CLI::App& app, Run& run) { add_quality(app, run, metrics::scores()); }
+void add_quality(Command& app, Run& run) { add_quality(app, run, metrics::scores()); }
 
-void add_quality(CLI::App& app, Run& run, metrics::ScoreTable table) {
-  CLI::App* command =
+void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
+  Command* command =
       app.add_subcommand("quality", "Score one agent, drawn by a representation, against the mesh at the same view");
   command->footer(
       "Vertical field of view 30 degrees, background sRGB 128, light fixed to the scene. Lists (30,60,120) and ranges\n"
@@ -316,12 +316,11 @@ void add_quality(CLI::App& app, Run& run, metrics::ScoreTable table) {
                       "a debug view of the representation instead of its picture, for --maps: relief has boxes, steps "
                       "(taps a ray),\nhit-face and misses, polypostor wire, lines, parts and stretch");
   command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
-      ->check(CLI::Range(16, 8192));
+      ->range(16, 8192);
   command->add_flag("--flicker", options->flicker,
                     "also the scores over time of each view, with the times as successive frames (three at least)");
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
+  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")->range(1.0, 1e6);
   command->add_flag("--causes", options->causes,
                     "ssim had the pixels of one kind been the mesh's own: outside one silhouette, on another surface, "
                     "otherwise shaded");

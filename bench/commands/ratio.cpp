@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "core/error.h"
@@ -131,8 +131,8 @@ int run_ratio(const Options& options) {
 
 }  // namespace
 
-void add_ratio(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_ratio(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("ratio", "How many times as fast as another one representation is, drawn in turns");
   command->footer(
       "t(TO) / t(OF): above 1 OF is the faster. Both draw the same crowd from the same camera (solved with the mesh), "
@@ -149,7 +149,7 @@ void add_ratio(CLI::App& app, Run& run) {
       ->capture_default_str();
   command->add_option("--bake-budget", options->bake_budget_mib, "MiB a bake may take")
       ->type_name("MIB")
-      ->check(CLI::Range(1, 1 << 20))
+      ->range(1, 1 << 20)
       ->capture_default_str();
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &run] { run = [options] { return run_ratio(*options); }; });

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_facts.h"
@@ -201,8 +201,8 @@ int render_single(const RenderOptions& options) {
 
 }  // namespace
 
-void add_render(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("render", "Draw one tick of a scenario, or one agent alone, to pictures");
+void add_render(Command& app, Run& run) {
+  Command* command = app.add_subcommand("render", "Draw one tick of a scenario, or one agent alone, to pictures");
   command->footer(
       "Examples:\n"
       "  crowdbench render --agents 100 --tick 30 --out crowd.png --ids ids.exr --depth depth.exr\n"

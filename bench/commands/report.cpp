@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
@@ -44,8 +44,8 @@ int run_report(const Options& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand(
+void add_report(Command& app, Run& run) {
+  Command* command = app.add_subcommand(
       "report", "Tell what a result file says: a page that opens offline, tables, other tools' forms");
   command->footer(
       "Examples:\n  crowdbench report results.sqlite --out report.html\n  crowdbench report results.sqlite "

@@ -1,10 +1,10 @@
 #include "bench/commands/scene_options.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <vector>
 
+#include "bench/commands/command_line.h"
 #include "core/error.h"
 #include "core/version.h"
 #include "renderers/gl/context.h"
@@ -13,7 +13,7 @@
 
 namespace crowdbench::bench {
 
-void add_scene_options(CLI::App& command, SceneOptions& options) {
+void add_scene_options(Command& command, SceneOptions& options) {
   command.add_option("scenario", options.file, "scenario file (TOML); see crowdbench schema")->type_name("SCENARIO");
   command.add_option("--agents", options.agents, "number of agents")->type_name("N");
   command.add_option("--seed", options.seed, "seed of the crowd")->type_name("S");
@@ -25,7 +25,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   add_device_option(command, options.device);
 }
 
-void add_device_option(CLI::App& command, std::string& device) {
+void add_device_option(Command& command, std::string& device) {
   command
       .add_option("--device", device,
                   "EGL device: its index, software, or surfaceless (default: $CROWDBENCH_DEVICE, else the first GPU)")

@@ -12,14 +12,13 @@
 #include "scene/crowd/occupancy.h"
 #include "scene/scenario/scenario.h"
 
-namespace CLI {
-class App;
-}
 namespace crowdbench::gl {
 class Context;
 }
 
 namespace crowdbench::bench {
+
+class Command;
 
 // What the user gave; empty or nullopt leaves the scenario's own value.
 struct SceneOptions {
@@ -33,9 +32,9 @@ struct SceneOptions {
 };
 
 // [SCENARIO] --agents --seed --occupancy --size --character --device. `options` must outlive `command`.
-void add_scene_options(CLI::App& command, SceneOptions& options);
+void add_scene_options(Command& command, SceneOptions& options);
 // --device alone, for commands that draw no scene.
-void add_device_option(CLI::App& command, std::string& device);
+void add_device_option(Command& command, std::string& device);
 
 // The scenario with the overrides in it, and the folder that its characters' paths are relative to.
 struct ChosenScenario {

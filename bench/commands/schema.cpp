@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "metrics/registry.h"
 #include "reports/exports/results_schema.h"
@@ -11,8 +11,8 @@
 
 namespace crowdbench::bench {
 
-void add_schema(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand(
+void add_schema(Command& app, Run& run) {
+  Command* command = app.add_subcommand(
       "schema", "Print the JSON Schema of a scenario, its keys as a table, or the columns of a result file");
   command->footer(
       "Examples:\n  crowdbench schema > scenario.schema.json\n  crowdbench schema --markdown | less\n"

@@ -6,8 +6,8 @@
 namespace crowdbench::bench {
 
 // table: of scores that outlive the command.
-void add_compare(CLI::App& app, Run& run, metrics::ScoreTable table);
-void add_quality(CLI::App& app, Run& run, metrics::ScoreTable table);
-void add_popmap(CLI::App& app, Run& run, metrics::ScoreTable table);
+void add_compare(Command& app, Run& run, metrics::ScoreTable table);
+void add_quality(Command& app, Run& run, metrics::ScoreTable table);
+void add_popmap(Command& app, Run& run, metrics::ScoreTable table);
 
 }  // namespace crowdbench::bench

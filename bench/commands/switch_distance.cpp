@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/quality.h"
@@ -117,8 +117,8 @@ int run_switch_distance(const Options& options) {
 
 }  // namespace
 
-void add_switch_distance(CLI::App& app, Run& run) {
-  CLI::App* command =
+void add_switch_distance(Command& app, Run& run) {
+  Command* command =
       app.add_subcommand("switch-distance", "Where a texel of an impostor covers a pixel: derived and measured");
   command->footer(
       "Derived: d = texel * rows / (2 * ratio * tan(fov / 2)). Measured: the impostor is drawn as texel coordinates, "
@@ -135,17 +135,15 @@ void add_switch_distance(CLI::App& app, Run& run) {
   command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
   command->add_option("--ratio", options->ratios, "pixels that a texel spans, 0.01 to 100 (0.5,1,2)");
   command->add_option("--size", options->size, "of the picture in pixels (640x480)")->type_name("WxH");
-  command->add_option("--fov-y-deg", request.fov_y_deg, "vertical field of view in degrees (35)")
-      ->check(CLI::Range(1.0, 170.0));
+  command->add_option("--fov-y-deg", request.fov_y_deg, "vertical field of view in degrees (35)")->range(1.0, 170.0);
   command->add_option("--azimuth-deg", request.azimuth_deg, "0 = seen from the front, 90 = from its left (0)")
-      ->check(CLI::Range(-360.0, 360.0));
+      ->range(-360.0, 360.0);
   command->add_option("--elevation-deg", request.elevation_deg, "0 = level, 90 = from straight above (0)")
-      ->check(CLI::Range(-89.0, 90.0));
+      ->range(-89.0, 90.0);
   command->add_option("--off-axis-deg", request.off_axis_deg, "the agent's angle off the view axis (0)")
-      ->check(CLI::Range(0.0, 85.0));
-  command->add_option("--scale", request.scale, "of the agent (1)")->check(CLI::Range(0.01, 100.0));
-  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")
-      ->check(CLI::Range(1.0, 1e6));
+      ->range(0.0, 85.0);
+  command->add_option("--scale", request.scale, "of the agent (1)")->range(0.01, 100.0);
+  command->add_option("--bake-budget", options->bake_budget_mib, "MiB that a bake may take (512)")->range(1.0, 1e6);
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   add_device_option(*command, options->device);
   command->add_flag("--json", options->json, "print JSON");

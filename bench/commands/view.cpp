@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
 #include <optional>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/viewer.h"
@@ -156,8 +156,8 @@ int run_view(const Options& options) {
 
 }  // namespace
 
-void add_view(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("view", "Look at a scenario in a window; switch representations with 1..9");
+void add_view(Command& app, Run& run) {
+  Command* command = app.add_subcommand("view", "Look at a scenario in a window; switch representations with 1..9");
   command->footer(
       "Left drag orbits, right drag pans, the wheel zooms; space pauses, '.' steps, 1..9 switch, s shows two side by\n"
       "side, h hides the help text, Esc quits. Everything is drawn off screen, as it is measured, and shown as it is.\n"

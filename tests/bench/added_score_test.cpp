@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
 #include "bench/experiments/bench_run.h"
@@ -92,12 +93,13 @@ const std::vector<const metrics::Score*>& table() {
   return all;
 }
 
-using Add = void (*)(CLI::App&, Run&, metrics::ScoreTable);
+using Add = void (*)(Command&, Run&, metrics::ScoreTable);
 
 std::string output_of(Add add, std::vector<std::string> arguments) {
   CLI::App app;
+  Command program(app);
   Run run;
-  add(app, run, table());
+  add(program, run, table());
   std::reverse(arguments.begin(), arguments.end());
   app.parse(arguments);
   ::testing::internal::CaptureStdout();

@@ -10,10 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
+#include "test_paths.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -33,8 +35,9 @@ fs::path scratch() {
 
 std::string output_of(std::vector<std::string> arguments) {
   CLI::App app;
+  Command program(app);
   Run run;
-  add_compare(app, run);
+  add_compare(program, run);
   arguments.insert(arguments.begin(), "compare");
   std::reverse(arguments.begin(), arguments.end());
   app.parse(arguments);

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_scenario.h"
@@ -24,8 +25,9 @@ namespace fs = std::filesystem;
 
 int view(std::vector<std::string> arguments) {
   CLI::App app;
+  Command program(app);
   Run run;
-  add_view(app, run);
+  add_view(program, run);
   arguments.insert(arguments.begin(), "view");
   std::reverse(arguments.begin(), arguments.end());
   app.parse(arguments);

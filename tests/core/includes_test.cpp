@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "test_paths.h"
+
 namespace crowdbench {
 namespace {
 namespace fs = std::filesystem;
@@ -200,7 +202,9 @@ TEST(Includes, CheckerFindsEveryKindOfFault) {
   EXPECT_EQ(faults_of("renderers/new/a.cpp", "#include \"renderers/gl/objects.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("bench/stage/a.cpp", "#include \"bench/timing/timing.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("store/a.cpp", "#include \"scene/frame/frame.h\"\n").size(), 1U);
-  EXPECT_EQ(faults_of("scene/pose/a.cpp", "#include \"core/error.h\"\n#include \"scene/pose/b.h\"\n#include <vector>\n"), none);
+  EXPECT_EQ(
+      faults_of("scene/pose/a.cpp", "#include \"core/error.h\"\n#include \"scene/pose/b.h\"\n#include <vector>\n"),
+      none);
   EXPECT_EQ(faults_of("scene/a.cpp", "\n#include \"renderers/frame/capture.h\"\n"),
             Strings{"scene/a.cpp:2: includes \"renderers/frame/capture.h\": scene may not know renderers"});
   EXPECT_EQ(faults_of("core/a.cpp", "#include \"scene/frame/frame.h\"\n").size(), 1U);

@@ -1,0 +1,60 @@
+// The command line as commands see it. CLI11 is header-only and costs 5 s of compilation a file that includes it; it is
+// compiled once, behind these two handles, whose functions are CLI11's of the same names.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace crowdbench::bench {
+
+// One option or flag. A command owns it; pointers to it stay valid as long as the command.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  Option* required();
+  Option* type_name(const std::string& name);  // what --help calls its value
+  Option* capture_default_str();               // --help shows the value that the target has now
+  Option* range(double least, double most);    // real numbers in [least, most]
+  Option* range(int least, int most);          // whole numbers in [least, most]
+  Option* delimiter(char separator);           // one argument holds several values
+  Option* expected(int arguments);             // how many arguments follow each time it is given
+  Option* take_all();                          // may be given several times, each adds
+  Option* allow_extra_args(bool allow);
+  Option* needs(const Option* other);
+  Option* excludes(const Option* other);
+  Option* excludes(const std::string& name);
+
+ private:
+  CLI::Option* option_;
+};
+
+// A program or one of its commands.
+class Command {
+ public:
+  explicit Command(CLI::App& app) : app_(app) {}
+
+  Command* add_subcommand(const std::string& name, const std::string& description);
+  void footer(const std::string& text);
+  void callback(std::function<void()> run);
+
+  // `name`: "--long,-s", or a bare word for a positional argument. `target` is written when the line is parsed and must
+  // live until then. T is one of the types at the end of command_line.cpp; another fails to link until it is named
+  // there.
+  template <typename T>
+  Option* add_option(const std::string& name, T& target, const std::string& description);
+  Option* add_flag(const std::string& name, bool& target, const std::string& description);
+
+ private:
+  CLI::App& app_;
+  std::vector<std::unique_ptr<Option>> options_;
+  std::vector<std::unique_ptr<Command>> commands_;
+};
+
+}  // namespace crowdbench::bench
