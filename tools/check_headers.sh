@@ -16,6 +16,6 @@ compile() {
 }
 export -f compile
 export flags
-find core scene renderers metrics studies reports bench -name '*.h' -print0 |
+find core store scene renderers metrics studies reports bench -name '*.h' -print0 |
   xargs -0 -r -n 1 -P "$(nproc)" bash -c 'compile "$0"'
 echo "check_headers: every header compiles alone"

@@ -8,6 +8,7 @@
 #include "scene/crowd/crowd.h"
 #include "scene/scenario/scenario.h"
 #include "scene/scenario/scenario_toml.h"
+#include "test_paths.h"
 
 namespace crowdbench::bench {
 namespace {

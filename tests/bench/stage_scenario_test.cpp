@@ -13,6 +13,7 @@
 #include "core/files.h"
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
+#include "test_paths.h"
 
 namespace crowdbench::bench {
 namespace {

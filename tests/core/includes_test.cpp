@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "test_paths.h"
+
 namespace crowdbench {
 namespace {
 namespace fs = std::filesystem;

@@ -15,6 +15,7 @@
 #include "metrics/difference.h"
 #include "metrics/ssim.h"
 #include "metrics/temporal.h"
+#include "test_paths.h"
 
 namespace crowdbench::metrics {
 namespace {

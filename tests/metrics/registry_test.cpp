@@ -13,6 +13,7 @@
 #include "metrics/intermediates.h"
 #include "metrics/mat.h"
 #include "metrics/sizes.h"
+#include "test_paths.h"
 
 namespace crowdbench::metrics {
 namespace {

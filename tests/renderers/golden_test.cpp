@@ -17,6 +17,7 @@
 #include "core/image_io.h"
 #include "scene/cast/cast.h"
 #include "scene/mannequin/mannequin.h"
+#include "test_paths.h"
 #include "tests/renderers/gl_test_support.h"
 #include "tests/support/picture_comparison.h"
 

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "scene/gltf/gltf.h"
 #include "scene/mannequin/mannequin.h"
+#include "test_paths.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {

@@ -12,6 +12,7 @@
 #include "gl_test_support.h"
 #include "scene/cast/cast.h"
 #include "scene/gltf/gltf.h"
+#include "test_paths.h"
 
 namespace crowdbench::renderers {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "scene/gltf/gltf.h"
 #include "scene/pose/pose.h"
+#include "test_paths.h"
 
 namespace crowdbench::scene {
 namespace {

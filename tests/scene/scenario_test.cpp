@@ -10,6 +10,7 @@
 #include "scene/scenario/scenario_keys.h"
 #include "scene/scenario/scenario_toml.h"
 #include "scene/scenario/scenario_writer.h"
+#include "test_paths.h"
 
 namespace crowdbench::scene {
 namespace {

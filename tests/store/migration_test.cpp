@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "store/store.h"
+#include "test_paths.h"
 #include "tests/store/full_rows.h"
 #include "tests/support/scratch_folder.h"
 
