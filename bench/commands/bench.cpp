@@ -51,12 +51,12 @@ int run_bench(const Options& options) {
 
   const ChosenScenario chosen = read_scenario(options.scene);
   request.scenario = chosen.scenario;
-  if (request.representations.empty() && request.scenario.representation != "mesh")
-    request.representations.push_back(renderers::parse_spec(request.scenario.representation));
+  const renderers::Spec own = renderers::parse_spec(request.scenario.representation);
+  if (request.representations.empty() && own.text() != renderers::reference_spec().text())
+    request.representations.push_back(own);
   if (request.representations.empty())
     for (const renderers::RepresentationType& type : renderers::representation_types())
-      if (type.name != "mesh" && type.name != "hybrid")
-        request.representations.push_back(renderers::parse_spec(type.name));
+      if (!type.reference && stands_alone(type)) request.representations.push_back(renderers::parse_spec(type.name));
   StoreWriter store(options.out);  // refused before anything is drawn
   const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);

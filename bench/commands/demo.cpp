@@ -25,7 +25,7 @@ namespace {
 struct Options {
   std::vector<std::string> characters;
   std::string out = "crowdbench-demo";
-  std::string representation = "flat";
+  std::string representation = renderers::default_impostor().text();
   std::string device;
   bool no_clip = false;
   bool tiny = false;
@@ -75,7 +75,7 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
   scene::Frame frame = scene::make_frame(scenario, cast, crowd, scenario.camera.at(0), 20);
   frame.ground = true;
   renderers::Renderer renderer(context, cast);
-  for (const std::string& name : {std::string("mesh"), options.representation}) {
+  for (const std::string& name : {renderers::reference_spec().text(), options.representation}) {
     const auto representation = renderers::make_representation({context, cast}, renderers::parse_spec(name));
     const renderers::Capture capture =
         renderer.capture(frame, *representation, {.supersample = options.tiny ? 1 : 3, .linear = false});
@@ -120,7 +120,7 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
     comparison.run = run;
     comparison.kind = "agent";
     comparison.representation = row.representation;
-    comparison.reference = "mesh";
+    comparison.reference = renderers::reference_spec().text();
     comparison.character = cast_name(cast);
     comparison.height_px = row.view.height_px;
     comparison.azimuth_deg = row.view.azimuth_deg;
@@ -137,7 +137,7 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
         metrics::crop_box(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids), 8);
     if (box)
       write_pictures(store, run, id, metrics::crop(pictures.reference.colour, *box),
-                     metrics::crop(pictures.test.colour, *box), "mesh", row.representation, false);
+                     metrics::crop(pictures.test.colour, *box), comparison.reference, row.representation, false);
   });
   store.commit();
 }
@@ -151,7 +151,7 @@ std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scen
   scenario.camera.keys = {{0.0, scene::Camera{{3.0, 2.6, 8.5}, {0.0, 0.8, 0.0}}}};
   request.crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
   request.scenario = scenario;
-  request.a = renderers::parse_spec("mesh");
+  request.a = renderers::reference_spec();
   request.b = renderers::parse_spec(options.representation);
   request.frames = options.tiny ? 3 : 90;
   request.clip.title = "crowdbench demo";
@@ -183,7 +183,8 @@ int run_demo(const Options& options) {
     steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));
     draw_heroes(context, cast, scenario, options, store, run.id);
 
-    steps.next(fmt::format("{}: timing mesh and {} in turns", cast_name(cast), options.representation));
+    steps.next(fmt::format("{}: timing {} and {} in turns", cast_name(cast), renderers::reference_spec().text(),
+                           options.representation));
     SweepRequest request;
     request.scenario = scenario;
     request.representations = {renderers::parse_spec(options.representation)};
@@ -225,7 +226,8 @@ int run_demo(const Options& options) {
   steps.next("writing the report");
   const std::filesystem::path page = folder / "report.html";
   write_file(page, std::string_view(reports::report_page(
-                       read_store(results), {results.filename().string(), score_docs(metrics::scores())})));
+                       read_store(results),
+                       {results.filename().string(), score_docs(metrics::scores()), renderers::floors_by_name()})));
   fmt::print("{}\n", std::filesystem::absolute(page).lexically_normal().string());
   return status;
 }

@@ -31,7 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string representation = "flat";
+  std::string representation = renderers::default_impostor().text();
   std::string character = "mannequin";
   std::string clip;
   std::string azimuths = "0:337.5:22.5";
@@ -404,7 +404,9 @@ void add_popmap(CLI::App& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench popmap --representation flat --out pops\n"
       "  crowdbench popmap --representation relief --height-px 40,80 --azimuth-deg 0:330:30 --fade 8 --json");
   auto options = std::make_shared<Options>();
-  command->add_option("--representation", options->representation, "what is switched to (flat)");
+  command->add_option("--representation", options->representation, "what is switched to")
+      ->type_name("R")
+      ->capture_default_str();
   command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
   command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
   command->add_option("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from its left (0:337.5:22.5)");

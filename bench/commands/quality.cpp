@@ -312,9 +312,9 @@ void add_quality(CLI::App& app, Run& run, metrics::ScoreTable table) {
       "--maps", options->maps,
       "a folder for the pictures and the scores' maps, named by representation, height and view; made where "
       "missing");
-  command->add_option("--debug", options->debug,
-                      "a debug view of the representation instead of its picture, for --maps: relief has boxes, steps "
-                      "(taps a ray),\nhit-face and misses, polypostor wire, lines, parts and stretch");
+  command->add_option(
+      "--debug", options->debug,
+      "a debug view of the representation instead of its picture, for --maps:\n" + renderers::debug_views_of_all());
   command->add_option("--rows", options->rows, "rows of the picture, 4:3; taller figures get a larger one (480)")
       ->check(CLI::Range(16, 8192));
   command->add_flag("--flicker", options->flicker,

@@ -165,8 +165,8 @@ int render_single(const RenderOptions& options) {
   agent.heading = {static_cast<float>(heading.sin), static_cast<float>(heading.cos)};
   frame.agents.push_back({agent});
 
-  const std::string spec_text = options.representation.empty() ? "mesh" : options.representation;
-  renderers::Spec spec = renderers::parse_spec(spec_text);
+  renderers::Spec spec =
+      options.representation.empty() ? renderers::reference_spec() : renderers::parse_spec(options.representation);
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   const auto context = open_context(options.scene.device);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
@@ -200,10 +200,8 @@ void add_render(CLI::App& app, Run& run) {
   add_scene_options(*command, options->scene);
   command->add_option("--representation,-r", options->representation,
                       "how agents are drawn (crowdbench info --representations)");
-  command->add_option(
-      "--debug", options->debug,
-      "a debug view of the representation instead of its picture: relief has boxes, steps (taps a ray), "
-      "hit-face\nand misses, polypostor wire, lines, parts and stretch");
+  command->add_option("--debug", options->debug,
+                      "a debug view of the representation instead of its picture:\n" + renderers::debug_views_of_all());
   command->add_option("--clip", options->clips, "clip in use, by name or index; repeatable (--single: one, or none)");
   command->add_option("--tick", options->tick, "which tick of the scenario (30 a second by default)");
   command->add_option("--out", options->out, "colour, PNG");

@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string representation = "flat";
+  std::string representation = renderers::default_impostor().text();
   std::string character = "mannequin";
   std::string clip;
   std::string ratios = "0.5,1,2";
@@ -130,7 +130,9 @@ void add_switch_distance(CLI::App& app, Run& run) {
       "--off-axis-deg 30 --json");
   auto options = std::make_shared<Options>();
   SwitchRequest& request = options->request;
-  command->add_option("--representation", options->representation, "an impostor with texels (flat)");
+  command->add_option("--representation", options->representation, "an impostor with texels")
+      ->type_name("R")
+      ->capture_default_str();
   command->add_option("--character", options->character, "a glTF file, or mannequin[:triangles=N,joints=N]");
   command->add_option("--clip", options->clip, "name or index, or none for the bind pose (the default clip)");
   command->add_option("--ratio", options->ratios, "pixels that a texel spans, 0.01 to 100 (0.5,1,2)");

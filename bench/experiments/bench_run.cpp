@@ -68,7 +68,7 @@ class Sweep {
         cast_(cast),
         stage_(context, cast),
         gpu_(gpu_timer_of(context, method)) {
-    specs_.push_back(renderers::parse_spec("mesh"));
+    specs_.push_back(renderers::reference_spec());
     for (const renderers::Spec& spec : request.representations)
       if (std::none_of(specs_.begin(), specs_.end(), [&](const auto& s) { return s.text() == spec.text(); }))
         specs_.push_back(spec);
@@ -323,10 +323,8 @@ class Sweep {
   }
   // nullptr for a representation that is a floor itself, or has parts.
   TimedRepresentation* floor_of(size_t spec) {
-    renderers::Spec floor = specs_[spec];
-    if (!floor.components.empty() || timed(spec).is_floor()) return nullptr;
-    std::erase_if(floor.options, [](const auto& option) { return option.first == "floor"; });
-    floor.options.emplace_back("floor", "1");
+    if (!specs_[spec].components.empty() || timed(spec).is_floor()) return nullptr;
+    const renderers::Spec floor = with_floor(specs_[spec]);
     auto& place = floors_[spec];
     if (!place) {
       progress_("baking " + floor.text());

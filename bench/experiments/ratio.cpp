@@ -46,7 +46,7 @@ RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const R
   stage.show(solved.scenario, solved.crowd, solved.camera);
   Stage low_stage(context, low.cast);
   low_stage.show(low.scenario, low.crowd, solved.camera);
-  const renderers::Spec mesh_spec = renderers::parse_spec("mesh");
+  const renderers::Spec mesh_spec = renderers::reference_spec();
   // Both sides are always drawn apart, so that a representation against itself tells the noise of the method.
   std::vector<std::unique_ptr<TimedRepresentation>> all;
   const auto enter = [&](Stage& on, const renderers::Spec& spec) {
@@ -66,7 +66,7 @@ RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const R
     return place ? *place : enter(stage, spec);
   };
   const size_t mesh = known_or_enter(mesh_spec);
-  const size_t floor = known_or_enter(renderers::parse_spec("mesh:floor=1"));
+  const size_t floor = known_or_enter(with_floor(mesh_spec));
   const size_t low_mesh = enter(low_stage, mesh_spec);
 
   RatioReport report;
@@ -84,7 +84,7 @@ RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const R
   report.to_check = check(to);
   for (const auto& [name, fault] :
        {std::pair{report.of, report.of_check.fault}, std::pair{report.to, report.to_check.fault},
-        std::pair{std::string("mesh"), report.mesh_check.fault}})
+        std::pair{mesh_spec.text(), report.mesh_check.fault}})
     if (!fault.empty() &&
         std::find(report.faults.begin(), report.faults.end(), name + ": " + fault) == report.faults.end())
       report.faults.push_back(name + ": " + fault);
@@ -128,7 +128,7 @@ RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const R
                                      report.mesh_floor.median, kMeshFloorBound);
   }
   for (size_t i = 0; i < all.size(); ++i) {
-    const std::string name = i == low_mesh ? "mesh of mannequin:triangles=500" : all[i]->name();
+    const std::string name = i == low_mesh ? mesh_spec.text() + " of mannequin:triangles=500" : all[i]->name();
     report.medians.push_back(median_of(name, results[i]));
     report.warmup_frames = std::max(report.warmup_frames, results[i].warmup_frames);
     report.settled = report.settled && results[i].settled;

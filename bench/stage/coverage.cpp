@@ -28,8 +28,7 @@ scene::MeasureCoverage mesh_coverage(gl::Context& context, const scene::Cast& ca
     renderers::Renderer renderer;
     std::unique_ptr<renderers::Representation> mesh;
     Parts(gl::Context& context, const scene::Cast& cast)
-        : renderer(context, cast),
-          mesh(renderers::make_representation({context, cast}, renderers::parse_spec("mesh"))) {}
+        : renderer(context, cast), mesh(renderers::make_representation({context, cast}, renderers::reference_spec())) {}
   };
   auto parts = std::make_shared<Parts>(context, cast);
   return [parts](const scene::Frame& frame) { return coverage_of(parts->renderer.capture(frame, *parts->mesh).ids); };

@@ -49,7 +49,38 @@ TEST_F(AuditGl, MirroringIsComparedWithTheFullTurn) {
   EXPECT_NE(a.unmirrored->mean("silhouette_iou").value(), a.between.mean("silhouette_iou").value());
 }
 
-TEST_F(AuditGl, OnlyGridsOfViewsAreAudited) { EXPECT_THROW(audit("mesh"), Error); }
+TEST_F(AuditGl, MovingCornersAreAsGoodBetweenFrames) {
+  const ViewAudit a = audit("polypostor:views=sphere-8x4,frames=4,texels=64");
+  EXPECT_EQ(a.grid, "sphere-8x4");
+  EXPECT_EQ(a.views, 32);
+  EXPECT_NEAR(a.step_deg_max, 45, 1e-9);
+  EXPECT_EQ(a.limit_grid, "sphere-60x16");
+  EXPECT_EQ(a.frames, 4);
+  // The bytes of a view hardly depend on how many there are.
+  EXPECT_NEAR(static_cast<double>(a.limit_bytes) / static_cast<double>(a.bytes), 30, 6);
+  EXPECT_GT(a.stored.silhouette_iou, a.between.silhouette_iou + 0.02);
+  // Flat impostors lose 0.02 and more there, since they show the frame that is stored.
+  EXPECT_GT(a.between_frames.silhouette_iou, a.between.silhouette_iou - 0.02);
+  EXPECT_GT(a.orbit_flicker, 0);
+}
+
+// Every type is audited or refused by what it says of itself; a refusal names those that can be.
+TEST_F(AuditGl, OnlyTypesThatStoreViewsAreAudited) {
+  size_t refused = 0;
+  for (const renderers::RepresentationType& type : renderers::representation_types()) {
+    if (type.view_sampling != nullptr) continue;
+    ++refused;
+    try {
+      (void)audit(example_spec(type));
+      ADD_FAILURE() << type.name << " was audited";
+    } catch (const Error& error) {
+      const std::string said = error.what();
+      EXPECT_NE(said.find("'" + type.name + "' has no grid of stored views"), std::string::npos) << said;
+      EXPECT_NE(said.find(renderers::default_impostor().name), std::string::npos) << said;
+    }
+  }
+  EXPECT_GT(refused, 0U);
+}
 
 }  // namespace
 }  // namespace crowdbench::bench
