@@ -84,7 +84,8 @@ struct KeptPart {
   std::string unit;  // what is counted: "tiles"
   uint64_t kept = 0;
   uint64_t whole = 0;
-  uint64_t whole_bytes = 0;  // of textures, had nothing been left out
+  uint64_t kept_bytes = 0;   // of what can be left out, on the GPU
+  uint64_t whole_bytes = 0;  // the same had nothing been left out
 };
 
 struct BakeInfo {

@@ -167,8 +167,11 @@ int run_bake(const Options& options) {
       ordered_json& required =
           out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}, {"kept", ordered_json::array()}};
       for (const renderers::KeptPart& part : bake.kept)
-        required["kept"].push_back(
-            {{"unit", part.unit}, {"kept", part.kept}, {"whole", part.whole}, {"whole_bytes", part.whole_bytes}});
+        required["kept"].push_back({{"unit", part.unit},
+                                    {"kept", part.kept},
+                                    {"whole", part.whole},
+                                    {"kept_bytes", part.kept_bytes},
+                                    {"whole_bytes", part.whole_bytes}});
     }
     out["facts"] = ordered_json::object();
     for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
@@ -197,8 +200,8 @@ int run_bake(const Options& options) {
   else
     fmt::print("  {}  {:.2f} s\n", bake.cached ? "read from disk" : "baked         ", bake.seconds);
   for (const renderers::KeptPart& part : bake.kept)
-    fmt::print("  required by   {} in {} ticks: {} of {} {}; all would take {:.1f} MiB\n",
-               printable(options.required_by), ticks, part.kept, part.whole, part.unit, mib(part.whole_bytes));
+    fmt::print("  required by   {} in {} ticks: {} of {} {}, {:.1f} of {:.1f} MiB\n", printable(options.required_by),
+               ticks, part.kept, part.whole, part.unit, mib(part.kept_bytes), mib(part.whole_bytes));
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);

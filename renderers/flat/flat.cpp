@@ -333,7 +333,9 @@ class FlatRepresentation : public Representation {
     info.facts.emplace_back("nominal_page", nominal_.side);
     info.facts.emplace_back("nominal_frame_bytes", static_cast<double>(nominal_.bytes));
     info.facts.emplace_back("nominal_frame_compressed_bytes", static_cast<double>(nominal_.compressed_bytes));
-    if (whole_tiles_ > 0) info.kept.push_back({"tiles", static_cast<uint64_t>(tiles), whole_tiles_, whole_bytes_});
+    if (whole_tiles_ > 0)
+      info.kept.push_back(
+          {"tiles", static_cast<uint64_t>(tiles), whole_tiles_, footprint().texture_bytes, whole_bytes_});
     return info;
   }
 

@@ -166,10 +166,11 @@ class PolypostorRepresentation : public Representation {
       if (make.required_by) {
         const std::vector<uint8_t> needed =
             needed_views(bake, options.grid, [&](const auto& see) { make.required_by(c, see); });
-        whole_bytes_ += bake.texture_bytes();
-        whole_views_ += view_count(bake);
+        kept_.whole += view_count(bake);
+        kept_.whole_bytes += gpu_bytes(bake);
         bake = only_views(bake, needed);
-        kept_views_ += view_count(bake);
+        kept_.kept += view_count(bake);
+        kept_.kept_bytes += gpu_bytes(bake);
       }
       check_limits(context_, bake, character->name);
       characters_.push_back(upload(context_, std::move(bake), options.grid, draws_lines()));
@@ -253,7 +254,7 @@ class PolypostorRepresentation : public Representation {
                     {"repaired", bake.repaired}};
       for (auto& fact : view_error_facts(grid_)) info.facts.push_back(std::move(fact));
     }
-    if (whole_views_ > 0) info.kept.push_back({"views of clips", kept_views_, whole_views_, whole_bytes_});
+    if (kept_.whole > 0) info.kept.push_back(kept_);
     return info;
   }
 
@@ -401,7 +402,7 @@ class PolypostorRepresentation : public Representation {
   ViewGrid grid_;
   double seconds_ = 0;
   std::vector<BakeRecord> records_;
-  uint64_t whole_bytes_ = 0, whole_views_ = 0, kept_views_ = 0;  // where only the required part is kept
+  KeptPart kept_{.unit = "views of clips"};  // where only the required part is
   std::vector<CharacterPolygons> characters_;
   gl::Sampler filtered_, nearest_;
   gl::Program place_;

@@ -1,6 +1,6 @@
 // What a scenario needs of a bake of polypostors. A part's key image and polygon are chosen by how they look in all
-// frames of the clip, and images of all views share pages: so a bake is made whole, and the views of clips that nobody
-// sees are left out of what is loaded.
+// frames of the clip, and where an image lies on the pages that all views share decides how it is filtered: so a bake
+// is made whole, and what is left out is left out of what is loaded.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,10 +15,12 @@ namespace crowdbench::renderers {
 std::vector<uint8_t> needed_views(const PolypostorBake& bake, const ViewGrid& grid,
                                   const std::function<void(const std::function<void(const ViewSample&)>&)>& visit);
 
-// The bake with the needed views alone; the others draw nothing. Every image keeps its place on a page of the same
-// size, so that it is filtered as before and pictures do not change by a bit; pages are fewer.
+// The bake with the polygons of the needed views alone; the others draw nothing. Pages that hold none of their images
+// are left out, the others stay as they are, so that pictures do not change by a bit.
 PolypostorBake only_views(const PolypostorBake& whole, const std::vector<uint8_t>& needed);
 
+// Of images and polygons.
+uint64_t gpu_bytes(const PolypostorBake& bake);
 // Views of clips that draw something.
 uint64_t view_count(const PolypostorBake& bake);
 
