@@ -15,9 +15,12 @@ namespace {
 constexpr size_t kMaxSpecLength = 4096;
 constexpr int kMaxSpecDepth = 4;
 
+// Stands for the reference's name in a spec.
+constexpr std::string_view kReferenceAlias = "reference";
+
 const RepresentationType* find_type(const std::string& name, const std::vector<RepresentationType>& types) {
   for (const RepresentationType& t : types)
-    if (t.name == name) return &t;
+    if (t.name == name || (t.reference && name == kReferenceAlias)) return &t;
   return nullptr;
 }
 
@@ -63,7 +66,7 @@ class Parser {
  private:
   [[noreturn]] void fail(const std::string& wrong) const {
     throw Error(fmt::format("representation '{}'", printable(text_)), wrong,
-                "write name, name:key=value,... or hybrid(near,far,key=value,...)");
+                "write name, name:key=value,... or, of one that has parts, name(part,part,key=value,...)");
   }
 
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
@@ -88,7 +91,7 @@ class Parser {
 
   void parse_option(Spec& spec, const RepresentationType& type) {
     const std::string key = word();
-    if (key.empty() || !take('=')) fail(fmt::format("'{}' is no key=value", printable(key)));
+    if (key.empty() || !take('=')) fail(fmt::format("'{}' is not key=value", printable(key)));
     const std::string value = word();
     const std::string where = fmt::format("representation '{}'", type.name);
     if (!find_option(type, key)) {
@@ -118,6 +121,7 @@ class Parser {
     spec.name = word();
     if (spec.name.empty()) fail("a name is missing");
     const RepresentationType& type = require_type(spec.name, types_);
+    spec.name = type.name;
     if (take('(')) {
       do {
         if (option_ahead())
@@ -210,6 +214,44 @@ const RepresentationType& representation_type(const std::string& name) {
   return require_type(name, representation_types());
 }
 
+const RepresentationType& reference_type() {
+  const auto& types = representation_types();
+  const auto found = std::find_if(types.begin(), types.end(), [](const auto& type) { return type.reference; });
+  assert(found != types.end());
+  return *found;
+}
+
+Spec reference_spec() { return {reference_type().name, {}, {}}; }
+
+Spec default_impostor() {
+  const auto& types = representation_types();
+  const auto found = std::find_if(types.begin(), types.end(), [](const auto& type) { return type.view_sampling; });
+  assert(found != types.end());
+  return {found->name, {}, {}};
+}
+
+bool stands_alone(const RepresentationType& type) { return type.components == 0; }
+
+std::string example_spec(const RepresentationType& type) {
+  if (stands_alone(type)) return type.name + (type.example_options.empty() ? "" : ":" + type.example_options);
+  std::vector<std::string> inside;
+  for (size_t i = 0; i < type.components; ++i)
+    inside.push_back(i == 0 ? reference_spec().name : default_impostor().name);
+  if (!type.example_options.empty()) inside.push_back(type.example_options);
+  return fmt::format("{}({})", type.name, fmt::join(inside, ","));
+}
+
+std::map<std::string, std::string> floors_by_name() {
+  std::map<std::string, std::string> out;
+  for (const RepresentationType& type : representation_types()) out[type.name] = type.floor;
+  return out;
+}
+
+bool honours_required_by(const Spec& spec) {
+  return representation_type(spec.name).required_by ||
+         std::any_of(spec.components.begin(), spec.components.end(), honours_required_by);
+}
+
 std::vector<OptionDoc> option_docs(const RepresentationType& type) {
   std::vector<OptionDoc> docs;
   for (const std::string& key : option_keys(type)) docs.push_back(*find_option(type, key));
@@ -217,28 +259,62 @@ std::vector<OptionDoc> option_docs(const RepresentationType& type) {
 }
 
 namespace {
+constexpr const char* kDebug = "debug";
+constexpr const char* kNoDebug = "none";
+
+void set_option(Spec& spec, const std::string& key, const std::string& value) {
+  std::erase_if(spec.options, [&](const auto& option) { return option.first == key; });
+  spec.options.emplace_back(key, value);
+}
+}  // namespace
+
+Spec with_floor(Spec spec) {
+  set_option(spec, floor_option().key, "1");
+  return spec;
+}
+
+bool is_floor(const Spec& spec) {
+  return std::any_of(spec.options.begin(), spec.options.end(),
+                     [](const auto& option) { return option.first == floor_option().key && option.second == "1"; });
+}
+
+std::vector<std::string> debug_views(const RepresentationType& type) {
+  std::vector<std::string> views;
+  const OptionDoc* option = find_option(type, kDebug);
+  if (!option) return views;
+  for (size_t at = 0; at <= option->values.size();) {
+    const size_t end = std::min(option->values.find('|', at), option->values.size());
+    views.push_back(option->values.substr(at, end - at));
+    at = end + 1;
+  }
+  std::erase(views, kNoDebug);
+  return views;
+}
+
+std::string debug_views_of_all() {
+  std::string out;
+  for (const RepresentationType& type : representation_types())
+    if (const std::vector<std::string> views = debug_views(type); !views.empty())
+      out += fmt::format("{}{} has {}", out.empty() ? "" : "; ", type.name, fmt::join(views, ", "));
+  return out;
+}
+
+namespace {
 // Debug views that a type, or one of the parts, offers.
 void add_debug_views(const Spec& spec, std::vector<std::string>& views) {
   for (const Spec& part : spec.components) add_debug_views(part, views);
-  const OptionDoc* option = find_option(representation_type(spec.name), "debug");
-  if (!option) return;
-  for (size_t at = 0; at <= option->values.size();) {
-    const size_t end = std::min(option->values.find('|', at), option->values.size());
-    const std::string view = option->values.substr(at, end - at);
+  for (const std::string& view : debug_views(representation_type(spec.name)))
     if (std::find(views.begin(), views.end(), view) == views.end()) views.push_back(view);
-    at = end + 1;
-  }
+}
+
+// "none" is known to everybody who has any.
+bool knows(const std::vector<std::string>& views, const std::string& view) {
+  return !views.empty() && (view == kNoDebug || std::find(views.begin(), views.end(), view) != views.end());
 }
 
 void set_where_known(Spec& spec, const std::string& view) {
   for (Spec& part : spec.components) set_where_known(part, view);
-  Spec alone = spec;
-  alone.components.clear();
-  std::vector<std::string> views;
-  add_debug_views(alone, views);
-  if (std::find(views.begin(), views.end(), view) == views.end()) return;
-  std::erase_if(spec.options, [](const auto& option) { return option.first == "debug"; });
-  spec.options.emplace_back("debug", view);
+  if (knows(debug_views(representation_type(spec.name)), view)) set_option(spec, kDebug, view);
 }
 }  // namespace
 
@@ -248,7 +324,7 @@ void set_debug_view(Spec& spec, const std::string& view) {
   if (views.empty())
     throw Error("--debug", fmt::format("'{}' has no debug views", spec.name),
                 "crowdbench info --representations names those of the others");
-  if (std::find(views.begin(), views.end(), view) == views.end())
+  if (!knows(views, view))
     throw Error("--debug", fmt::format("'{}' has no debug view '{}'", spec.name, printable(view)),
                 fmt::format("it has {}", fmt::join(views, ", ")));
   set_where_known(spec, view);
@@ -282,7 +358,7 @@ namespace {
 [[noreturn]] void bad_value(const RepresentationType& type, const std::string& key, const std::string& value,
                             const std::string& want) {
   throw Error(fmt::format("representation '{}'", type.name),
-              fmt::format("option {}={} is no {}", key, printable(value), want));
+              fmt::format("option {}={} is not a {}", key, printable(value), want));
 }
 }  // namespace
 
@@ -291,7 +367,7 @@ size_t OptionReader::choice(const std::string& key, const std::vector<std::strin
   const auto found = std::find(words.begin(), words.end(), value);
   if (found != words.end()) return static_cast<size_t>(found - words.begin());
   throw Error(fmt::format("representation '{}'", type_.name),
-              fmt::format("option {}={} is none of {}", key, printable(value), fmt::join(words, ", ")));
+              fmt::format("option {}={} is not one of {}", key, printable(value), fmt::join(words, ", ")));
 }
 
 int64_t OptionReader::integer(const std::string& key, int64_t low, int64_t high) const {

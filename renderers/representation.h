@@ -2,7 +2,7 @@
 //
 // To add one: a folder here with a README, the header, the bake, the draw and the shaders, that defines one
 // RepresentationType; and one line in registry.cpp. The driver, the sweeps, the metrics, the studies and the reports
-// pick it up by name.
+// walk the registry and ask the type what it can do; none of them spells a name (tests/renderers/names_test.cpp).
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -36,7 +36,8 @@ struct Spec {
   // the order of options and defaults.
   std::string text() const;
 };
-// Throws Error: unknown name or option (naming the nearest), a value twice, bad brackets.
+// "reference" stands for the name of the reference. Throws Error: unknown name or option (naming the nearest), a value
+// twice, bad brackets.
 Spec parse_spec(const std::string& text);
 // The grammar, against a table of types given by the caller:
 //   spec  = name [":" option {"," option}]  |  name "(" part {"," part} {"," option} ")"
@@ -50,6 +51,10 @@ std::string canonical_text(const Spec& spec, const std::vector<RepresentationTyp
 // "mesh,flat:views=64,frames=8,hybrid(mesh,flat,distance=10)" to three representations: a comma separates where the
 // next piece does not read key=value, and never within brackets. Throws Error.
 std::vector<Spec> parse_specs(const std::string& text);
+
+// The spec with floor=1, whatever was given.
+Spec with_floor(Spec spec);
+bool is_floor(const Spec& spec);
 
 // Sets the option `debug` of a representation (of both parts of a hybrid, where they know the view) to one of its debug
 // views, whatever was given. Throws Error naming the views that there are.
@@ -78,6 +83,15 @@ struct BakeItem {
   std::vector<std::pair<std::string, double>> facts;  // ("texels", 256), ...; the same ones for every part
 };
 
+// What a bake kept of all that its options ask for, because MakeContext::required_by shows no more.
+struct KeptPart {
+  std::string unit;  // what is counted: "tiles"
+  uint64_t kept = 0;
+  uint64_t whole = 0;
+  uint64_t kept_bytes = 0;   // of what can be left out, on the GPU
+  uint64_t whole_bytes = 0;  // the same had nothing been left out
+};
+
 struct BakeInfo {
   double seconds = 0;   // spent on baking or on reading the cache
   bool cached = false;  // came from the cache
@@ -86,6 +100,7 @@ struct BakeInfo {
   // What the bake holds, for people and JSON: ("views", 136), ("tiles", 1360), ("texel_mm", 14.5), ...
   std::vector<std::pair<std::string, double>> facts;
   std::vector<BakeItem> items;  // of the only character; none where there are several
+  std::vector<KeptPart> kept;   // one a representation that something was left out of; a hybrid's are its parts'
 };
 
 // agents[c]: indices into frame.agents[c], ascending.
@@ -159,9 +174,11 @@ struct MakeContext {
   bool use_cache = true;
   bool rebake = false;  // bake anew although the cache has it, and replace that
   bool progress = true;
-  // Set: representations that store views bake and load only what these view samples show, and show nothing elsewhere.
+  // Set: types that honour it (honours_required_by) keep only what these view samples show, and show nothing elsewhere.
   VisitViewSamples required_by = {};
 };
+
+struct ViewSampling;  // renderers/impostor/views/view_sampling.h
 
 struct RepresentationType {
   std::string name;
@@ -170,10 +187,37 @@ struct RepresentationType {
       options;  // "floor" is common to all: 1 draws the representation's floor (spec'd in its README)
   std::function<std::unique_ptr<Representation>(const MakeContext&, const Spec&)> make;
   size_t components = 0;  // how many representations it is made of, given in brackets: 2 for hybrid(near,far)
+
+  // What it can do: asked by everybody who would otherwise have to know its name.
+  bool reference = false;    // all others are held against it; true of exactly one type
+  bool required_by = false;  // keeps only what MakeContext::required_by shows
+  // How coarsely a spec of this type samples views and poses of a character in the poses of a bank, without baking it.
+  // Null where no views are stored.
+  ViewSampling (*view_sampling)(const Spec& spec, const scene::Character& character,
+                                const std::shared_ptr<const scene::PoseBank>& bank) = nullptr;
+  // What floor=1 still does, for reports, to follow "its floor is": "the mesh in one pose, without skinning".
+  std::string floor;
+  std::string example_options;  // of example_spec: "distance=9"; empty: none
 };
 
 const std::vector<RepresentationType>& representation_types();           // registry.cpp
 const RepresentationType& representation_type(const std::string& name);  // throws Error naming the nearest
+const RepresentationType& reference_type();
+Spec reference_spec();  // without options
+// What commands hold against the reference where nothing is asked for: the first type that stores views.
+Spec default_impostor();
+// Whether the name alone is a spec: what lists of all representations offer.
+bool stands_alone(const RepresentationType& type);
+// A spec of the type, for help and tests: of the reference and the default impostor where it is made of two.
+std::string example_spec(const RepresentationType& type);
+// Whether the spec, or one of its parts, keeps only what MakeContext::required_by shows.
+bool honours_required_by(const Spec& spec);
+// The words of the option `debug` but for "none"; empty where there is no such option.
+std::vector<std::string> debug_views(const RepresentationType& type);
+// Those of all types, for help: "NAME has VIEW, VIEW; NAME has VIEW".
+std::string debug_views_of_all();
+// RepresentationType::floor by name, of all types.
+std::map<std::string, std::string> floors_by_name();
 // The type's options with "floor", which all have, at the end.
 std::vector<OptionDoc> option_docs(const RepresentationType& type);
 std::unique_ptr<Representation> make_representation(const MakeContext& context, const Spec& spec);

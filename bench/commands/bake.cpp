@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -38,6 +39,13 @@ struct Options {
   bool report = false;
   bool json = false;
 };
+
+std::string names_that_honour_required_by() {
+  std::vector<std::string> names;
+  for (const renderers::RepresentationType& type : renderers::representation_types())
+    if (type.required_by) names.push_back(type.name);
+  return fmt::format("{}", fmt::join(names, " or "));
+}
 
 // A count as a whole number.
 ordered_json number(double value) {
@@ -105,6 +113,9 @@ void print(const ViewAudit& a) {
 
 int run_bake(const Options& options) {
   const renderers::Spec spec = parse_representation(options.representation);
+  if (!options.required_by.empty() && !honours_required_by(spec))
+    throw Error("--required-by", fmt::format("'{}' stores no views that could be left out", spec.name),
+                "leave --required-by out, or bake " + names_that_honour_required_by());
   scene::Scenario scenario;
   scenario.characters.clear();
   for (const std::string& source : options.characters) {
@@ -155,7 +166,16 @@ int run_bake(const Options& options) {
                         {"buffer_bytes", bytes.buffer_bytes},
                         {"gpu_bytes", bytes.gpu_bytes()},
                         {"disk_bytes", bytes.disk_bytes}};
-    if (!options.required_by.empty()) out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}};
+    if (!options.required_by.empty()) {
+      ordered_json& required =
+          out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}, {"kept", ordered_json::array()}};
+      for (const renderers::KeptPart& part : bake.kept)
+        required["kept"].push_back({{"unit", part.unit},
+                                    {"kept", part.kept},
+                                    {"whole", part.whole},
+                                    {"kept_bytes", part.kept_bytes},
+                                    {"whole_bytes", part.whole_bytes}});
+    }
     out["facts"] = ordered_json::object();
     for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
     if (options.report)
@@ -182,19 +202,9 @@ int run_bake(const Options& options) {
     fmt::print("  nothing is baked\n");
   else
     fmt::print("  {}  {:.2f} s\n", bake.cached ? "read from disk" : "baked         ", bake.seconds);
-  const auto fact = [&](std::string_view name) {
-    const auto found =
-        std::find_if(bake.facts.begin(), bake.facts.end(), [&](const auto& f) { return f.first == name; });
-    return found == bake.facts.end() ? 0.0 : found->second;
-  };
-  if (!options.required_by.empty()) {
-    if (fact("whole_bytes") > 0)
-      fmt::print("  required by   {} in {} ticks: {:.0f} of {:.0f} tiles, {:.1f} of {:.1f} MiB\n",
-                 printable(options.required_by), ticks, fact("tiles"), fact("whole_tiles"), mib(bytes.texture_bytes),
-                 fact("whole_bytes") / (1 << 20));
-    else
-      fmt::print("  required by   {}: '{}' has no views to leave out\n", printable(options.required_by), spec.name);
-  }
+  for (const renderers::KeptPart& part : bake.kept)
+    fmt::print("  required by   {} in {} ticks: {} of {} {}, {:.1f} of {:.1f} MiB\n", printable(options.required_by),
+               ticks, part.kept, part.whole, part.unit, mib(part.kept_bytes), mib(part.whole_bytes));
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
@@ -231,21 +241,21 @@ void add_bake(Command& app, Run& run) {
       ->expected(1);
   command
       ->add_option("--required-by", options->required_by,
-                   "a scenario: bake only the views and frames that its camera sees of its agents")
+                   "a scenario: keep only the views and frames that its camera sees of its agents")
       ->type_name("SCENARIO")
       ->excludes("--character")
       ->excludes("--clip");
   command->add_flag(
       "--audit", options->audit,
       "also state how coarse the stored views and frames are, what 6 degrees a step would take, and what\n"
-      "they were measured to cost in the picture (flat)");
+      "they were measured to cost in the picture, of a representation that stores views");
   command->add_flag("--force", options->force, "bake anew although it is in the cache");
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);
   command->add_flag(
       "--report", options->report,
-      "also the bake's parts (relief: each joint's texels a side and bytes); JSON: what the representation "
-      "says of its\nbake (nominal_bytes, boxes, ...) beside the sizes, not only under facts");
+      "also the bake's parts, where it names any; JSON: what the representation says of its bake beside the "
+      "sizes,\nnot only under facts");
   add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_bake(*options); }; });
 }

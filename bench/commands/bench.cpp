@@ -77,12 +77,12 @@ int run_bench(const Options& options) {
 
   const ChosenScenario chosen = read_scenario(options.scene);
   request.scenario = chosen.scenario;
-  if (request.representations.empty() && request.scenario.representation != "mesh")
-    request.representations.push_back(representation_of(chosen));
+  const renderers::Spec own = representation_of(chosen);
+  if (request.representations.empty() && own.text() != renderers::reference_spec().text())
+    request.representations.push_back(own);
   if (request.representations.empty())
     for (const renderers::RepresentationType& type : renderers::representation_types())
-      if (type.name != "mesh" && type.name != "hybrid")
-        request.representations.push_back(renderers::parse_spec(type.name));
+      if (!type.reference && stands_alone(type)) request.representations.push_back(renderers::parse_spec(type.name));
   StoreWriter store(options.out);  // refused before anything is drawn
   const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);
@@ -181,7 +181,8 @@ void add_bench(Command& app, Run& run) {
       ->type_name("FILE.sqlite")
       ->capture_default_str()
       ->output_file();
-  add_json_option(*command, options->json, "print every row of the result file as JSON instead of the table, and the stages of the points\n"
+  add_json_option(*command, options->json,
+                  "print every row of the result file as JSON instead of the table, and the stages of the points\n"
                   "measured now (camera, crowd, occupancy)");
   command->callback([options, &run] { run = [options] { return run_bench(*options); }; });
 }

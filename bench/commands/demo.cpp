@@ -29,7 +29,7 @@ namespace {
 struct Options {
   std::vector<std::string> characters;
   std::string out = "crowdbench-demo";
-  std::string representation = "flat";
+  std::string representation = renderers::default_impostor().text();
   std::string device;
   bool no_clip = false;
   bool tiny = false;
@@ -91,7 +91,7 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
   const Staged staged = stage_scenario(scenario, cast, context);
   const scene::Frame frame = scene::make_frame(staged.scenario, cast, staged.crowd, staged.camera, 20);
   renderers::Renderer renderer(context, cast);
-  for (const std::string& name : {std::string("mesh"), options.representation}) {
+  for (const std::string& name : {renderers::reference_spec().text(), options.representation}) {
     const auto representation = renderers::make_representation({context, cast}, renderers::parse_spec(name));
     const renderers::Capture capture =
         renderer.capture(frame, *representation, {.supersample = options.tiny ? 1 : 3, .linear = false});
@@ -137,7 +137,7 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
     comparison.run = run;
     comparison.kind = "agent";
     comparison.representation = row.representation;
-    comparison.reference = "mesh";
+    comparison.reference = renderers::reference_spec().text();
     comparison.character = cast_name(cast);
     comparison.height_px = row.view.height_px;
     comparison.azimuth_deg = row.view.azimuth_deg;
@@ -154,7 +154,7 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
         metrics::crop_box(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids), 8);
     if (box)
       write_pictures(store, run, id, metrics::crop(pictures.reference.colour, *box),
-                     metrics::crop(pictures.test.colour, *box), "mesh", row.representation, false);
+                     metrics::crop(pictures.test.colour, *box), comparison.reference, row.representation, false);
   });
   store.commit();
 }
@@ -169,7 +169,7 @@ std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scen
   Staged staged = stage_scenario(scenario, cast, context);
   request.scenario = std::move(staged.scenario);
   request.crowd = std::move(staged.crowd);
-  request.a = renderers::parse_spec("mesh");
+  request.a = renderers::reference_spec();
   request.b = renderers::parse_spec(options.representation);
   request.frames = options.tiny ? 3 : 90;
   request.clip.title = "crowdbench demo";
@@ -204,7 +204,8 @@ int run_demo(const Options& options) {
     steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));
     draw_heroes(context, cast, scenario, options, store, run.id);
 
-    steps.next(fmt::format("{}: timing mesh and {} in turns", cast_name(cast), options.representation));
+    steps.next(fmt::format("{}: timing {} and {} in turns", cast_name(cast), renderers::reference_spec().text(),
+                           options.representation));
     SweepRequest request;
     request.scenario = scenario;
     request.representations = {renderers::parse_spec(options.representation)};
@@ -246,7 +247,8 @@ int run_demo(const Options& options) {
   steps.next("writing the report");
   const std::filesystem::path page = folder / "report.html";
   write_file(page, std::string_view(reports::report_page(
-                       read_store(results), {results.filename().string(), score_docs(metrics::scores())})));
+                       read_store(results),
+                       {results.filename().string(), score_docs(metrics::scores()), renderers::floors_by_name()})));
   steps.end();
   fmt::print("{}\n", std::filesystem::absolute(page).lexically_normal().string());
   return status;

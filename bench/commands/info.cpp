@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,13 +16,36 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// What a type can do, and what its floor is, in words.
+std::vector<std::string> abilities(const renderers::RepresentationType& type) {
+  std::vector<std::string> words;
+  if (type.reference) words.emplace_back("the reference of all comparisons");
+  if (!stands_alone(type)) words.push_back(fmt::format("made of {} others", type.components));
+  if (type.view_sampling != nullptr) words.emplace_back("stores views (bake --audit)");
+  if (type.required_by) words.emplace_back("leaves out what a scenario does not show (bake --required-by)");
+  if (const auto views = debug_views(type); !views.empty())
+    words.push_back(fmt::format("debug views {}", fmt::join(views, ", ")));
+  words.push_back("its floor is " + type.floor);
+  return words;
+}
+
 Json representations_json() {
   Json out = Json::array();
   for (const renderers::RepresentationType& type : renderers::representation_types()) {
     Json options = Json::array();
     for (const renderers::OptionDoc& o : renderers::option_docs(type))
       options.push_back({{"key", o.key}, {"values", o.values}, {"default", o.default_value}, {"meaning", o.meaning}});
-    out.push_back({{"name", type.name}, {"summary", type.summary}, {"parts", type.components}, {"options", options}});
+    out.push_back({{"name", type.name},
+                   {"summary", type.summary},
+                   {"example", example_spec(type)},
+                   {"reference", type.reference},
+                   {"stands_alone", stands_alone(type)},
+                   {"parts", type.components},
+                   {"stores_views", type.view_sampling != nullptr},
+                   {"required_by", type.required_by},
+                   {"debug_views", debug_views(type)},
+                   {"floor", type.floor},
+                   {"options", options}});
   }
   return out;
 }
@@ -29,6 +53,7 @@ Json representations_json() {
 void print_representations() {
   for (const renderers::RepresentationType& type : renderers::representation_types()) {
     fmt::print("{}: {}\n", type.name, type.summary);
+    fmt::print("  {}\n", fmt::join(abilities(type), "; "));
     for (const renderers::OptionDoc& o : renderers::option_docs(type))
       fmt::print("  {:<12} {:<24} default {:<10} {}\n", o.key, o.values, o.default_value, o.meaning);
   }

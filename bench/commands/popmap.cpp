@@ -33,7 +33,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string representation = "flat";
+  std::string representation = renderers::default_impostor().text();
   std::string character = "mannequin";
   std::string clip;
   std::string azimuths = "0:337.5:22.5";

@@ -192,7 +192,8 @@ int render_single(const RenderOptions& options) {
   agent.heading = {static_cast<float>(heading.sin), static_cast<float>(heading.cos)};
   frame.agents.push_back({agent});
 
-  renderers::Spec spec = parse_representation(options.representation.empty() ? "mesh" : options.representation);
+  renderers::Spec spec =
+      options.representation.empty() ? renderers::reference_spec() : parse_representation(options.representation);
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   const auto context = open_context(options.scene.device);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
@@ -225,11 +226,10 @@ void add_render(Command& app, Run& run) {
       "      --eye 0,1,5 --target 0,1,0 --fov-y-deg 40 --size 512x512 --out x.png --mask m.png");
   auto options = std::make_shared<RenderOptions>();
   add_scene_options(*command, options->scene);
-  add_representation_option(*command, options->representation, "how agents are drawn (the scenario's, else mesh)");
-  command->add_option(
-      "--debug", options->debug,
-      "a debug view of the representation instead of its picture: relief has boxes, steps (taps a ray), "
-      "hit-face\nand misses, polypostor wire, lines, parts and stretch");
+  add_representation_option(*command, options->representation,
+                            "how agents are drawn (the scenario's, else the reference)");
+  command->add_option("--debug", options->debug,
+                      "a debug view of the representation instead of its picture:\n" + renderers::debug_views_of_all());
   command
       ->add_option("--clip", options->clips,
                    "clip in use, by name or index; may be given several times (--single: one, or none)")

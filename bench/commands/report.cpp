@@ -8,6 +8,7 @@
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "renderers/representation.h"
 #include "reports/exports/exports.h"
 #include "reports/page/report_page.h"
 #include "store/store.h"
@@ -34,7 +35,7 @@ int run_report(const Options& options) {
     write_file(path, std::string_view(make()));
     fmt::print("{}\n", path);
   };
-  write(options.out, [&] { return reports::report_page(contents, {source, scores}); });
+  write(options.out, [&] { return reports::report_page(contents, {source, scores, renderers::floors_by_name()}); });
   write(options.markdown, [&] { return reports::report_markdown(contents, source, scores); });
   write(options.csv, [&] { return reports::results_csv(contents); });
   write(options.scores_csv, [&] { return reports::scores_csv(contents); });

@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string representation = "flat";
+  std::string representation = renderers::default_impostor().text();
   std::string character = "mannequin";
   std::string clip;
   std::string ratios = "0.5,1,2";

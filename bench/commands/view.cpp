@@ -36,7 +36,7 @@ std::vector<renderers::Spec> offered(const std::vector<std::string>& asked, cons
   for (const renderers::RepresentationType& type : renderers::representation_types()) {
     renderers::Spec spec;
     spec.name = type.name;
-    if (type.name == "hybrid" || spec.text() == specs.front().text()) continue;
+    if (!stands_alone(type) || spec.text() == specs.front().text()) continue;
     specs.push_back(spec);
   }
   return specs;

@@ -1,5 +1,7 @@
 #include "bench/experiments/audit.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,7 +10,8 @@
 #include "bench/experiments/quality.h"
 #include "core/error.h"
 #include "metrics/temporal.h"
-#include "renderers/flat/flat.h"
+#include "renderers/impostor/views/view_options.h"
+#include "renderers/impostor/views/view_sampling.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::bench {
@@ -43,10 +46,20 @@ renderers::Spec unmirrored(const renderers::Spec& spec, const renderers::ViewGri
   renderers::ViewGrid full = grid;
   full.mirrored = false;
   full.azimuths = 2 * (grid.azimuths - 1);
-  renderers::Spec out = spec;
-  std::erase_if(out.options, [](const auto& o) { return o.first == "views"; });
-  out.options.emplace_back("views", full.text());
-  return out;
+  return with_view_grid(spec, full);
+}
+
+int captured_views(const renderers::ViewGrid& grid) {
+  int views = 0;
+  for (int v = 0; v < grid.size(); ++v) views += grid.reachable(v) ? 1 : 0;
+  return views;
+}
+
+std::string names_of_those_with_views() {
+  std::vector<std::string> names;
+  for (const renderers::RepresentationType& type : renderers::representation_types())
+    if (type.view_sampling != nullptr) names.push_back(type.name);
+  return fmt::format("{}", fmt::join(names, " or "));
 }
 
 // The middle of every figure's picture, so that an orbit's pictures fit in memory.
@@ -65,36 +78,37 @@ std::optional<double> AuditError::mean(std::string_view name) const {
 
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                       const renderers::Spec& spec, uint64_t bake_budget, bool use_cache) {
-  if (spec.name != "flat")
-    throw Error("--audit", fmt::format("'{}' has no grid of stored views to audit", spec.name), "audit flat");
-  const renderers::FlatBakeOptions options = renderers::flat_bake_options(spec);
+  const auto sample = renderers::representation_type(spec.name).view_sampling;
+  if (sample == nullptr)
+    throw Error("--audit", fmt::format("'{}' has no grid of stored views to audit", spec.name),
+                "audit " + names_of_those_with_views());
   const int clip = character->placement.default_clip;
   const auto bank = std::make_shared<const scene::PoseBank>(*character, std::vector<int>{clip});
 
+  const renderers::ViewSampling sampling = sample(spec, *character, bank);
+  const renderers::ViewGrid& grid = sampling.grid;
   ViewAudit out;
   out.representation = spec.text();
-  out.grid = options.grid.text();
-  for (int v = 0; v < options.grid.size(); ++v) out.views += options.grid.reachable(v) ? 1 : 0;
-  const renderers::ViewSteps steps = compute_view_steps(options.grid);
+  out.grid = grid.text();
+  out.views = captured_views(grid);
+  const renderers::ViewSteps steps = compute_view_steps(grid);
   out.step_deg_mean = steps.mean / kDegrees;
   out.step_deg_max = steps.largest / kDegrees;
-  const renderers::ViewErrors errors = compute_view_errors(options.grid);
+  const renderers::ViewErrors errors = compute_view_errors(grid);
   out.error_deg_mean = errors.mean / kDegrees;
   out.error_deg_max = errors.largest / kDegrees;
   const double cycle = clip < 0 ? 0.0 : scene::cycle_seconds(*character, clip);
-  out.frames = cycle > 0 ? options.frames : 1;
-  out.pose_step_seconds = cycle > 0 ? cycle / options.frames : 0.0;
-  const renderers::FlatForecast forecast = forecast_flat(*character, bank, options);
-  out.pose_step_mm_mean = forecast.pose_step_mean * 1000;
-  out.pose_step_mm_max = forecast.pose_step_largest * 1000;
-  out.texel_mm = forecast.texel * 1000;
-  out.bytes = forecast.texture_bytes;
+  out.frames = cycle > 0 ? sampling.frames : 1;
+  out.pose_step_seconds = cycle > 0 ? cycle / sampling.frames : 0.0;
+  out.pose_step_mm_mean = sampling.pose_step_mean * 1000;
+  out.pose_step_mm_max = sampling.pose_step_largest * 1000;
+  out.texel_mm = sampling.texel * 1000;
+  out.bytes = sampling.texture_bytes;
   out.meets_limit = out.step_deg_max <= kSmoothViewStepDeg * (1 + 1e-9);
-  renderers::FlatBakeOptions limit = options;
-  if (!out.meets_limit) limit.grid = grid_for_step(options.grid, kSmoothViewStepDeg * kDegrees);
-  out.limit_grid = limit.grid.text();
-  for (int v = 0; v < limit.grid.size(); ++v) out.limit_views += limit.grid.reachable(v) ? 1 : 0;
-  out.limit_bytes = out.meets_limit ? out.bytes : forecast_flat(*character, bank, limit).texture_bytes;
+  const renderers::ViewGrid limit = out.meets_limit ? grid : grid_for_step(grid, kSmoothViewStepDeg * kDegrees);
+  out.limit_grid = limit.text();
+  out.limit_views = captured_views(limit);
+  out.limit_bytes = out.meets_limit ? out.bytes : sample(with_view_grid(spec, limit), *character, bank).texture_bytes;
 
   QualitySetup setup;
   setup.character = character;
@@ -113,10 +127,10 @@ ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::C
   std::vector<QualityView> stored;
   for (int i = 0; i < 12; ++i) {
     const double azimuth = i * 30 * kDegrees;
-    const double low = options.grid.el_min;
+    const double low = grid.el_min;
     const renderers::ViewPick pick =
-        options.grid.pick({std::sin(azimuth) * std::cos(low), std::sin(low), std::cos(azimuth) * std::cos(low)});
-    const glm::dvec3 d = options.grid.basis(pick.view).to_eye;
+        grid.pick({std::sin(azimuth) * std::cos(low), std::sin(low), std::cos(azimuth) * std::cos(low)});
+    const glm::dvec3 d = grid.basis(pick.view).to_eye;
     view.azimuth_deg = std::atan2(pick.mirrored ? -d.x : d.x, d.z) / kDegrees;
     view.elevation_deg = std::asin(std::clamp(d.y, -1.0, 1.0)) / kDegrees;
     stored.push_back(view);
@@ -155,8 +169,8 @@ ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::C
   out.stored = mean_of(all.subspan(directions.size() + late.size(), stored.size()));
   out.orbit_flicker = metrics::flicker(reference, test, silhouettes).value_or(0);
 
-  if (options.grid.mirrored) {
-    setup.representations = {unmirrored(spec, options.grid).text()};
+  if (grid.mirrored) {
+    setup.representations = {unmirrored(spec, grid).text()};
     setup.views = directions;
     out.unmirrored = mean_of(compute_quality(context, setup));
   }

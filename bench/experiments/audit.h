@@ -41,7 +41,7 @@ struct ViewAudit {
   double pose_step_seconds = 0;                        // of the default clip; 0 for a still pose
   double pose_step_mm_mean = 0, pose_step_mm_max = 0;  // of the vertex that moves farthest
   double texel_mm = 0;
-  uint64_t bytes = 0;      // of textures, by the tiles' bounds
+  uint64_t bytes = 0;      // of textures, by the bounds of what is stored
   std::string limit_grid;  // the smallest of the same kind that meets kSmoothViewStepDeg
   int limit_views = 0;
   uint64_t limit_bytes = 0;  // the same, of that grid
@@ -55,7 +55,8 @@ struct ViewAudit {
   double orbit_flicker = 0;
 };
 
-// spec: of "flat"; Error for others. The views are baked (or read from the cache).
+// Throws Error where the type stores no views, naming those that do, and what baking throws. The views are baked (or
+// read from the cache).
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                       const renderers::Spec& spec, uint64_t bake_budget, bool use_cache);
 

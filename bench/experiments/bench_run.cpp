@@ -8,11 +8,11 @@
 #include "bench/experiments/point_name.h"
 #include "bench/experiments/point_rows.h"
 #include "bench/experiments/score_rows.h"
+#include "bench/experiments/time_budget.h"
 #include "bench/stage/cast_name.h"
 #include "bench/stage/stage.h"
 #include "bench/timing/image_check.h"
 #include "bench/timing/timed_representation.h"
-#include "bench/experiments/time_budget.h"
 #include "core/image_io.h"
 #include "core/progress.h"
 #include "metrics/pseudocolour.h"
@@ -51,7 +51,7 @@ class Sweep {
         stage_(context, cast),
         gpu_(gpu_timer_of(context, method)),
         budget_(request.total_time_s, request.agents.size() * request.occupancies.size()) {
-    specs_.push_back(renderers::parse_spec("mesh"));
+    specs_.push_back(renderers::reference_spec());
     for (const renderers::Spec& spec : request.representations)
       if (std::none_of(specs_.begin(), specs_.end(), [&](const auto& s) { return s.text() == spec.text(); }))
         specs_.push_back(spec);
@@ -351,10 +351,8 @@ class Sweep {
   }
   // nullptr for a representation that is a floor itself, or has parts.
   TimedRepresentation* floor_of(size_t spec) {
-    renderers::Spec floor = specs_[spec];
-    if (!floor.components.empty() || timed(spec).is_floor()) return nullptr;
-    std::erase_if(floor.options, [](const auto& option) { return option.first == "floor"; });
-    floor.options.emplace_back("floor", "1");
+    if (!specs_[spec].components.empty() || timed(spec).is_floor()) return nullptr;
+    const renderers::Spec floor = with_floor(specs_[spec]);
     auto& place = floors_[spec];
     if (!place) {
       progress_("baking " + floor.text());

@@ -124,7 +124,7 @@ std::vector<PopCell> compute_pop_map(gl::Context& context, const PopRequest& req
   renderers::MakeContext make{.context = context, .cast = cast};
   make.bake_budget = request.bake_budget;
   make.use_cache = request.use_cache;
-  const auto mesh = renderers::make_representation(make, renderers::parse_spec("mesh"));
+  const auto mesh = renderers::make_representation(make, renderers::reference_spec());
   const auto impostor = renderers::make_representation(make, request.representation);
   renderers::Renderer renderer(context, cast);
 

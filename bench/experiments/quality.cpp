@@ -155,7 +155,7 @@ class Comparison {
                        std::forward_as_tuple(
                            context_, setup_,
                            cast_of(setup_.character, scene::PoseBank::exact(*setup_.character, view.clip, view.time)),
-                           renderers::parse_spec("mesh")))
+                           renderers::reference_spec()))
               .first;
     return found->second;
   }

@@ -36,9 +36,9 @@ TimedSet bake_set(Stage& stage, Stage& low_polygon_stage, const RatioRequest& re
       if (set.all[i]->name() == spec.text()) return i;
     return enter(stage, spec);
   };
-  const renderers::Spec mesh = renderers::parse_spec("mesh");
+  const renderers::Spec mesh = renderers::reference_spec();
   set.mesh = known_or_entered(mesh);
-  set.mesh_floor = known_or_entered(renderers::parse_spec("mesh:floor=1"));
+  set.mesh_floor = known_or_entered(renderers::with_floor(mesh));
   set.low_polygon = enter(low_polygon_stage, mesh);
   return set;
 }
@@ -53,7 +53,7 @@ void check_set(RatioReport& report, const TimedSet& set) {
   report.to_check = set.to == set.mesh ? report.mesh_check : check(set.to, report.mesh_check);
   for (const auto& [name, fault] :
        {std::pair{report.of, report.of_check.fault}, std::pair{report.to, report.to_check.fault},
-        std::pair{std::string("mesh"), report.mesh_check.fault}}) {
+        std::pair{renderers::reference_spec().text(), report.mesh_check.fault}}) {
     const std::string line = name + ": " + fault;
     if (!fault.empty() && std::find(report.faults.begin(), report.faults.end(), line) == report.faults.end())
       report.faults.push_back(line);
@@ -102,7 +102,8 @@ RatioReport::Median median_of(const std::string& name, const VariantTimes& times
 
 void put_medians(RatioReport& report, const TimedSet& set, const std::vector<VariantTimes>& times) {
   for (size_t i = 0; i < set.all.size(); ++i) {
-    const std::string name = i == set.low_polygon ? "mesh of mannequin:triangles=500" : set.all[i]->name();
+    const std::string name =
+        i == set.low_polygon ? renderers::reference_spec().text() + " of mannequin:triangles=500" : set.all[i]->name();
     report.medians.push_back(median_of(name, times[i]));
     report.warmup_frames = std::max(report.warmup_frames, times[i].warmup_frames);
     report.settled = report.settled && times[i].settled;

@@ -33,7 +33,8 @@ class Probe {
     extent_ = request.scale * (glm::dvec3(bank.bounds_max()) - glm::dvec3(bank.bounds_min()));
     pose_ = bank.sample(0, 0.0);
     if (!(texel() > 0))
-      throw Error(fmt::format("representation '{}'", request.representation.text()), "it has no texels", "use flat");
+      throw Error(fmt::format("representation '{}'", request.representation.text()), "it has no texels",
+                  "use " + renderers::default_impostor().text());
   }
 
   double texel() const { return representation_->texel_metres(0); }

@@ -27,8 +27,7 @@ scene::MeasureCoverage mesh_coverage(gl::Context& context, const scene::Cast& ca
     renderers::Renderer renderer;
     std::unique_ptr<renderers::Representation> mesh;
     MeshRenderer(gl::Context& context, const scene::Cast& cast)
-        : renderer(context, cast),
-          mesh(renderers::make_representation({context, cast}, renderers::parse_spec("mesh"))) {}
+        : renderer(context, cast), mesh(renderers::make_representation({context, cast}, renderers::reference_spec())) {}
   };
   auto drawn = std::make_shared<MeshRenderer>(context, cast);
   return [drawn](const scene::Frame& frame) {

@@ -13,7 +13,7 @@ namespace crowdbench::bench {
 StageFacts measure_stage(const Staged& staged, const scene::Cast& cast, gl::Context& context) {
   Stage stage(context, cast);
   stage.show(staged);
-  const auto mesh = renderers::make_representation({context, cast}, renderers::parse_spec("mesh"));
+  const auto mesh = renderers::make_representation({context, cast}, renderers::reference_spec());
   const scene::Frame& frame = stage.frame(0);
   StageFacts facts;
   facts.scenario = staged.scenario;

@@ -10,8 +10,7 @@ TimedRepresentation::TimedRepresentation(Stage& stage, const renderers::Spec& sp
                                          uint64_t bake_budget)
     : stage_(stage),
       name_(spec.text()),
-      floor_(std::any_of(spec.options.begin(), spec.options.end(),
-                         [](const auto& option) { return option.first == "floor" && option.second == "1"; })),
+      floor_(renderers::is_floor(spec)),
       representation_(renderers::make_representation({stage.context(), stage.cast(), bake_budget}, spec)),
       target_(stage.context(), width, height, renderers::Pass{}) {}
 

@@ -235,7 +235,7 @@ class FlatRepresentation : public Representation {
       if (make.required_by) {
         options.needed.clear();
         const FlatForecast whole = forecast_flat(*character, bank, options);
-        whole_bytes_ += whole.texture_bytes;
+        whole_bytes_ += whole.sampling.texture_bytes;
         whole_tiles_ += whole.tiles;
         options.needed =
             needed_tiles(*character, bank, options, draw_.blend, [&](const auto& see) { make.required_by(c, see); });
@@ -333,10 +333,9 @@ class FlatRepresentation : public Representation {
     info.facts.emplace_back("nominal_page", nominal_.side);
     info.facts.emplace_back("nominal_frame_bytes", static_cast<double>(nominal_.bytes));
     info.facts.emplace_back("nominal_frame_compressed_bytes", static_cast<double>(nominal_.compressed_bytes));
-    if (whole_tiles_ > 0) {
-      info.facts.emplace_back("whole_tiles", static_cast<double>(whole_tiles_));
-      info.facts.emplace_back("whole_bytes", static_cast<double>(whole_bytes_));
-    }
+    if (whole_tiles_ > 0)
+      info.kept.push_back(
+          {"tiles", static_cast<uint64_t>(tiles), whole_tiles_, footprint().texture_bytes, whole_bytes_});
     return info;
   }
 
@@ -452,23 +451,28 @@ FlatBakeOptions flat_bake_options(const Spec& spec) {
 }
 
 const RepresentationType flat_type = {
-    "flat",
-    "flat impostors: one textured polygon an agent, its tile picked by view and clip frame, lit at run time",
-    {views_option(),
-     el_min_option(),
-     {"frames", "1..256", "10", "frames a clip"},
-     {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
-     {"quad", "trimmed|square", "trimmed", "what is drawn: the outline of each tile, or the whole captured square"},
-     {"plane", "fitted|facing", "fitted",
-      "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through the centre"},
-     {"corners", "4..8", "8", "of the outlines of large tiles; small ones are triangles"},
-     {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
-     {"depth", "flat|nailboard", "flat", "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
-     {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"},
-     {"layers", "0..4096", "0", "of one array texture, at most; 0: the driver's limit. More are split over several"},
-     {"shade", "lit|list", "lit",
-      "lit as the mesh is, or a bare list of polygons: one fetch, the stored colour as it is"}},
-    [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+    .name = "flat",
+    .summary = "flat impostors: one textured polygon an agent, its tile picked by view and clip frame, lit at run time",
+    .options = {views_option(),
+                el_min_option(),
+                {"frames", "1..256", "10", "frames a clip"},
+                {"texels", "16..1024", "128",
+                 "texels across the captured width, the diameter of the character's sphere"},
+                {"quad", "trimmed|square", "trimmed",
+                 "what is drawn: the outline of each tile, or the whole captured square"},
+                {"plane", "fitted|facing", "fitted",
+                 "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through "
+                 "the centre"},
+                {"corners", "4..8", "8", "of the outlines of large tiles; small ones are triangles"},
+                {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
+                {"depth", "flat|nailboard", "flat",
+                 "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
+                {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"},
+                {"layers", "0..4096", "0",
+                 "of one array texture, at most; 0: the driver's limit. More are split over several"},
+                {"shade", "lit|list", "lit",
+                 "lit as the mesh is, or a bare list of polygons: one fetch, the stored colour as it is"}},
+    .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const FlatBakeOptions options = flat_bake_options(spec);
       const OptionReader reader(flat_type, spec);
       const DrawOptions draw{.nailboard = reader.choice("depth", {"flat", "nailboard"}) == 1,
@@ -480,6 +484,13 @@ const RepresentationType flat_type = {
         throw Error("representation 'flat'", "shade=list has one fetch: no stored depth, one view, no floor of its own",
                     "leave out depth, blend and floor, or shade=list");
       return std::make_unique<FlatRepresentation>(context, options, draw);
-    }};
+    },
+    .required_by = true,
+    .view_sampling = [](const Spec& spec, const scene::Character& character,
+                        const std::shared_ptr<const scene::PoseBank>& bank) -> ViewSampling {
+      return forecast_flat(character, bank, flat_bake_options(spec)).sampling;
+    },
+    .floor = "the same polygons and fetches without lighting",
+};
 
 }  // namespace crowdbench::renderers

@@ -65,17 +65,7 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
   plan.sphere = capture_sphere(character, positions);
   plan.texel = 2 * plan.sphere.radius / options.texels;
 
-  for (const StoredClip& clip : plan.frames.clips)
-    for (uint32_t f = 0; f < clip.frames && clip.frames > 1; ++f) {
-      const auto& here = positions[clip.first_frame + f];
-      const auto& next = positions[clip.first_frame + (f + 1) % clip.frames];
-      float most = 0;
-      for (size_t v = 0; v < here.size(); ++v) {
-        const glm::vec3 d = next[v] - here[v];
-        most = std::max(most, glm::dot(d, d));
-      }
-      plan.steps.push_back(std::sqrt(static_cast<double>(most)));
-    }
+  plan.steps = pose_steps(plan.frames, positions);
 
   const std::vector<ViewBasis> bases = view_bases(options.grid);
   const int half = (options.texels + 1) / 2;
@@ -336,14 +326,14 @@ FlatForecast forecast_flat(const scene::Character& character, const std::shared_
                            const FlatBakeOptions& options) {
   const Plan plan = make_plan(character, bank, options);
   FlatForecast out;
+  ViewSampling& sampling = out.sampling;
+  sampling.grid = options.grid;
+  sampling.frames = options.frames;
+  sampling.texel = plan.texel;
   for (int level = 0; level < tile_levels(options.texels); ++level)
-    out.texture_bytes += make_layout(plan, options, level).bytes();
+    sampling.texture_bytes += make_layout(plan, options, level).bytes();
+  set_pose_steps(sampling, plan.steps);
   out.tiles = plan.wanted;
-  out.texel = plan.texel;
-  for (const double step : plan.steps) {
-    out.pose_step_largest = std::max(out.pose_step_largest, step);
-    out.pose_step_mean += step / static_cast<double>(plan.steps.size());
-  }
   return out;
 }
 
@@ -367,29 +357,15 @@ std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::
   std::vector<uint8_t> needed(plan.frames.size() * views);
   visit([&](const ViewSample& seen) {
     const StoredClip& clip = plan.frames.clips[static_cast<size_t>(seen.bank_clip)];
-    const glm::dvec3 d = glm::dvec3(seen.eye) - plan.sphere.centre;
-    // The GPU picks in single precision: what lies this near to a border may fall to either side of it.
-    const double near = 2e-4 * glm::length(d);
-    constexpr double kNearPhase = 1e-4;
-    const auto mark = [&](int view, bool mirrored) {
+    constexpr double kNearPhase = 1e-4;  // what single precision leaves open
+    options.grid.visit_picks(glm::dvec3(seen.eye) - plan.sphere.centre, blend, [&](int view, bool mirrored) {
       for (const double off : {-kNearPhase, kNearPhase}) {
         auto step = static_cast<uint32_t>(
             std::max(0.0, std::floor((static_cast<double>(seen.phase) + off) * clip.frames + 0.5)));
         step = (step + (mirrored ? clip.frames / 2 : 0)) % clip.frames;
         needed[(clip.first_frame + step) * views + static_cast<size_t>(view)] = 1;
       }
-    };
-    for (int k = 0; k < 7; ++k) {
-      glm::dvec3 beside = d;
-      if (k > 0) beside[(k - 1) / 2] += k % 2 == 0 ? near : -near;
-      if (!blend) {
-        const ViewPick picked = options.grid.pick(beside);
-        mark(picked.view, picked.mirrored);
-        continue;
-      }
-      const ViewBlend three = options.grid.blend(beside);
-      for (const int view : three.views) mark(view, three.mirrored);
-    }
+    });
   });
   return needed;
 }

@@ -13,6 +13,7 @@
 #include "renderers/impostor/tiles/stored_frames.h"
 #include "renderers/impostor/tiles/tile.h"
 #include "renderers/impostor/views/view_grid.h"
+#include "renderers/impostor/views/view_sampling.h"
 #include "renderers/representation.h"
 
 namespace crowdbench::renderers {
@@ -26,7 +27,7 @@ struct FlatBakeOptions {
   int corners = 8;          // of the outlines of the finer levels, 4..8; coarser ones are triangles
   bool compressed = false;  // blocks (renderers/impostor/tiles/block_compression.h) instead of RGBA8 texels; tiles lie
                             // at multiples of four, so that none shares a block
-  bool depth = true;  // of a compressed bake: with the depth map, which only nailboards read
+  bool depth = true;        // of a compressed bake: with the depth map, which only nailboards read
   // Frames x views, frame-major: the tiles to bake; empty: all of them. Those that are baked are the same texels at the
   // same place of a layer whatever else is, so that pictures do not change by a bit; layers without any are left out.
   std::vector<uint8_t> needed;
@@ -93,11 +94,8 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
 
 // What a bake will be made of, without making it.
 struct FlatForecast {
-  uint64_t texture_bytes = 0;
+  ViewSampling sampling;
   uint64_t tiles = 0;
-  double texel = 0;  // metres
-  // How far the farthest vertex moves from one stored frame to the next, metres: over all pairs, and their mean.
-  double pose_step_largest = 0, pose_step_mean = 0;
 };
 FlatForecast forecast_flat(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                            const FlatBakeOptions& options);

@@ -92,6 +92,7 @@ BakeInfo HybridRepresentation::bake_info() const {
   info.cache_key = baked_a && baked_b ? a.cache_key + "+" + b.cache_key : a.cache_key + b.cache_key;
   for (const auto& [name, value] : a.facts) info.facts.emplace_back("near_" + name, value);
   for (const auto& [name, value] : b.facts) info.facts.emplace_back("far_" + name, value);
+  for (const BakeInfo* part : {&a, &b}) info.kept.insert(info.kept.end(), part->kept.begin(), part->kept.end());
   return info;
 }
 
@@ -99,17 +100,20 @@ uint64_t HybridRepresentation::triangles(size_t character) const { return near_-
 double HybridRepresentation::texel_metres(size_t character) const { return far_->texel_metres(character); }
 
 const RepresentationType hybrid_type = {
-    "hybrid",
-    "two representations: hybrid(NEAR,FAR,distance=METRES), the nearer agents by the first, the rest by the second",
-    {{"distance", "0..100000", "20", "metres from the eye to the agent's pivot at which the far one takes over"},
-     {"ratio", "0..100", "0", "instead: below this many pixels a texel of the far one (needs one with texels)"},
-     {"height", "0..16384", "0", "instead: below this many pixels of projected height"},
-     {"nearest", "0..1000000", "0", "instead: all but this many agents nearest to the eye"},
-     {"hysteresis", "0..1", "0",
-      "far beyond 1 + this times the switch distance, near again within its inverse; nearest: by comparison"},
-     {"fade", "0..60", "0", "ticks over which both share an agent's pixels after a switch, by ordered dither"},
-     {"match", "0..1", "0.1", "within this share of the switch distance near agents show the far one's stored frame"}},
-    [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+    .name = "hybrid",
+    .summary =
+        "two representations: hybrid(NEAR,FAR,distance=METRES), the nearer agents by the first, the rest by the second",
+    .options =
+        {{"distance", "0..100000", "20", "metres from the eye to the agent's pivot at which the far one takes over"},
+         {"ratio", "0..100", "0", "instead: below this many pixels a texel of the far one (needs one with texels)"},
+         {"height", "0..16384", "0", "instead: below this many pixels of projected height"},
+         {"nearest", "0..1000000", "0", "instead: all but this many agents nearest to the eye"},
+         {"hysteresis", "0..1", "0",
+          "far beyond 1 + this times the switch distance, near again within its inverse; nearest: by comparison"},
+         {"fade", "0..60", "0", "ticks over which both share an agent's pixels after a switch, by ordered dither"},
+         {"match", "0..1", "0.1",
+          "within this share of the switch distance near agents show the far one's stored frame"}},
+    .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(hybrid_type, spec);
       const auto given = [&](const char* key) {
         return std::any_of(spec.options.begin(), spec.options.end(), [&](const auto& o) { return o.first == key; });
@@ -154,6 +158,9 @@ const RepresentationType hybrid_type = {
       return std::make_unique<HybridRepresentation>(std::move(near_part), std::move(far_part), policy,
                                                     std::move(characters), context.cast.banks);
     },
-    2};
+    .components = 2,
+    .floor = "the floors of both",
+    .example_options = "distance=9",
+};
 
 }  // namespace crowdbench::renderers

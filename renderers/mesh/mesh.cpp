@@ -57,12 +57,14 @@ std::unique_ptr<Representation> make_mesh_capture(const MakeContext& make, float
 }
 
 const RepresentationType mesh_type = {
-    "mesh",
-    "the reference: the skinned mesh, posed on the GPU, instanced",
-    {},
-    [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+    .name = "mesh",
+    .summary = "the reference: the skinned mesh, posed on the GPU, instanced",
+    .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       return std::make_unique<MeshRepresentation>(
           context, OptionReader(mesh_type, spec).flag("floor") ? MeshUse::static_pose : MeshUse::skinned);
-    }};
+    },
+    .reference = true,
+    .floor = "the same triangles in one pose, without skinning",
+};
 
 }  // namespace crowdbench::renderers

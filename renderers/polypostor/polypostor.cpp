@@ -21,6 +21,7 @@
 #include "renderers/impostor/views/view_options.h"
 #include "renderers/polypostor/polypostor.shared.h"
 #include "renderers/polypostor/polypostor_bake.h"
+#include "renderers/polypostor/polypostor_required.h"
 #include "renderers/shaders/bindings.shared.h"
 
 namespace crowdbench::renderers {
@@ -111,8 +112,13 @@ CharacterPolygons upload(gl::Context& context, PolypostorBake bake, const ViewGr
   out.vertex_array =
       gl::VertexArray(context, out.vertices, sizeof(PolypostorVertex), std::span(&vertex, 1), &out.indices);
   const uint64_t views = uint64_t{bake.views} * bake.clips.size();
-  for (uint64_t s = 0; s < views; ++s) out.triangles += bake.ranges[bake.sets[s].first_range].indices / 3;
-  out.triangles = (out.triangles + views / 2) / views;
+  uint64_t drawn = 0;  // views that there are
+  for (uint64_t s = 0; s < views; ++s) {
+    if (bake.sets[s].words == 0) continue;
+    out.triangles += bake.ranges[bake.sets[s].first_range].indices / 3;
+    ++drawn;
+  }
+  out.triangles = drawn == 0 ? 0 : (out.triangles + drawn / 2) / drawn;
   bake.albedo = {};
   bake.normals = {};
   bake.materials = {};
@@ -157,6 +163,15 @@ class PolypostorRepresentation : public Representation {
           character->name, key, deserialise_polypostor, [&](uint64_t left, const BakeProgress& progress) {
             return bake_polypostor(context_, character, bank, options, left, progress);
           });
+      if (make.required_by) {
+        const std::vector<uint8_t> needed =
+            needed_views(bake, options.grid, [&](const auto& see) { make.required_by(c, see); });
+        kept_.whole += view_count(bake);
+        kept_.whole_bytes += gpu_bytes(bake);
+        bake = only_views(bake, needed);
+        kept_.kept += view_count(bake);
+        kept_.kept_bytes += gpu_bytes(bake);
+      }
       check_limits(context_, bake, character->name);
       characters_.push_back(upload(context_, std::move(bake), options.grid, draws_lines()));
     }
@@ -239,6 +254,7 @@ class PolypostorRepresentation : public Representation {
                     {"repaired", bake.repaired}};
       for (auto& fact : view_error_facts(grid_)) info.facts.push_back(std::move(fact));
     }
+    if (kept_.whole > 0) info.kept.push_back(kept_);
     return info;
   }
 
@@ -386,6 +402,7 @@ class PolypostorRepresentation : public Representation {
   ViewGrid grid_;
   double seconds_ = 0;
   std::vector<BakeRecord> records_;
+  KeptPart kept_{.unit = "views of clips"};  // where only the required part is
   std::vector<CharacterPolygons> characters_;
   gl::Sampler filtered_, nearest_;
   gl::Program place_;
@@ -397,31 +414,50 @@ class PolypostorRepresentation : public Representation {
 
 }  // namespace
 
+namespace {
+
+PolypostorBakeOptions bake_options(const Spec& spec) {
+  const OptionReader reader(polypostor_type, spec);
+  PolypostorBakeOptions options;
+  options.grid = read_view_grid(reader);
+  options.frames = static_cast<int>(reader.integer("frames", 1, 256));
+  options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
+  options.corners = static_cast<int>(reader.integer("vertices", 4, 32));
+  options.key = static_cast<KeyChoice>(reader.choice("key", {"first", "most_visible", "two_keys"}));
+  options.cuts = reader.text("parts");
+  return options;
+}
+
+}  // namespace
+
 const RepresentationType polypostor_type = {
-    "polypostor",
-    "polypostors: an image a body part and view, moved through the clip by a polygon, lit at run time",
-    {views_option(),
-     el_min_option(),
-     {"frames", "1..256", "10", "stored frames a clip; between them corners move along lines"},
-     {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
-     {"vertices", "4..32", "8", "corners of a part's polygon, at most; small figures have four"},
-     {"key", "first|most_visible|two_keys", "most_visible",
-      "the frame whose image of a part is kept: the first that shows it, the one that shows most of all frames, or "
-      "two"},
-     {"parts", "auto|J+J+...", "auto", "found from the skeleton, or the joints that begin a part, by name or index"},
-     {"debug", "none|wire|lines|parts|stretch", "none",
-      "over the picture: polygons, where corners go in the next stored frame, parts in colour, stretch of the images"}},
-    [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+    .name = "polypostor",
+    .summary = "polypostors: an image a body part and view, moved through the clip by a polygon, lit at run time",
+    .options =
+        {views_option(),
+         el_min_option(),
+         {"frames", "1..256", "10", "stored frames a clip; between them corners move along lines"},
+         {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
+         {"vertices", "4..32", "8", "corners of a part's polygon, at most; small figures have four"},
+         {"key", "first|most_visible|two_keys", "most_visible",
+          "the frame whose image of a part is kept: the first that shows it, the one that shows most of all frames, or "
+          "two"},
+         {"parts", "auto|J+J+...", "auto",
+          "found from the skeleton, or the joints that begin a part, by name or index"},
+         {"debug", "none|wire|lines|parts|stretch", "none",
+          "over the picture: polygons, where corners go in the next stored frame, parts in colour, stretch of the "
+          "images"}},
+    .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(polypostor_type, spec);
-      PolypostorBakeOptions options;
-      options.grid = read_view_grid(reader);
-      options.frames = static_cast<int>(reader.integer("frames", 1, 256));
-      options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
-      options.corners = static_cast<int>(reader.integer("vertices", 4, 32));
-      options.key = static_cast<KeyChoice>(reader.choice("key", {"first", "most_visible", "two_keys"}));
-      options.cuts = reader.text("parts");
       const auto debug = static_cast<Debug>(reader.choice("debug", {"none", "wire", "lines", "parts", "stretch"}));
-      return std::make_unique<PolypostorRepresentation>(context, options, debug, reader.flag("floor"));
-    }};
+      return std::make_unique<PolypostorRepresentation>(context, bake_options(spec), debug, reader.flag("floor"));
+    },
+    .required_by = true,
+    .view_sampling = [](const Spec& spec, const scene::Character& character,
+                        const std::shared_ptr<const scene::PoseBank>& bank) -> ViewSampling {
+      return sample_polypostors(character, bank, bake_options(spec));
+    },
+    .floor = "the same polygons and fetches without lighting",
+};
 
 }  // namespace crowdbench::renderers

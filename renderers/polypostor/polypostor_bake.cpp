@@ -119,6 +119,23 @@ void store_view(const PolypostorPlan& plan, const ViewParts& view, std::span<con
   }
 }
 
+// Texels that hold a part in a view.
+TileRect part_bounds(const PolypostorPlan& plan, const std::vector<glm::vec3>& positions,
+                     const std::vector<uint32_t>& corners, const ViewBasis& basis) {
+  glm::dvec2 low(INFINITY);
+  glm::dvec2 high(-INFINITY);
+  for (const uint32_t v : corners) {
+    const glm::dvec3 d = (glm::dvec3(positions[v]) - plan.sphere.centre) / plan.texel;
+    const glm::dvec2 p(glm::dot(d, basis.right), glm::dot(d, basis.up));
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  if (corners.empty()) return {};
+  const glm::ivec2 first(glm::floor(low));
+  const glm::ivec2 size = glm::ivec2(glm::ceil(high)) - first;
+  return {first.x, first.y, size.x, size.y};
+}
+
 // The figures that are for people: of the fine polygons.
 void summarise(const PolypostorPlan& plan, std::span<const ViewParts> views, PolypostorBake& bake) {
   double seen = 0;
@@ -153,6 +170,30 @@ std::string polypostor_cache_key(const scene::Character& character, const scene:
   hash.value(options.frames).value(options.texels).value(options.corners).value(options.key);
   hash_poses(hash, bank);
   return hash.hex();
+}
+
+ViewSampling sample_polypostors(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                                const PolypostorBakeOptions& options) {
+  const PolypostorPlan plan = plan_polypostors(character, bank, options);
+  ViewSampling out;
+  out.grid = options.grid;
+  out.frames = options.frames;
+  out.texel = plan.texel;
+  set_pose_steps(out, pose_steps(plan.frames, plan.frames.positions(character.mesh)));
+  double bytes = 0;
+  for (const PolypostorTier& tier : plan.tiers)
+    for (int v = 0; v < options.grid.size(); ++v) {
+      if (!options.grid.reachable(v)) continue;
+      const ViewBasis basis = options.grid.basis(v);
+      for (const auto& corners : tier.corners)
+        for (const StoredClip& clip : plan.frames.clips)
+          for (uint32_t f = clip.first_frame; f < clip.first_frame + clip.frames; ++f) {
+            const TileRect rect = part_bounds(plan, tier.positions[f], corners, basis);
+            bytes += static_cast<double>(image_bytes(plan, tier, rect.width, rect.height)) / clip.frames;
+          }
+    }
+  out.texture_bytes = static_cast<uint64_t>(bytes) * (options.key == KeyChoice::two_keys ? 2 : 1);
+  return out;
 }
 
 PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const scene::Character>& character,

@@ -12,6 +12,7 @@
 
 #include "renderers/impostor/tiles/stored_frames.h"
 #include "renderers/impostor/views/view_grid.h"
+#include "renderers/impostor/views/view_sampling.h"
 #include "scene/character/character.h"
 #include "scene/pose/pose_bank.h"
 
@@ -90,6 +91,11 @@ std::string polypostor_cache_key(const scene::Character& character, const scene:
 PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                                const std::shared_ptr<const scene::PoseBank>& bank, const PolypostorBakeOptions& options,
                                uint64_t budget, const std::function<void(size_t done, size_t total)>& progress = {});
+
+// What such a bake would sample, without making it: texture bytes by the bounds of each part in a view, mean over the
+// frames (which of them is kept is known only once polygons are fitted).
+ViewSampling sample_polypostors(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                                const PolypostorBakeOptions& options);
 
 std::vector<uint8_t> serialise(const PolypostorBake& bake);
 // std::nullopt when the bytes are not a sound bake.

@@ -79,18 +79,22 @@ Packing pack_tightly(std::span<const PackSize> sizes) {
 
 }  // namespace
 
-uint64_t image_bytes(const PolypostorPlan& plan, std::span<const ViewParts> views) {
+uint64_t image_bytes(const PolypostorPlan& plan, const PolypostorTier& tier, int width, int height) {
   uint64_t texels = 0;
-  for (const ViewParts& view : views) {
-    const PolypostorTier& tier = plan.tiers[view.tier];
-    for (const auto& sheets : view.sheets)
-      for (const Sheet& sheet : sheets)
-        for (uint32_t l = tier.first_level; l < tier.first_level + tier.levels; ++l) {
-          const auto side = [&](int v) { return static_cast<uint64_t>((v >> l) + 1 + kTileGutter); };
-          texels += side(sheet.rect.width) * side(sheet.rect.height);
-        }
+  for (uint32_t l = tier.first_level; l < tier.first_level + tier.levels; ++l) {
+    const auto side = [&](int v) { return static_cast<uint64_t>((v >> l) + 1 + kTileGutter); };
+    texels += side(width) * side(height);
   }
   return texels * (kTexelBytes + (plan.emission_peak > 0 ? kEmissionBytes : 0));
+}
+
+uint64_t image_bytes(const PolypostorPlan& plan, std::span<const ViewParts> views) {
+  uint64_t bytes = 0;
+  for (const ViewParts& view : views)
+    for (const auto& sheets : view.sheets)
+      for (const Sheet& sheet : sheets)
+        bytes += image_bytes(plan, plan.tiers[view.tier], sheet.rect.width, sheet.rect.height);
+  return bytes;
 }
 
 std::vector<Tile> capture_images(gl::Context& context, const PolypostorPlan& plan, const ViewGrid& grid,

@@ -11,7 +11,9 @@
 
 namespace crowdbench::renderers {
 
-// About the bytes of the pages that the images of these views will take.
+// About the bytes that one image of a tier takes on the pages, at all levels. width, height: texels of level 0.
+uint64_t image_bytes(const PolypostorPlan& plan, const PolypostorTier& tier, int width, int height);
+// The same of the images of these views together.
 uint64_t image_bytes(const PolypostorPlan& plan, std::span<const ViewParts> views);
 
 // The tiles of every sheet, whose first_tile it sets. Each part is drawn alone, from both sides: where it is cut off

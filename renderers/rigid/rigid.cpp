@@ -169,17 +169,20 @@ class RigidRepresentation : public Representation {
 }  // namespace
 
 const RepresentationType rigid_type = {
-    "rigid",
-    "pre-posed meshes: stored poses of each clip as vertex buffers, no skinning",
-    {{"poses", "0..1024", "0", "stored a clip; 0: as many as the budget holds, at most the bank's samples of the clip"},
-     {"budget", "1..65536", "16", "MiB of posed vertices, all clips and characters together"}},
-    [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+    .name = "rigid",
+    .summary = "pre-posed meshes: stored poses of each clip as vertex buffers, no skinning",
+    .options = {{"poses", "0..1024", "0",
+                 "stored a clip; 0: as many as the budget holds, at most the bank's samples of the clip"},
+                {"budget", "1..65536", "16", "MiB of posed vertices, all clips and characters together"}},
+    .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(rigid_type, spec);
       RigidOptions options;
       options.poses = reader.integer("poses", 0, 1024);
       options.budget = static_cast<uint64_t>(reader.integer("budget", 1, 65536)) << 20;
       options.floor = reader.flag("floor");
       return std::make_unique<RigidRepresentation>(context, options);
-    }};
+    },
+    .floor = "every agent in its character's first stored pose, without the sort",
+};
 
 }  // namespace crowdbench::renderers

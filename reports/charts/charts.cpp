@@ -409,8 +409,8 @@ std::string pop_chart(const PopSize& size, const std::vector<ScoreDoc>& scores, 
                          {"scale", {{"scheme", "viridis"}, {"domain", {0, high}}}},
                          // One for all rows, which share the scale: every row must say the same.
                          {"legend", {{"title", heading(scores[ranking])}, {"gradientLength", 240}}}};
-    encoding["tooltip"] = Json::array(
-        {tip("switch", "mesh"), tip("phase", "clip"), tip("azimuth", "azimuth"), tip("elevation", "elevation")});
+    encoding["tooltip"] = Json::array({tip("switch", "the mesh shows"), tip("phase", "clip"), tip("azimuth", "azimuth"),
+                                       tip("elevation", "elevation")});
     for (const ScoreDoc& doc : scores) encoding["tooltip"].push_back(tip("score_" + doc.name, heading(doc)));
     Json column = {{"field", "phase"}, {"type", "nominal"}, {"sort", nullptr}};
     column["header"] = {{"title", nullptr}, {"labels", first}};

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
@@ -98,16 +99,21 @@ std::optional<std::string> void_notice(const Scene& scene) {
         (worst == nullptr || row->ratio > worst->ratio))
       worst = row;
   if (worst == nullptr || worst->ratio <= kReferenceFloorBound) return std::nullopt;
-  return fmt::format("Figures of speed are void: {} took up to {} times its own floor ({}), more than {}.",
-                     scene.reference, factor_text(worst->ratio), reference_floor_text(), kReferenceFloorBound);
+  return fmt::format(
+      "Figures of speed are void: {} took up to {} times its own floor (the same draw with the work removed), more "
+      "than {}.",
+      scene.reference, factor_text(worst->ratio), kReferenceFloorBound);
 }
 
-std::string reference_floor_text() { return "the same draw with a static pose"; }
-
-std::string floors_text() {
-  return "The floor of a representation is the same draw with the work removed (a static pose for a mesh; the same "
-         "quads "
-         "and fetches without lighting for impostors).";
+std::string floors_text(const Scene& scene, const FloorTexts& floors) {
+  std::string text = "The floor of a representation is the same draw with the work removed.";
+  std::set<std::string> met;
+  for (const std::string& representation : scene.representations) {
+    const auto floor = floors.find(representation.substr(0, representation.find_first_of(":(")));
+    if (floor != floors.end() && met.insert(floor->first).second)
+      text += fmt::format(" That of {} is {}.", floor->first, floor->second);
+  }
+  return text;
 }
 
 std::vector<Tile> tiles(const Scene& scene) {

@@ -1,5 +1,6 @@
 // What a scene's rows answer, in figures and sentences without markup.
 #pragma once
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +25,10 @@ std::vector<std::string> answer(const Scene& scene);
 constexpr double kReferenceFloorBound = 1.4;
 std::optional<std::string> void_notice(const Scene& scene);
 
-// What the floor of a representation is: the reference's in a few words, and all of them in a clause each.
-std::string reference_floor_text();
-std::string floors_text();
+// What the floor of a representation still does, by the representation's name without options, to follow "the floor of
+// NAME is".
+using FloorTexts = std::map<std::string, std::string>;
+// What the floors of a scene's representations are, a sentence each; those that `floors` does not know are left out.
+std::string floors_text(const Scene& scene, const FloorTexts& floors);
 
 }  // namespace crowdbench::reports

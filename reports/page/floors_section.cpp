@@ -7,7 +7,7 @@
 
 namespace crowdbench::reports {
 
-Html floors_section(const SceneOnPage& page) {
+Html floors_section(const SceneOnPage& page, const FloorTexts& floors) {
   const Scene& scene = page.scene;
   std::vector<TemplateValues> rows;
   for (const std::string& name : scene.representations)
@@ -22,7 +22,7 @@ Html floors_section(const SceneOnPage& page) {
                           {"low", factor_text(ratio->low)},
                           {"high", factor_text(ratio->high)}});
   if (rows.empty()) return {};
-  return fill_template(page_file("floors.html"), {{"floors", floors_text()},
+  return fill_template(page_file("floors.html"), {{"floors", floors_text(scene, floors)},
                                                   {"reference", scene.reference},
                                                   {"bound", fmt::format("{}", kReferenceFloorBound)},
                                                   {"rows", std::move(rows)}});

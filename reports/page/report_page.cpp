@@ -32,7 +32,7 @@ std::string characters_of(const std::vector<Scene>& scenes) {
 }
 
 // several: the page tells of more scenes than this one, so that each needs a heading and an answer of its own.
-TemplateValues scene_values(const Scene& scene, bool several, int& last_chart) {
+TemplateValues scene_values(const Scene& scene, const FloorTexts& floors, bool several, int& last_chart) {
   Rows heading;
   std::vector<Html> sections;
   if (several) {
@@ -47,7 +47,7 @@ TemplateValues scene_values(const Scene& scene, bool several, int& last_chart) {
   sections.push_back(cost_section(page));
   sections.push_back(difference_section(page));
   sections.push_back(memory_section(page));
-  sections.push_back(floors_section(page));
+  sections.push_back(floors_section(page, floors));
   sections.push_back(work_section(page));
   sections.push_back(untimed_section(page));
   std::erase_if(sections, [](const Html& section) { return section.text.empty(); });
@@ -85,7 +85,7 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
   std::erase_if(answers, [](const Html& answer) { return answer.text.empty(); });
   int last_chart = 0;
   Rows on_page;
-  for (const Scene& scene : scenes) on_page.push_back(scene_values(scene, several, last_chart));
+  for (const Scene& scene : scenes) on_page.push_back(scene_values(scene, options.floors, several, last_chart));
   Rows runs;
   for (const RunRow& each : contents.runs) runs.push_back(run_values(each));
   Html content = fill_template(

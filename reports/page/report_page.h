@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "reports/model/answer.h"
 #include "reports/model/score_doc.h"
 #include "store/store.h"
 
@@ -11,6 +12,7 @@ namespace crowdbench::reports {
 struct PageOptions {
   std::string source;            // the result file's name, for the footer
   std::vector<ScoreDoc> scores;  // what is known of scores, in the order in which they are shown
+  FloorTexts floors = {};        // what the floors of representations are
 };
 // The page's bytes, UTF-8. Everything is inside: data, pictures (PNG as data URIs), the chart library. The page's own
 // content security policy forbids it to load anything. contents: read with pictures. Throws Error when the program was

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "reports/model/answer.h"
 #include "reports/model/scene.h"
 #include "reports/page/html_template.h"
 
@@ -34,7 +35,7 @@ Html pictures_section(const SceneOnPage& page);
 Html cost_section(SceneOnPage& page);
 Html difference_section(SceneOnPage& page);
 Html memory_section(const SceneOnPage& page);
-Html floors_section(const SceneOnPage& page);
+Html floors_section(const SceneOnPage& page, const FloorTexts& floors);
 Html work_section(const SceneOnPage& page);
 Html untimed_section(const SceneOnPage& page);
 

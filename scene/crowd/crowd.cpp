@@ -43,11 +43,11 @@ enum Purpose : uint64_t {
   kPaletteShade = 64    // + part
 };
 
-constexpr double kLaneJitter = 0.15;     // spacings, either way: neighbours in lanes stay 0.7 spacings apart
-constexpr double kPersonalSpace = 0.49;  // metres between the pivots of jittered neighbours, a person's breadth
-constexpr double kDiskDistance = 0.75;   // spacings; 81 % of the density at which dart throwing jams
+constexpr double kLaneJitter = 0.15;             // spacings, either way: neighbours in lanes stay 0.7 spacings apart
+constexpr double kPersonalSpace = 0.49;          // metres between the pivots of jittered neighbours, a person's breadth
+constexpr double kDiskDistance = 0.75;           // spacings; 81 % of the density at which dart throwing jams
 constexpr uint64_t kStepsBetweenChecks = 65536;  // whether the user wants to stop: every few milliseconds
-constexpr double kBody = 1.0;            // metres around a pivot that a body may reach: lanes wrap so far out of view
+constexpr double kBody = 1.0;  // metres around a pivot that a body may reach: lanes wrap so far out of view
 
 // A measured length enters the crowd rounded, so that the last bits of the machine's sine do not.
 double rounded(double value) { return static_cast<double>(static_cast<int64_t>(value * 65536.0 + 0.5)) / 65536.0; }

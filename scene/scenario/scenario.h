@@ -47,9 +47,9 @@ struct Scenario {
   uint64_t seed = 1;
   int width = 640;  // 1..16384
   int height = 480;
-  double tick_rate = 30;  // Hz
-  double pose_rate = 30;  // Hz, of the pose bank
-  std::string representation = "mesh";
+  double tick_rate = 30;                     // Hz
+  double pose_rate = 30;                     // Hz, of the pose bank
+  std::string representation = "reference";  // a spec as renderers/representation.h has it
   std::optional<double> occupancy;  // requested fraction of covered pixels, (0, 1]; solved for camera and placement
   std::vector<CharacterEntry> characters{CharacterEntry{}};
   CrowdSettings crowd;

@@ -196,7 +196,7 @@ void add_top_keys(std::vector<Key>& keys) {
       [](Scenario & s, size_t) -> auto& { return s.pose_rate; }));
   keys.push_back(key<std::string>(
       "", "representation", KeyType::text, "", {},
-      "what draws the crowd, as `crowdbench info --representations` lists it",
+      "what draws the crowd, as `crowdbench info --representations` lists it; reference: what all are held against",
       [](Scenario & s, size_t) -> auto& { return s.representation; }));
   keys.push_back(
       or_else(key<std::optional<double>>(

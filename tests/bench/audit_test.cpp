@@ -49,7 +49,44 @@ TEST_F(AuditGl, MirroringIsComparedWithTheFullTurn) {
   EXPECT_NE(a.unmirrored->mean("silhouette_iou").value(), a.between.mean("silhouette_iou").value());
 }
 
-TEST_F(AuditGl, OnlyGridsOfViewsAreAudited) { EXPECT_THROW(audit("mesh"), Error); }
+TEST_F(AuditGl, MovingCornersAreAsGoodBetweenFrames) {
+  const std::string sampling = ":views=sphere-6x3,frames=8,texels=64";
+  const ViewAudit a = audit("polypostor" + sampling);
+  const ViewAudit still = audit("flat" + sampling);
+  EXPECT_EQ(a.grid, "sphere-6x3");
+  EXPECT_EQ(a.views, 18);
+  EXPECT_NEAR(a.step_deg_max, 60, 1e-9);
+  EXPECT_EQ(a.limit_grid, "sphere-60x16");
+  EXPECT_EQ(a.frames, 8);
+  EXPECT_EQ(a.pose_step_mm_max, still.pose_step_mm_max) << "of the same stored frames";
+  EXPECT_EQ(a.texel_mm, still.texel_mm);
+  EXPECT_LT(a.bytes, still.bytes / 2) << "an image a part, and not one a frame";
+  // The bytes of a view hardly depend on how many there are.
+  EXPECT_NEAR(static_cast<double>(a.limit_bytes) / static_cast<double>(a.bytes), 960.0 / 18, 10);
+  EXPECT_GT(a.stored.silhouette_iou, a.between.silhouette_iou);
+  // Half-way between frames flat impostors show one of the two.
+  EXPECT_LT(a.between.silhouette_iou - a.between_frames.silhouette_iou,
+            0.5 * (still.between.silhouette_iou - still.between_frames.silhouette_iou));
+  EXPECT_GT(a.orbit_flicker, 0);
+}
+
+// Every type is audited or refused by what it says of itself; a refusal names those that can be.
+TEST_F(AuditGl, OnlyTypesThatStoreViewsAreAudited) {
+  size_t refused = 0;
+  for (const renderers::RepresentationType& type : renderers::representation_types()) {
+    if (type.view_sampling != nullptr) continue;
+    ++refused;
+    try {
+      (void)audit(example_spec(type));
+      ADD_FAILURE() << type.name << " was audited";
+    } catch (const Error& error) {
+      const std::string said = error.what();
+      EXPECT_NE(said.find("'" + type.name + "' has no grid of stored views"), std::string::npos) << said;
+      EXPECT_NE(said.find(renderers::default_impostor().name), std::string::npos) << said;
+    }
+  }
+  EXPECT_GT(refused, 0U);
+}
 
 }  // namespace
 }  // namespace crowdbench::bench

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "renderers/representation.h"
 #include "tests/support/driver.h"
 #include "tests/support/scratch_folder.h"
 
@@ -50,11 +52,67 @@ TEST(BakeReportGl, AFrameOfViewsAsTheSourceCountsIt) {
   EXPECT_LT(bytes(",compress=bc"), trimmed / 2);
 }
 
+// What a scenario shows, of a representation that stores views; others are refused by name.
+TEST(BakeReportGl, RequiredByKeepsAPartOrIsRefused) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const support::ScratchFolder folder;
+  const std::filesystem::path scenario = folder.path() / "few.toml";
+  std::ofstream(scenario) << "[crowd]\nagents = 3\n[[character]]\nsource = \"mannequin:triangles=500\"\n";
+  const std::string by = " --required-by '" + scenario.string() + "' --no-cache --json";
+  for (const char* spec : {"flat:texels=32,frames=2", "polypostor:views=sphere-8x4,texels=32,frames=2"}) {
+    const support::Outcome out = support::run_driver("", std::string("bake ") + spec + by, false);
+    ASSERT_EQ(out.status, 0) << out.text;
+    const json required = json::parse(out.text, nullptr, false).at("required_by");
+    EXPECT_EQ(required.at("ticks"), 301);
+    const json kept = required.at("kept").at(0);
+    EXPECT_GT(kept.at("kept").get<int>(), 0) << spec;
+    EXPECT_LT(kept.at("kept").get<int>(), kept.at("whole").get<int>()) << spec;
+    EXPECT_LT(kept.at("kept_bytes").get<int64_t>(), kept.at("whole_bytes").get<int64_t>()) << spec;
+    EXPECT_LE(kept.at("kept_bytes"), json::parse(out.text).at("gpu_bytes")) << spec;
+  }
+  const support::Outcome refused = support::run_driver("", "bake relief" + by);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.text.find("'relief' stores no views that could be left out"), std::string::npos) << refused.text;
+  EXPECT_NE(refused.text.find("flat or polypostor"), std::string::npos) << refused.text;
+}
+
+TEST(BakeReportGl, PolypostorsAreAudited) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const support::Outcome out = support::run_driver(
+      "", "bake polypostor:views=sphere-6x2,texels=32,frames=2 --character mannequin:triangles=500 --audit --json",
+      false);
+  ASSERT_EQ(out.status, 0) << out.text;
+  const json audit = json::parse(out.text, nullptr, false).at("characters").at(0).at("audit");
+  EXPECT_EQ(audit.at("views"), 12);
+  EXPECT_EQ(audit.at("smooth"), false);
+}
+
+// What a type can do is printed as it says itself, for people and as JSON.
+TEST(BakeReport, RepresentationsAreListedWithWhatTheyCanDo) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const json listed = json::parse(support::run_driver("", "info --representations --json", false).text, nullptr, false);
+  const std::string said = support::run_driver("", "info --representations", false).text;
+  const auto& types = renderers::representation_types();
+  ASSERT_EQ(listed.size(), types.size());
+  for (size_t i = 0; i < types.size(); ++i) {
+    EXPECT_EQ(listed[i].at("name"), types[i].name);
+    EXPECT_EQ(listed[i].at("reference"), types[i].reference);
+    EXPECT_EQ(listed[i].at("stores_views"), types[i].view_sampling != nullptr);
+    EXPECT_EQ(listed[i].at("required_by"), types[i].required_by);
+    EXPECT_EQ(listed[i].at("floor"), types[i].floor);
+    EXPECT_EQ(listed[i].at("example"), example_spec(types[i]));
+    EXPECT_EQ(listed[i].at("debug_views").get<std::vector<std::string>>(), debug_views(types[i]));
+    EXPECT_NE(said.find(types[i].floor), std::string::npos) << types[i].name;
+  }
+  EXPECT_NE(said.find("the reference of all comparisons"), std::string::npos);
+}
+
 // A full disk, as a limit on the size of files: the bake goes on uncached, with one warning, and leaves nothing behind.
 TEST(BakeReportGl, AFullDiskIsReportedAndTheRunGoesOn) {
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
   const support::ScratchFolder folder;
-  const std::string bake = "bake --representation relief:map=32,capture=bind,merge=0 --character mannequin:triangles=500 --json";
+  const std::string bake =
+      "bake --representation relief:map=32,capture=bind,merge=0 --character mannequin:triangles=500 --json";
   const std::string cache = "CROWDBENCH_CACHE_DIR='" + folder.path().string() + "'";
   // 16 blocks of 512 bytes; the bake is larger. The signal that comes with the limit is ignored, so that writing fails.
   const std::string full = "trap '' XFSZ; ulimit -f 16; MESA_SHADER_CACHE_DISABLE=1 " + cache;

@@ -123,7 +123,8 @@ TEST_F(Facts, InspectRefusesAndLeavesNothingHalfWritten) {
 }
 
 TEST_F(FactsGl, BakeTellsBytesAndReadsItsCacheTheSecondTime) {
-  const std::string what = "bake --representation flat:views=sphere-8x3,texels=32,frames=2 --character mannequin:triangles=500";
+  const std::string what =
+      "bake --representation flat:views=sphere-8x3,texels=32,frames=2 --character mannequin:triangles=500";
   const json first = facts(what);
   EXPECT_FALSE(first.at("cached").get<bool>());
   EXPECT_EQ(first.at("facts").at("views"), 24.0);
@@ -142,7 +143,8 @@ TEST_F(FactsGl, BakeTellsBytesAndReadsItsCacheTheSecondTime) {
   EXPECT_EQ(second.at("cache_key"), first.at("cache_key"));
   EXPECT_EQ(second.at("texture_bytes"), first.at("texture_bytes"));
   EXPECT_FALSE(facts(what + " --force").at("cached").get<bool>());
-  EXPECT_NE(facts("bake --representation flat:views=sphere-8x3,texels=32,frames=3 --character mannequin:triangles=500").at("cache_key"),
+  EXPECT_NE(facts("bake --representation flat:views=sphere-8x3,texels=32,frames=3 --character mannequin:triangles=500")
+                .at("cache_key"),
             first.at("cache_key"));
 }
 

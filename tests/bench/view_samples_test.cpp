@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "bench/stage/coverage.h"
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
@@ -53,6 +54,30 @@ class RequiredGl : public ::testing::Test {
   gl::Context context_;
 };
 
+// Specs of the types that honour required_by, with what they count of a whole bake.
+struct Required {
+  std::string spec;
+  std::string unit;
+  uint64_t whole;
+  double most;  // bytes over those of the whole bake
+};
+std::vector<Required> required_specs() {
+  return {{"flat:frames=4,texels=48", "tiles", 17 * 8 * 4, 0.8},
+          {"flat:frames=4,texels=48,blend=3", "tiles", 17 * 8 * 4, 0.8},
+          {"flat:frames=4,texels=48,compress=bc", "tiles", 17 * 8 * 4, 0.8},
+          // Polygons are left out, and pages that hold nothing else, of which a small bake has one.
+          {"polypostor:views=sphere-9x6,frames=2,texels=48", "views of clips", 9 * 6, 0.95},
+          {"polypostor:views=sphere-9x6,frames=4,texels=48,key=two_keys", "views of clips", 9 * 6, 0.95}};
+}
+
+TEST(RequiredBy, EveryTypeThatHonoursItIsTested) {
+  for (const renderers::RepresentationType& type : renderers::representation_types()) {
+    bool tested = false;
+    for (const Required& r : required_specs()) tested = tested || renderers::parse_spec(r.spec).name == type.name;
+    EXPECT_EQ(tested, type.required_by) << "no spec stated for " << type.name;
+  }
+}
+
 // The full bake's pictures to the bit, from a part of its bytes: at every tick of a moving camera, for both ways of
 // choosing views. From elsewhere views are missing, so that the test would see one that is left out wrongly.
 TEST_F(RequiredGl, PicturesAreIdenticalAndBytesAreFewer) {
@@ -64,8 +89,7 @@ TEST_F(RequiredGl, PicturesAreIdenticalAndBytesAreFewer) {
   const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
   constexpr uint64_t kTicks = 16;
   renderers::Renderer renderer(context_, cast);
-  for (const char* text :
-       {"flat:frames=4,texels=48", "flat:frames=4,texels=48,blend=3", "flat:frames=4,texels=48,compress=bc"}) {
+  for (const auto& [text, unit, all, most] : required_specs()) {
     renderers::MakeContext make{.context = context_, .cast = cast};
     make.use_cache = false;
     make.progress = false;
@@ -75,18 +99,21 @@ TEST_F(RequiredGl, PicturesAreIdenticalAndBytesAreFewer) {
     for (uint64_t tick = 0; tick < kTicks; tick += 3) {
       const auto camera = scenario.camera.at(static_cast<double>(tick) / scenario.tick_rate);
       const auto frame = scene::make_frame(scenario, cast, crowd, camera, tick);
-      EXPECT_EQ(renderer.capture(frame, *whole), renderer.capture(frame, *part)) << text << ", tick " << tick;
+      const renderers::Capture expected = renderer.capture(frame, *whole);
+      EXPECT_GT(coverage_of(expected.ids).covered_px, 500U) << tick;
+      EXPECT_EQ(expected, renderer.capture(frame, *part)) << text << ", tick " << tick;
     }
-    EXPECT_LT(part->footprint().texture_bytes, 0.8 * static_cast<double>(whole->footprint().texture_bytes)) << text;
-    const auto facts = part->bake_info().facts;
-    const auto fact = [&](const std::string& name) {
-      for (const auto& [key, value] : facts)
-        if (key == name) return value;
-      return 0.0;
-    };
-    EXPECT_EQ(fact("whole_bytes"), static_cast<double>(whole->footprint().texture_bytes));
-    EXPECT_EQ(fact("whole_tiles"), 17 * 8 * 4);
-    EXPECT_LT(fact("tiles"), 0.6 * fact("whole_tiles"));
+    EXPECT_LT(part->footprint().gpu_bytes(), whole->footprint().gpu_bytes()) << text;
+    ASSERT_EQ(part->bake_info().kept.size(), 1U);
+    EXPECT_TRUE(whole->bake_info().kept.empty());
+    const renderers::KeptPart kept = part->bake_info().kept[0];
+    EXPECT_EQ(kept.unit, unit);
+    EXPECT_EQ(kept.whole, all);
+    EXPECT_LT(static_cast<double>(kept.kept_bytes), most * static_cast<double>(kept.whole_bytes)) << text;
+    EXPECT_EQ(whole->footprint().gpu_bytes() - part->footprint().gpu_bytes(), kept.whole_bytes - kept.kept_bytes)
+        << text << ": what is said to be left out is not there";
+    EXPECT_GT(kept.kept, 0U);
+    EXPECT_LT(static_cast<double>(kept.kept), 0.6 * static_cast<double>(all)) << text;
     scene::Camera above;
     above.eye = {0, 12, 0.5};
     above.target = {0, 0, 0};

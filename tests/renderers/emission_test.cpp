@@ -21,6 +21,7 @@ using testing::cast_of;
 using testing::context;
 using testing::frame_of_one;
 
+const std::string kReference = "reference";
 constexpr float kTall = 1.6F;    // metres
 constexpr float kRow = 0.4F;     // of the front
 constexpr double kAway = 120.0;  // metres from the eye: perspective enlarges the front by a fifth of a percent
@@ -128,8 +129,7 @@ struct Asked {
 };
 std::vector<Asked> asked() {
   std::vector<Asked> out;
-  for (const RepresentationType& type : representation_types())
-    out.push_back({type.components == 0 ? type.name : type.name + "(mesh,flat,distance=9)"});
+  for (const RepresentationType& type : representation_types()) out.push_back({example_spec(type)});
   for (const char* how : {"blend=3", "depth=nailboard", "quad=square", "layers=1"})
     out.push_back({"flat:views=sphere-4x2," + std::string(how)});
   // Colours of five bits, and of two codes between those that a block has.
@@ -164,7 +164,7 @@ TEST_P(EmissionGl, RowsShowWhatTheMeshShows) {
   for (const double pixels : {120.0, 240.0})
     for (const bool lit : {false, true}) {
       const scene::Frame frame = picture(pixels, 0, lit);
-      const Capture reference = draw(frame, "mesh");
+      const Capture reference = draw(frame, kReference);
       const Capture test = draw(frame, GetParam().spec);
       const double inset = 2 * kTall / pixels + 2 * texel;
       for (int row = 0; row < 4; ++row)
@@ -195,15 +195,15 @@ TEST_P(EmissionGl, RowsShowWhatTheMeshShows) {
 TEST_P(EmissionGl, TheWholeLightIsTheMeshs) {
   for (const double pixels : {240.0, 120.0, 60.0, 30.0}) {
     const scene::Frame frame = picture(pixels, 0, false);
-    const glm::dvec3 wanted = whole(draw(frame, "mesh", 5));
+    const glm::dvec3 wanted = whole(draw(frame, kReference, 5));
     const glm::dvec3 shown = whole(draw(frame, GetParam().spec, 5));
     // A twentieth: what a box's sharp corners lose to a silhouette of texels.
     for (int c = 0; c < 2; ++c) EXPECT_NEAR(shown[c] / wanted[c], 1, 0.05) << pixels << " pixels";
   }
-  const glm::dvec3 front = whole(draw(picture(120, 0, false), "mesh"));
+  const glm::dvec3 front = whole(draw(picture(120, 0, false), kReference));
   const scene::Frame behind = picture(120, 0.5, false);
   EXPECT_GT(whole(draw(picture(120, 0.5, true), GetParam().spec)).g, 100);
-  const glm::dvec3 back = whole(draw(behind, "mesh"));
+  const glm::dvec3 back = whole(draw(behind, kReference));
   EXPECT_EQ(back.r, 0.0);
   EXPECT_LE(whole(draw(behind, GetParam().spec)).r, 0.002 * front.r) << "seen from behind";
 }

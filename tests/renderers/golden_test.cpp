@@ -204,6 +204,13 @@ TEST_P(GoldenGl, IsWhatItWas) {
   }
 }
 
+TEST(Golden, EveryRepresentationHasOne) {
+  for (const RepresentationType& type : representation_types())
+    EXPECT_TRUE(std::any_of(goldens().begin(), goldens().end(),
+                            [&](const Golden& golden) { return parse_spec(golden.spec).name == type.name; }))
+        << type.name << " has no line in goldens()";
+}
+
 INSTANTIATE_TEST_SUITE_P(Pictures, GoldenGl, ::testing::ValuesIn(goldens()),
                          [](const ::testing::TestParamInfo<Golden>& param) { return std::string(param.param.name); });
 

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "renderers/shaders/dither.shared.h"
 #include "scene/cast/cast.h"
+#include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {
@@ -226,6 +227,7 @@ TEST_F(HybridGl, OfOneRepresentationTwiceIsThatRepresentation) {
   for (uint32_t i = 0; i < 6; ++i) add_agent(frame, cast, {0.5 * i - 1.2, 0, -1.5 * i}, i + 1, 0.1 * i);
   const Capture a = renderer.capture(frame, *mesh);
   const Capture b = renderer.capture(frame, *both);
+  EXPECT_GT(testing::covered(a), 500U);
   EXPECT_EQ(a.ids, b.ids);
   EXPECT_EQ(a.colour, b.colour);
   const auto& hybrid = dynamic_cast<const HybridRepresentation&>(*both);
@@ -275,6 +277,7 @@ TEST_F(HybridGl, CrossFadesCoverEveryPixelOnce) {
     frame.tick = tick;
     for (uint32_t i = 0; i < 4; ++i) add_agent(frame, cast, {0.5 * i - 1.2, 0, -0.3 * i}, i + 1, 0.1 * i);
     const Capture expected = renderer.capture(frame, *mesh);
+    ASSERT_GT(testing::covered(expected), 500U) << tick;
     ASSERT_EQ(renderer.capture(frame, *three), expected) << tick;
     fading += hybrid.fading_agents();
   }

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "compare_captures.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "gl_test_support.h"
@@ -22,9 +23,14 @@ namespace {
 
 using testing::cast_of;
 using testing::context;
+using testing::covered;
+using testing::Difference;
+using testing::difference;
+using testing::different_ids;
 using testing::fact;
 using testing::GlTest;
 using testing::make;
+using testing::outline_pixels;
 
 class ReliefOptionsGl : public GlTest {};
 
@@ -134,11 +140,7 @@ scene::Character bending_column() {
   return c;
 }
 
-struct Against {
-  int missing = 0;  // pixels two and more inside the mesh's silhouette that the relief does not cover
-  int extra = 0;    // pixels of the relief two and more outside it
-};
-Against against_mesh(const scene::Cast& cast, const scene::Frame& frame, const std::string& spec) {
+Difference against_mesh(const scene::Cast& cast, const scene::Frame& frame, const std::string& spec) {
   Renderer renderer(context(), cast);
   const Capture mesh = renderer.capture(frame, *make(cast, "mesh"));
   const Capture relief = renderer.capture(frame, *make(cast, spec));
@@ -146,18 +148,9 @@ Against against_mesh(const scene::Cast& cast, const scene::Frame& frame, const s
     write_png(std::string(folder) + "/rule_mesh.png", mesh.colour);
     write_png(std::string(folder) + "/rule_" + spec.substr(spec.find("rule=") + 5) + ".png", relief.colour);
   }
-  Against out;
-  for (int y = 2; y + 2 < mesh.ids.height; ++y)
-    for (int x = 2; x + 2 < mesh.ids.width; ++x) {
-      int covered = 0;
-      for (int j = -2; j <= 2; ++j)
-        for (int i = -2; i <= 2; ++i) covered += *mesh.ids.at(x + i, y + j) != 0 ? 1 : 0;
-      const bool shown = *relief.ids.at(x, y) != 0;
-      out.missing += covered == 25 && !shown ? 1 : 0;
-      out.extra += covered == 0 && shown ? 1 : 0;
-    }
-  if (std::getenv("CROWDBENCH_TEST_OUT")) std::printf("%s missing %d extra %d\n", spec.c_str(), out.missing, out.extra);
-  return out;
+  const Difference d = difference(mesh, relief);
+  if (std::getenv("CROWDBENCH_TEST_OUT")) std::printf("%s holes %d strays %d\n", spec.c_str(), d.holes, d.strays);
+  return d;
 }
 
 TEST_F(ReliefOptionsGl, TriangleRulesOpenAndCloseTheJoint) {
@@ -183,19 +176,19 @@ TEST_F(ReliefOptionsGl, TriangleRulesOpenAndCloseTheJoint) {
   testing::add_agent(frame, cast, {0, 0, 0}, 1, 0.5);
   // Half a texel is 4 mm, less than a pixel (4.6 mm).
   const std::string common = "relief:map=128,merge=0,capture=bind,rule=";
-  const Against dominant = against_mesh(cast, frame, common + "dominant");
-  const Against any = against_mesh(cast, frame, common + "any");
-  const Against low = against_mesh(cast, frame, common + "threshold0.9");
-  const Against high = against_mesh(cast, frame, common + "threshold1.1");
+  const Difference dominant = against_mesh(cast, frame, common + "dominant");
+  const Difference any = against_mesh(cast, frame, common + "any");
+  const Difference low = against_mesh(cast, frame, common + "threshold0.9");
+  const Difference high = against_mesh(cast, frame, common + "threshold1.1");
   // The straight prolongations of both pieces cover the bent skin between them but for a fillet on the inner side,
   // whose legs are 0.2 m - 0.15 m: 12.5 square centimetres, at 4.6 mm a pixel (8 m tan(12.5 degrees) / 384) 59 pixels.
-  EXPECT_LT(any.missing, 59);
-  EXPECT_GT(dominant.missing, any.missing) << "half of the triangles between the joints are missing on either";
-  EXPECT_GT(any.extra, dominant.extra) << "what closes the gap sticks out";
-  EXPECT_EQ(low.missing, any.missing);
-  EXPECT_EQ(low.extra, any.extra);
-  EXPECT_EQ(high.missing, dominant.missing);
-  EXPECT_EQ(high.extra, dominant.extra);
+  EXPECT_LT(any.holes, 59);
+  EXPECT_GT(dominant.holes, any.holes) << "half of the triangles between the joints are missing on either";
+  EXPECT_GT(any.strays, dominant.strays) << "what closes the gap sticks out";
+  EXPECT_EQ(low.holes, any.holes);
+  EXPECT_EQ(low.strays, any.strays);
+  EXPECT_EQ(high.holes, dominant.holes);
+  EXPECT_EQ(high.strays, dominant.strays);
 }
 
 // ---- mirrored joints
@@ -235,22 +228,11 @@ TEST_F(ReliefOptionsGl, MirroredJointsAreLitLikeTheMirroredMesh) {
     };
     const Capture mesh = picture(mirrored_cast, "mesh");
     const Capture relief = picture(posed_cast, std::string("relief:map=64,capture=bind,proxy=") + proxy);
-    double sum = 0;
-    int both = 0;
-    int either = 0;
-    for (int y = 0; y < mesh.ids.height; ++y)
-      for (int x = 0; x < mesh.ids.width; ++x) {
-        const bool a = *mesh.ids.at(x, y) != 0;
-        const bool b = *relief.ids.at(x, y) != 0;
-        either += a || b ? 1 : 0;
-        if (!a || !b) continue;
-        ++both;
-        for (int c = 0; c < 3; ++c) sum += std::abs(mesh.colour.at(x, y)[c] - relief.colour.at(x, y)[c]) / 3.0;
-      }
-    EXPECT_GT(both, 1000);
-    EXPECT_GT(static_cast<double>(both) / either, 0.94) << proxy;
+    const Difference d = difference(mesh, relief);
+    EXPECT_GT(d.drawn, 1000);
+    EXPECT_GT(d.iou, 0.94) << proxy;
     // The bound of the unmirrored figure: a texel's normal is up to 1/63 / 0.15 = 6 degrees off.
-    EXPECT_LT(sum / both, 8.0) << proxy;
+    EXPECT_LT(d.mean_colour, 8.0) << proxy;
   }
 }
 
@@ -274,19 +256,12 @@ TEST_F(ReliefOptionsGl, AgentsAtThirtyCentimetresAndTwoKilometres) {
       write_png(std::string(folder) + (near ? "/near_relief.png" : "/far_relief.png"), b.colour);
     }
     std::vector<double> gaps;
-    int covered = 0;
-    int outline = 0;
-    int differ = 0;
-    for (int y = 1; y + 1 < a.ids.height; ++y)
-      for (int x = 1; x + 1 < a.ids.width; ++x) {
-        const bool in = *a.ids.at(x, y) != 0;
-        covered += in ? 1 : 0;
-        outline += in != (*a.ids.at(x + 1, y) != 0) || in != (*a.ids.at(x, y + 1) != 0) ? 1 : 0;
-        differ += in != (*b.ids.at(x, y) != 0) ? 1 : 0;
-        if (in && *b.ids.at(x, y) != 0)
-          gaps.push_back(std::abs(static_cast<double>(*a.depth.at(x, y)) - static_cast<double>(*b.depth.at(x, y))));
-      }
-    EXPECT_GT(covered, 1500) << near;
+    for (size_t i = 0; i < a.ids.data.size(); ++i)
+      if (a.ids.data[i] != 0 && b.ids.data[i] != 0)
+        gaps.push_back(std::abs(static_cast<double>(a.depth.data[i]) - static_cast<double>(b.depth.data[i])));
+    const auto outline = static_cast<double>(outline_pixels(a));
+    const auto differ = static_cast<double>(different_ids(a, b));
+    EXPECT_GT(covered(a), 1500U) << near;
     // Half a texel and half a pixel on either side of the outline; a pixel is 2 d tan(fov / 2) / 192 wide.
     const double pixel =
         near ? 2 * 0.4 * std::tan(25 * 3.14159265 / 180) / 192 : 2 * 2000 * std::tan(0.03 * 3.14159265 / 180) / 192;
@@ -296,8 +271,8 @@ TEST_F(ReliefOptionsGl, AgentsAtThirtyCentimetresAndTwoKilometres) {
     std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
     EXPECT_LT(gaps[gaps.size() / 2], texel + 0.00012) << near;
     if (std::getenv("CROWDBENCH_TEST_OUT"))
-      std::printf("near %d covered %d outline %d differ %d median gap %g texel %g pixel %g\n", near, covered, outline,
-                  differ, gaps[gaps.size() / 2], texel, pixel);
+      std::printf("near %d outline %g differ %g median gap %g texel %g pixel %g\n", near, outline, differ,
+                  gaps[gaps.size() / 2], texel, pixel);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "renderers/mesh/mesh_draw.h"
 #include "scene/cast/cast.h"
 #include "scene/mannequin/mannequin.h"
+#include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {
@@ -16,6 +17,8 @@ namespace {
 using testing::add_agent;
 using testing::cast_of;
 using testing::context;
+using testing::covered;
+using testing::different_ids;
 using testing::frame_of_one;
 
 class RigidGl : public testing::GlTest {
@@ -29,12 +32,9 @@ class RigidGl : public testing::GlTest {
     add_agent(frame, cast, {0.1, 0, 0}, 7, phase, 0.15F);
     frame.agents[0][0].bank_clip = bank_clip;
     frame.agents[0][0].pose = cast.banks[0]->sample(bank_clip, phase);
-    return renderer.capture(frame, representation);
-  }
-  static size_t different_ids(const Capture& a, const Capture& b) {
-    size_t n = 0;
-    for (size_t i = 0; i < a.ids.data.size(); ++i) n += a.ids.data[i] != b.ids.data[i] ? 1U : 0U;
-    return n;
+    const Capture c = renderer.capture(frame, representation);
+    EXPECT_GT(covered(c), 300U);
+    return c;
   }
 };
 
@@ -84,7 +84,9 @@ TEST_F(RigidGl, EveryAgentHasItsOwnPoseOfItsOwnClip) {
     frame.agents[0].back().bank_clip = static_cast<int>(i % 2);
     frame.agents[0].back().pose = cast.banks[0]->sample(static_cast<int>(i % 2), 0.1 * ((7 * i) % 10));
   }
-  EXPECT_LE(different_ids(renderer.capture(frame, *mesh), renderer.capture(frame, *rigid)), 20U);
+  const Capture a = renderer.capture(frame, *mesh);
+  EXPECT_GT(covered(a), 2000U);
+  EXPECT_LE(different_ids(a, renderer.capture(frame, *rigid)), 20U);
 }
 
 TEST_F(RigidGl, BytesAndBudget) {
@@ -141,7 +143,9 @@ TEST_F(RigidGl, ThreeLevels) {
   const auto picture = [&](Representation& r, double distance, double phase) {
     scene::Frame frame = frame_of_one(distance, 0.0, 96, 96, 25);
     add_agent(frame, cast, {0, 0, 0}, 1, phase, 0.2F);
-    return renderer.capture(frame, r);
+    const Capture c = renderer.capture(frame, r);
+    EXPECT_GT(covered(c), 50U);
+    return c;
   };
   EXPECT_EQ(picture(*three, 6, 0.29), picture(*mesh, 6, 0.29));
   EXPECT_EQ(picture(*three, 7.6, 0.29), picture(*mesh, 7.6, static_cast<double>(0.2F))) << "the rigid mesh's pose";

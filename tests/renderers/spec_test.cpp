@@ -71,13 +71,13 @@ TEST(Spec, RefusalsSayWhat) {
       {"", "a name is missing"},
       {"messh", "did you mean 'mesh'"},
       {"zzzzzzzz", "there is no representation"},
-      {"relief:", "is no key=value"},
-      {"relief:steps", "is no key=value"},
+      {"relief:", "is not key=value"},
+      {"relief:steps", "is not key=value"},
       {"relief:steps=", "has no value"},
-      {"relief:=4", "is no key=value"},
+      {"relief:=4", "is not key=value"},
       {"relief:step=4", "did you mean 'steps'"},
       {"relief:steps=1+1,steps=2+2", "is given twice"},
-      {"relief:steps=1+1,", "is no key=value"},
+      {"relief:steps=1+1,", "is not key=value"},
       {"relief,steps=1", "is left over"},
       {"mesh()", "a name is missing"},
       {"mesh(mesh)", "takes no parts"},
@@ -127,6 +127,43 @@ TEST(Spec, ReaderGivesDefaultsAndRefusesOutOfRange) {
   EXPECT_THROW((void)reader("floor", "yes").flag("floor"), Error);
 }
 
+TEST(Spec, ReferenceStandsForItsName) {
+  EXPECT_EQ(parse_spec("reference").text(), reference_type().name);
+  EXPECT_EQ(parse_spec("reference:floor=1").text(), reference_type().name + ":floor=1");
+  EXPECT_EQ(reference_spec().text(), reference_type().name);
+  EXPECT_THROW((void)parse_spec("reference", table()), Error) << "a table without one";
+}
+
+TEST(Spec, FloorsAreAskedForAndToldApart) {
+  EXPECT_EQ(with_floor(parse_spec("flat:texels=64,floor=0")).text(), "flat:texels=64,floor=1");
+  EXPECT_TRUE(is_floor(with_floor(reference_spec())));
+  EXPECT_FALSE(is_floor(reference_spec()));
+  EXPECT_FALSE(is_floor(parse_spec("flat:floor=0")));
+}
+
+TEST(Spec, CapabilitiesFitTogether) {
+  size_t references = 0;
+  for (const RepresentationType& type : representation_types()) {
+    SCOPED_TRACE(type.name);
+    references += type.reference ? 1 : 0;
+    const Spec example = parse_spec(example_spec(type));
+    EXPECT_EQ(example.name, type.name);
+    EXPECT_EQ(example.text(), example_spec(type)) << "canonical";
+    EXPECT_EQ(honours_required_by(example), type.required_by || !stands_alone(type)) << "made of one that does";
+    EXPECT_FALSE(type.floor.empty());
+    EXPECT_EQ(floors_by_name().at(type.name), type.floor);
+    for (const std::string& view : debug_views(type)) {
+      EXPECT_NE(view, "none");
+      EXPECT_NE(debug_views_of_all().find(type.name + " has "), std::string::npos);
+      EXPECT_NE(debug_views_of_all().find(view), std::string::npos);
+    }
+  }
+  EXPECT_EQ(references, 1U);
+  EXPECT_NE(representation_type(default_impostor().name).view_sampling, nullptr);
+  EXPECT_EQ(debug_views(representation_type("relief")),
+            (std::vector<std::string>{"boxes", "steps", "hit-face", "misses"}));
+}
+
 TEST(Spec, EveryTypeDocumentsItself) {
   for (const RepresentationType& type : representation_types()) {
     SCOPED_TRACE(type.name);
@@ -161,7 +198,7 @@ TEST(Spec, DebugViewsAreAnOptionOfTheRepresentation) {
     }
     return "nothing";
   };
-  EXPECT_NE(said("relief", "wire").find("boxes, steps, hit-face, misses"), std::string::npos);
+  EXPECT_NE(said("relief", "wire").find("it has boxes, steps, hit-face, misses"), std::string::npos);
   EXPECT_NE(said("polypostor", "steps").find("wire, lines, parts, stretch"), std::string::npos);
   EXPECT_NE(said("mesh", "steps").find("'mesh' has no debug views"), std::string::npos);
 }

@@ -215,6 +215,7 @@ TEST(Tile, NeighboursOfCoveredTexelsCarryTheirColour) {
   const Tile tile =
       build_tile_levels(rect, draw_shape(rect, [](double x, double y) { return std::hypot(x, y) < 5.3; }), 1)[0];
   // Bilinear fetches that pass the test touch only texels next to covered ones.
+  int beside = 0;
   for (int row = 0; row < tile.rows(); ++row)
     for (int column = 0; column < tile.stride(); ++column) {
       const double x = tile.rect.x + column - 0.5;
@@ -224,14 +225,18 @@ TEST(Tile, NeighboursOfCoveredTexelsCarryTheirColour) {
         for (double u = -0.95; u < 1; u += 0.1) touched |= filtered_alpha(tile, x + u, y + v) >= 0.5;
       const size_t o = 4 * static_cast<size_t>(row * tile.stride() + column);
       if (!touched) continue;
+      ++beside;
       EXPECT_EQ(tile.albedo[o], 200);
       EXPECT_EQ(tile.surface[o + 2], 3);
     }
+  EXPECT_GT(beside, 100);
 }
 
 TEST(Tile, NothingCoveredGivesEmptyTiles) {
   const TileRect rect{-2, -2, 4, 4};
-  for (const Tile& t : build_tile_levels(rect, std::vector<CapturedTexel>(16), 3)) {
+  const std::vector<Tile> levels = build_tile_levels(rect, std::vector<CapturedTexel>(16), 3);
+  ASSERT_EQ(levels.size(), 3U);
+  for (const Tile& t : levels) {
     EXPECT_EQ(t.rect.width, 0);
     EXPECT_TRUE(t.albedo.empty());
     for (const glm::vec2& p : tile_outline(t, 4)) EXPECT_EQ(p, glm::vec2(0, 0));
@@ -272,13 +277,16 @@ TEST(Outline, NeverCutsACoveredPointAndStaysWithinTheGutters) {
         EXPECT_LE(p.y, tile.rect.y + tile.rect.height + 1.0001);
       }
       constexpr int k = 5;
+      int covered = 0;
       for (int y = (tile.rect.y - 1) * k; y < (tile.rect.y + tile.rect.height + 1) * k; ++y)
         for (int x = (tile.rect.x - 1) * k; x < (tile.rect.x + tile.rect.width + 1) * k; ++x) {
           const glm::dvec2 p{(x + 0.5) / k, (y + 0.5) / k};
           if (filtered_alpha(tile, p.x, p.y) >= 0.5) {
             ASSERT_TRUE(strip_holds(strip, p)) << corners << " corners, level " << level << ", " << p.x << " " << p.y;
+            ++covered;
           }
         }
+      EXPECT_GT(covered, 10) << "level " << level;
       ++level;
     }
   }
@@ -306,13 +314,16 @@ TEST(Outline, ATriangleHoldsAllThatIsCoveredAndItsGutterIsEmpty) {
     const auto triangle = tile_triangle(tile);
     ASSERT_EQ(triangle.size(), 3U);
     constexpr int k = 5;
+    int covered = 0;
     for (int y = (tile.rect.y - 1) * k; y < (tile.rect.y + tile.rect.height + 1) * k; ++y)
       for (int x = (tile.rect.x - 1) * k; x < (tile.rect.x + tile.rect.width + 1) * k; ++x) {
         const glm::dvec2 p{(x + 0.5) / k, (y + 0.5) / k};
         if (filtered_alpha(tile, p.x, p.y) >= 0.5) {
           ASSERT_TRUE(strip_holds(triangle, p)) << i << ": " << p.x << " " << p.y;
+          ++covered;
         }
       }
+    EXPECT_GT(covered, 10) << i;
     // What the rest of the triangle shows: samples clamped to the centres of the gutter's texels.
     const double left = tile.rect.x - 0.5, right = tile.rect.x + tile.rect.width + 0.5;
     const double below = tile.rect.y - 0.5, above = tile.rect.y + tile.rect.height + 0.5;
@@ -325,6 +336,7 @@ TEST(Outline, ATriangleHoldsAllThatIsCoveredAndItsGutterIsEmpty) {
 
 TEST(Outline, ATriangleTouchesFewerBlocksThanTwo) {
   const std::vector<Tile> levels = figure_levels();
+  ASSERT_GT(levels.size(), 2U);
   for (size_t level = 2; level < levels.size(); ++level)
     EXPECT_LT(blocks_touched(tile_triangle(levels[level])), blocks_touched(tile_outline(levels[level], 4)))
         << "level " << level;

@@ -118,6 +118,16 @@ TEST_F(ReportPage, TheSameRowsGiveTheSameBytes) {
   EXPECT_EQ(page_, report_page(made_up_contents(), {"made-up.sqlite", made_up_scores()}));
 }
 
+// Each floor is explained by what its representation says of it, once; unknown ones are left out.
+TEST_F(ReportPage, FloorsAreExplainedAsTheyAreGiven) {
+  const std::string told = report_page(
+      made_up_contents(), {"made-up.sqlite", made_up_scores(), {{"mesh", "one <pose>"}, {"absent", "nothing"}}});
+  EXPECT_NE(told.find("That of mesh is one &lt;pose&gt;."), std::string::npos);
+  EXPECT_EQ(told.find("That of absent"), std::string::npos);
+  EXPECT_EQ(page_.find("That of"), std::string::npos);
+  EXPECT_NE(page_.find("the same draw with the work removed"), std::string::npos);
+}
+
 TEST_F(ReportPage, AnEmptyFileIsRefused) { EXPECT_THROW(report_page({}, {"empty.sqlite"}), Error); }
 
 TEST(ReportCharts, TheCurvesHoldTheMediansInMilliseconds) {

@@ -1,5 +1,8 @@
 #include "renderers/impostor/tiles/stored_frames.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/error.h"
 #include "core/hash.h"
 
@@ -34,6 +37,22 @@ StoredFrames stored_frames(const scene::Character& character, const std::shared_
       out.poses.push_back({moves, out.bank(moves)->sample(clip, static_cast<double>(f) / count)});
   }
   return out;
+}
+
+std::vector<double> pose_steps(const StoredFrames& frames, const std::vector<std::vector<glm::vec3>>& positions) {
+  std::vector<double> steps;
+  for (const StoredClip& clip : frames.clips)
+    for (uint32_t f = 0; f < clip.frames && clip.frames > 1; ++f) {
+      const auto& here = positions[clip.first_frame + f];
+      const auto& next = positions[clip.first_frame + (f + 1) % clip.frames];
+      float most = 0;
+      for (size_t v = 0; v < here.size(); ++v) {
+        const glm::vec3 d = next[v] - here[v];
+        most = std::max(most, glm::dot(d, d));
+      }
+      steps.push_back(std::sqrt(static_cast<double>(most)));
+    }
+  return steps;
 }
 
 CaptureSphere capture_sphere(const scene::Character& character, const std::vector<std::vector<glm::vec3>>& positions) {

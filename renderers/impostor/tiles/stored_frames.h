@@ -42,6 +42,10 @@ struct StoredFrames {
 StoredFrames stored_frames(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                            int frames);
 
+// How far the farthest vertex moves from each stored frame to the next of its clip, metres; none of a still pose.
+// positions: StoredFrames::positions.
+std::vector<double> pose_steps(const StoredFrames& frames, const std::vector<std::vector<glm::vec3>>& positions);
+
 // enclosing_sphere of the character's stored frames. Throws Error where its radius is 0.
 CaptureSphere capture_sphere(const scene::Character& character, const std::vector<std::vector<glm::vec3>>& positions);
 

@@ -201,6 +201,23 @@ ViewBlend ViewGrid::blend(const glm::dvec3& to_eye) const {
   return out;
 }
 
+void ViewGrid::visit_picks(const glm::dvec3& to_eye, bool blended,
+                           const std::function<void(int view, bool mirrored)>& see) const {
+  constexpr double kNear = 2e-4;  // of the direction's length: more than single precision leaves open
+  const double near = kNear * glm::length(to_eye);
+  for (int k = 0; k < 7; ++k) {
+    glm::dvec3 beside = to_eye;
+    if (k > 0) beside[(k - 1) / 2] += k % 2 == 0 ? near : -near;
+    if (!blended) {
+      const ViewPick picked = pick(beside);
+      see(picked.view, picked.mirrored);
+      continue;
+    }
+    const ViewBlend three = blend(beside);
+    for (const int view : three.views) see(view, three.mirrored);
+  }
+}
+
 bool ViewGrid::reachable(int view) const {
   if (kind != GridKind::cube) return true;
   const int face = view / (n * n);

@@ -6,6 +6,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -54,6 +55,10 @@ struct ViewGrid {
   // diagonal). Views and weights together change continuously with the direction: all over sphere and hemi, and over a
   // cube but for where three faces meet. At a view's own direction it is that view alone.
   ViewBlend blend(const glm::dvec3& to_eye) const;
+  // Calls `see` for every view that the GPU may pick (or, with `blended`, mix) for a direction: it picks in single
+  // precision, so that what lies within rounding of a border may fall to either side of it. A view may be seen twice.
+  void visit_picks(const glm::dvec3& to_eye, bool blended,
+                   const std::function<void(int view, bool mirrored)>& see) const;
   // False for views that no direction picks (cube: cells wholly below el_min); they are not captured.
   bool reachable(int view) const;
   std::string text() const;  // "sphere-17x8", "sphere-17x8-mirrored", "cube-4", "hemi-12"

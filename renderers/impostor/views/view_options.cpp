@@ -4,8 +4,12 @@
 
 namespace crowdbench::renderers {
 
+namespace {
+constexpr const char* kViews = "views";
+}
+
 OptionDoc views_option() {
-  return {"views", "sphere-AxE[-mirrored]|cube-N|hemi-N", "sphere-17x8",
+  return {kViews, "sphere-AxE[-mirrored]|cube-N|hemi-N", "sphere-17x8",
           "the view grid: azimuths x elevations, or N a side"};
 }
 
@@ -14,8 +18,14 @@ OptionDoc el_min_option() {
 }
 
 ViewGrid read_view_grid(const OptionReader& reader) {
-  return parse_view_grid(reader.text("views"), reader.number("el_min", -89, 89) * std::numbers::pi / 180,
-                         reader.where("views"));
+  return parse_view_grid(reader.text(kViews), reader.number("el_min", -89, 89) * std::numbers::pi / 180,
+                         reader.where(kViews));
+}
+
+Spec with_view_grid(Spec spec, const ViewGrid& grid) {
+  std::erase_if(spec.options, [](const auto& option) { return option.first == kViews; });
+  spec.options.emplace_back(kViews, grid.text());
+  return spec;
 }
 
 std::vector<std::pair<std::string, double>> view_error_facts(const ViewGrid& grid) {

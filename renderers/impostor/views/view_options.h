@@ -15,6 +15,9 @@ OptionDoc el_min_option();
 // Reads both. Throws Error naming the option.
 ViewGrid read_view_grid(const OptionReader& reader);
 
+// The spec with another grid, of the same lowest elevation.
+Spec with_view_grid(Spec spec, const ViewGrid& grid);
+
 // BakeInfo::facts of how far the picked view is from the direction to the eye, degrees.
 std::vector<std::pair<std::string, double>> view_error_facts(const ViewGrid& grid);
 
