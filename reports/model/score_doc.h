@@ -25,7 +25,8 @@ struct ScoreDoc {
 // is its own title.
 ScoreDoc doc_of(const std::vector<ScoreDoc>& docs, std::string_view name);
 
-// "SSIM in the figure", "PSNR, dB", "Mean absolute error, code values": the head of a column.
+// "SSIM in the figure", "PSNR, dB", "Mean absolute error, code values": the head of a column. A name that nobody
+// described stands as it is.
 std::string heading(const ScoreDoc& doc);
 // The value at the score's digits, "∞" for infinity.
 std::string score_text(const ScoreDoc& doc, double value);

@@ -245,9 +245,10 @@ TEST(Exports, MarkdownHasTheTablesAndEscapesThem) {
   EXPECT_NE(text.find("stopped: at 250 agents"), std::string::npos);
   EXPECT_NE(text.find("software rasteriser"), std::string::npos);
   // Every score, every column of the largest crowds and of the run.
-  EXPECT_NE(text.find("| flat | 100 | 15 % | mae | 1.250 |"), std::string::npos) << text;
-  EXPECT_NE(text.find("| flat | 100 | 15 % | psnr | ∞ |"), std::string::npos) << text;
-  EXPECT_NE(text.find("| flat | 64 | ssim | 3 | 0.835 | 0.790 | 0.880 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| representation | agents | occupancy | mae | psnr | ssim |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| flat | 100 | 15 % | 1.2500 | ∞ | 0.9500 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| flat | 64 | 3 | 0.5000 (0.5000) | 0.8850 (0.8400) | 0.8350 (0.7900) |"), std::string::npos)
+      << text;
   EXPECT_NE(text.find("| texture_bytes | 5.3 MiB | 170.7 MiB |"), std::string::npos) << text;
   EXPECT_EQ(text.find("| reason |"), std::string::npos) << text;  // nothing to say of either
   EXPECT_NE(text.find("| settled | yes | yes |"), std::string::npos) << text;

@@ -148,7 +148,7 @@ TEST(ReportCharts, TheCurvesHoldTheMediansInMilliseconds) {
 
 TEST(ReportCharts, TheScoresHaveALegendThatNoLayerContradicts) {
   const StoreContents contents = made_up_contents();
-  const auto spec = nlohmann::json::parse(score_chart(scenes_of(contents)[0], "silhouette_iou", "IoU"));
+  const auto spec = nlohmann::json::parse(score_chart(scenes_of(contents)[0], made_up_scores()[0]));
   size_t coloured = 0;
   for (const auto& layer : spec.at("layer")) {
     if (!layer.at("encoding").contains("color")) continue;
