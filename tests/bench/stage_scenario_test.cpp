@@ -119,8 +119,7 @@ TEST(StageScenario, NobodyElseInTheDriverMakesACrowd) {
   for (const char* room : {"bench", "studies"})
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(CROWDBENCH_SOURCE_DIR) / room)) {
       if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
-      const std::vector<uint8_t> bytes = read_file(entry.path());
-      if (std::regex_search(bytes.begin(), bytes.end(), makes)) found.insert(entry.path().filename().string());
+      if (std::regex_search(read_text(entry.path()), makes)) found.insert(entry.path().filename().string());
     }
   EXPECT_EQ(found, (std::set<std::string>{"stage_scenario.cpp"}));
 }
