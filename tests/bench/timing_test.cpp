@@ -237,7 +237,8 @@ TEST(Timing, TheRatioOfKnownCostsIsTheRatioOfTheCosts) {
   const auto drawer = [&](int64_t cost) {
     return [&machine, &drift, cost] { machine.spend(cost * drift, 3 * cost * drift, 1); };
   };
-  const std::vector<Variant> variants = {{"of", [&](uint64_t) { drift += 3; }, drawer(40)}, {"to", {}, drawer(500)}};
+  const auto slow_down = [&drift](uint64_t tick) { drift = 1 + 3 * static_cast<int64_t>(tick); };
+  const std::vector<Variant> variants = {{"of", slow_down, drawer(40)}, {"to", slow_down, drawer(500)}};
   const auto results = time_interleaved(variants, {}, machine.clocks());
   for (const Metric metric : {Metric::cpu, Metric::wall}) {
     const auto ratio = paired_ratio(results[1].samples, results[0].samples, metric, 1);
