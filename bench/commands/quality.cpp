@@ -314,9 +314,10 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
   add_list("--elevation-deg", options->elevations, "0 = level, 90 = from straight above");
   add_clip_option(*command, options->clip);
   add_list("--time", options->times, "seconds on the file's own axis (the clip's start)");
-  command->add_option("--maps", options->maps, 
-                      "a folder for the pictures and the scores' maps, named by representation, height and view; made "
-                      "where missing")
+  command
+      ->add_option("--maps", options->maps,
+                   "a folder for the pictures and the scores' maps, named by representation, height and view; made "
+                   "where missing")
       ->type_name("DIR")
       ->output_folder();
   command->add_option("--debug", options->debug,
