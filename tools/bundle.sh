@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # One relocatable archive of the driver and the libraries that it needs to render, measure and write PNG, for an x86-64
-# Linux without this project's packages. Usage: bundle.sh BUILD_DIR OUT.tar.gz
+# Linux without this project's packages. Usage: bundle.sh [--with-tests] BUILD_DIR OUT.tar.gz
+# --with-tests: also gpu_check with what it needs: test_renderers, the golden pictures, figures.sh.
 #
-# What comes from the target machine and is never bundled: glibc (its parts must match the loader's), libEGL, libOpenGL
-# or libGL and the drivers behind them, and X11 (only `view` needs it). The modules that bring OpenImageIO and FFmpeg are
+# What comes from the target machine and is never bundled: glibc (its parts must match the loader's), OpenGL drivers, and X11
+# (only `view` needs it). The loaders in front of the drivers (libEGL, libOpenGL, libGLdispatch: glvnd) are in lib/glvnd and
+# used where the machine has none. The modules that bring OpenImageIO and FFmpeg are
 # left out; the driver says so when something asks for them.
 set -euo pipefail
 limit_mib=48
@@ -12,7 +14,12 @@ fail() {
   echo "bundle: $*" >&2
   exit 2
 }
-[ $# -eq 2 ] || fail "usage: bundle.sh BUILD_DIR OUT.tar.gz"
+with_tests=
+if [ "${1:-}" = --with-tests ]; then
+  with_tests=yes
+  shift
+fi
+[ $# -eq 2 ] || fail "usage: bundle.sh [--with-tests] BUILD_DIR OUT.tar.gz"
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$(cd "$1" && pwd) || fail "no build folder $1"
 mkdir -p "$(dirname "$2")"
@@ -49,6 +56,10 @@ fallback() {
 }
 
 objects=("$driver" "$build/bin/crowdbench_window.so")
+if [ -n "$with_tests" ]; then
+  [ -x "$build/bin/test_renderers" ] || fail "no test_renderers in $build/bin; build it first"
+  objects+=("$build/bin/test_renderers")
+fi
 install -m 755 "${objects[@]}" "$top/bin/"
 
 copied=()
@@ -62,6 +73,14 @@ while read -r soname _ path _; do
   install -m 755 "$path" "$place"
   copied+=("$path")
 done < <(ldd "${objects[@]}" | grep '=>' | grep -v '^/' | sort -u)
+
+mkdir -p "$top/lib/glvnd"
+for soname in libEGL.so.1 libOpenGL.so.0 libGLdispatch.so.0; do
+  path=$(ldconfig -p | awk -v name="$soname" '$1 == name && /x86-64/ { print $NF; exit }')
+  [ -n "$path" ] || fail "$soname is missing (libegl1, libopengl0, libglvnd0)"
+  install -m 755 "$path" "$top/lib/glvnd/$soname"
+  copied+=("$path")
+done
 
 # Debian's OpenCV asks for libGLX (and with it X11) for three functions that only its OpenCL interoperation calls. A
 # stand-in of another name gives it those, so that a machine without X11 can load it and nothing shadows a real libGLX.
@@ -77,7 +96,7 @@ done
 
 # Everything is found from where the archive was unpacked. RPATH, not RUNPATH: it also serves the libraries' own needs
 # and is not overruled by LD_LIBRARY_PATH.
-strip --strip-unneeded "$top"/bin/* "$top"/lib/*.so* "$top"/lib/fallback/*
+strip --strip-unneeded "$top"/bin/* "$top"/lib/*.so* "$top"/lib/fallback/* "$top"/lib/glvnd/*
 for object in "$top"/bin/*; do
   # shellcheck disable=SC2016
   patchelf --force-rpath --set-rpath '$ORIGIN/../lib' "$object"
@@ -106,29 +125,70 @@ crowdbench, as one folder for an x86-64 Linux with glibc $glibc or newer and a s
   ./crowdbench info                  the device that will draw
   ./crowdbench --help                everything else
 
-Nothing needs to be installed; move the folder where you like. libEGL and libOpenGL (or libGL) come from the machine's
-driver and are not in here. Bakes are kept in \${XDG_CACHE_HOME:-~/.cache}/crowdbench; CROWDBENCH_CACHE_DIR moves them.
+Nothing needs to be installed; move the folder where you like. The OpenGL driver is the machine's; so are libEGL and
+libOpenGL (or libGL), unless it has none: then those in lib/glvnd serve. Bakes are kept in \${XDG_CACHE_HOME:-~/.cache}/crowdbench; CROWDBENCH_CACHE_DIR moves them.
 Left out, because they are large and drawing does not need them: OpenImageIO (EXR files and pictures other than PNG) and
 FFmpeg (clips). A command that needs one says so. Licences of the libraries in lib/: licences/.
 TEXT
 
-cat >"$top/crowdbench" <<TEXT
-#!/bin/sh
-# Starts bin/crowdbench. Its C++ run time is the machine's own where that is new enough, because the machine's OpenGL
-# driver may need it; else the one in lib/fallback.
-self=\$(readlink -f -- "\$0")
-here=\${self%/*}
+cat >"$top/start" <<TEXT
+# Read by crowdbench and test_renderers, with \$here: this folder, and \$program: what of bin/ to start.
+has() (  # one of these files, in a folder where libraries lie
+  IFS=:
+  for folder in \${LD_LIBRARY_PATH:-} /usr/lib/x86_64-linux-gnu /lib/x86_64-linux-gnu /usr/lib64 /lib64 /usr/lib /lib \
+    /usr/local/lib /usr/local/lib64 /usr/local/nvidia/lib64 /run/opengl-driver/lib; do
+    for file in "\$@"; do [ ! -e "\$folder/\$file" ] || exit 0; done
+  done
+  exit 1
+)
+# The machine's own OpenGL loaders where it has them.
+if ! has libEGL.so.1 || ! has libOpenGL.so.0 libGL.so.1; then
+  export LD_LIBRARY_PATH="\$here/lib/glvnd\${LD_LIBRARY_PATH:+:\$LD_LIBRARY_PATH}"
+fi
+# glvnd finds drivers by descriptions; a container often has NVIDIA's driver without its description.
+if [ -z "\${__EGL_VENDOR_LIBRARY_FILENAMES:-}\${__EGL_VENDOR_LIBRARY_DIRS:-}" ] && has libEGL_nvidia.so.0 &&
+  ! ls /etc/glvnd/egl_vendor.d/*nvidia* /usr/share/glvnd/egl_vendor.d/*nvidia* >/dev/null 2>&1; then
+  export __EGL_VENDOR_LIBRARY_FILENAMES="\$here/lib/glvnd/10_nvidia.json"
+  for file in /etc/glvnd/egl_vendor.d/*.json /usr/share/glvnd/egl_vendor.d/*.json; do
+    [ ! -e "\$file" ] || __EGL_VENDOR_LIBRARY_FILENAMES="\$__EGL_VENDOR_LIBRARY_FILENAMES:\$file"
+  done
+fi
+# Its C++ run time is the machine's own where that is new enough, because the machine's OpenGL driver may need it; else the
+# one in lib/fallback.
 if "\$here/bin/crowdbench" --version >/dev/null 2>&1; then
-  exec "\$here/bin/crowdbench" "\$@"
+  exec "\$here/bin/\$program" "\$@"
 fi
 export LD_LIBRARY_PATH="\$here/lib/fallback\${LD_LIBRARY_PATH:+:\$LD_LIBRARY_PATH}"
 if "\$here/bin/crowdbench" --version >/dev/null 2>&1; then
-  exec "\$here/bin/crowdbench" "\$@"
+  exec "\$here/bin/\$program" "\$@"
 fi
-echo "crowdbench: this bundle needs an x86-64 Linux with glibc $glibc or newer; this is \$(uname -m) with \$(
+echo "\$program: this bundle needs an x86-64 Linux with glibc $glibc or newer; this is \$(uname -m) with \$(
   getconf GNU_LIBC_VERSION 2>/dev/null || echo another C library)" >&2
 exit 2
 TEXT
+cat >"$top/lib/glvnd/10_nvidia.json" <<'TEXT'
+{ "file_format_version": "1.0.0", "ICD": { "library_path": "libEGL_nvidia.so.0" } }
+TEXT
+
+starter() {  # PROGRAM
+  cat >"$top/$1" <<TEXT
+#!/bin/sh
+# Starts bin/$1.
+self=\$(readlink -f -- "\$0")
+here=\${self%/*}
+program=$1
+. "\$here/start"
+TEXT
+  chmod 755 "$top/$1"
+}
+starter crowdbench
+if [ -n "$with_tests" ]; then
+  starter test_renderers
+  mkdir -p "$top/tests/data"
+  cp -r "$source_dir/tests/data/golden" "$top/tests/data/"
+  install -m 755 "$source_dir/tools/gpu_check.sh" "$top/gpu_check"
+  install -m 755 "$source_dir/tools/figures.sh" "$top/figures.sh"
+fi
 
 cat >"$top/selfcheck" <<'TEXT'
 #!/bin/sh
@@ -144,7 +204,7 @@ if [ "$size" -lt 5000 ]; then  # an empty picture of this size has about 1,000 b
 fi
 echo "selfcheck: fine"
 TEXT
-chmod 755 "$top/crowdbench" "$top/selfcheck"
+chmod 755 "$top/selfcheck"
 
 # ---- proof and archive ------------------------------------------------------------------------------------------------
 

@@ -34,11 +34,15 @@ make_root() {  # a machine with glibc and a shell, without C++ and without OpenG
   mv "$1"/opt/crowdbench-* "$1/opt/moved"
 }
 
-add_opengl() {  # glvnd, Mesa's software rasteriser and their C++ run time
-  copy "$1" "$lib"/libEGL.so.1 "$lib"/libEGL_mesa.so.0 "$lib"/dri/swrast_dri.so
-  for name in libOpenGL.so.0 libGL.so.1; do [ ! -e "$lib/$name" ] || copy "$1" "$lib/$name"; done
+add_driver() {  # Mesa's software rasteriser and its C++ run time
+  copy "$1" "$lib"/libEGL_mesa.so.0 "$lib"/dri/swrast_dri.so
   mkdir -p "$1/usr/share/glvnd"
   cp -r /usr/share/glvnd/egl_vendor.d "$1/usr/share/glvnd/"
+}
+
+add_loaders() {  # glvnd
+  copy "$1" "$lib"/libEGL.so.1
+  for name in libOpenGL.so.0 libGL.so.1; do [ ! -e "$lib/$name" ] || copy "$1" "$lib/$name"; done
 }
 
 inside() {  # ROOT COMMAND...; /proc is there, in a mount namespace of its own
@@ -57,10 +61,12 @@ inside "$bare" /opt/moved/selfcheck >"$stage/said" 2>&1 || status=$?
 cat "$stage/said"
 [ "$status" -eq 2 ] || fail "without OpenGL: status $status instead of 2"
 [ "$(wc -l <"$stage/said")" -eq 1 ] || fail "without OpenGL: more than one line"
-grep -q libEGL "$stage/said" || fail "without OpenGL: the line does not name libEGL"
+grep -q 'a driver with OpenGL 4.5 core is needed' "$stage/said" || fail "without OpenGL: the line does not say what is needed"
 
 full=$stage/full
 make_root "$full"
-add_opengl "$full"
+add_driver "$full"
+inside "$full" /opt/moved/selfcheck --device surfaceless || fail "does not draw with a driver that has no loaders in front"
+add_loaders "$full"
 inside "$full" /opt/moved/selfcheck --device surfaceless || fail "does not draw with Mesa's software OpenGL"
 echo "check_bundle: fine"

@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
+#include "test_paths.h"
 
 namespace crowdbench::bench {
 namespace {

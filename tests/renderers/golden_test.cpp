@@ -5,6 +5,7 @@
 // within (small figures are the worst, 1.3 %), and by half a pixel, with its light turned by 5 degrees or 3 % less, by
 // a whole pixel, mirrored, and finds it outside.
 //
+// CROWDBENCH_TEST_PICTURES names a folder for pictures that differ (else one in the system's temporary folder).
 // CROWDBENCH_UPDATE_GOLDEN=1 writes the pictures anew instead of comparing; look at each before it is committed.
 #include <gtest/gtest.h>
 
@@ -172,7 +173,8 @@ TEST_P(GoldenGl, IsWhatItWas) {
   ASSERT_EQ(reference.channels, 4);
   const Comparison c = compare(picture, reference);
   if (!c.same()) {
-    const fs::path out = fs::path(::testing::TempDir()) / "crowdbench_golden";
+    const char* const chosen = std::getenv("CROWDBENCH_TEST_PICTURES");
+    const fs::path out = chosen != nullptr ? fs::path(chosen) : fs::path(::testing::TempDir()) / "crowdbench_golden";
     fs::create_directories(out);
     write_png(out / (std::string(golden.name) + ".png"), picture);
     write_png(out / (std::string(golden.name) + "_difference.png"), difference_of(picture, reference));

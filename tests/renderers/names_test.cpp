@@ -20,6 +20,7 @@
 
 #include "core/error.h"
 #include "renderers/representation.h"
+#include "test_paths.h"
 
 namespace crowdbench::renderers {
 namespace {
