@@ -67,7 +67,8 @@ void write_pictures(const RenderOptions& options, const renderers::Capture& capt
   std::string files;
   for (const std::string* file : {&options.out, &options.mask, &options.ids, &options.depth})
     if (!file->empty()) files += (files.empty() ? "" : ", ") + printable(*file);
-  fmt::print("drew {}, {}x{} pixels: {}\n", drawn, capture.colour.width, capture.colour.height, files);
+  fmt::print(options.json ? stderr : stdout, "drew {}, {}x{} pixels: {}\n", drawn, capture.colour.width,
+             capture.colour.height, files);
 }
 
 std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& context, const renderers::Spec& spec,

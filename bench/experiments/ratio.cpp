@@ -83,11 +83,9 @@ std::vector<VariantTimes> time_set(gl::Context& context, const TimedSet& set, co
   std::vector<Variant> variants;
   variants.reserve(set.all.size());
   for (const auto& timed : set.all) variants.push_back(timed->variant());
-  size_t rounds = 0;
-  return time_interleaved(variants, plan, system_clocks(), gpu_timer_of(context, method), [&] {
-    progress.note(fmt::format("round {} (warm-up included)", ++rounds));
-    throw_if_interrupted();
-  });
+  progress.note("timing");
+  Progress turns("rounds at most", static_cast<size_t>(plan.rounds + plan.most_warmup));
+  return time_interleaved(variants, plan, system_clocks(), gpu_timer_of(context, method), [&] { turns.advance(); });
 }
 
 RatioReport::Median median_of(const std::string& name, const VariantTimes& times) {

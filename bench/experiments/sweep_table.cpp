@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <tuple>
 
@@ -27,8 +28,10 @@ std::string sweep_table(const StoreContents& contents, const RunRow& run) {
       continue;
     rows[{row.key.requested_occupancy, row.key.representation, row.key.agents}] = &row;
   }
+  size_t wide = 10;
+  for (const auto& [place, row] : rows) wide = std::max(wide, view_name(row->key.requested_occupancy).size());
   std::string out =
-      fmt::format("{:<10} {:<28} {:>7}  {:>28}  {:>28}  {:>22}  {:>8}\n", "occupancy", "representation", "agents",
+      fmt::format("{:<{}} {:<28} {:>7}  {:>28}  {:>28}  {:>22}  {:>8}\n", "occupancy", wide, "representation", "agents",
                   "CPU ms [95 %]", "wall ms [95 %]", "times as fast (" + run.headline + ")", "covered");
   for (const auto& [place, row] : rows) {
     std::string speed = "-";
@@ -36,8 +39,7 @@ std::string sweep_table(const StoreContents& contents, const RunRow& run) {
       if (ratio.kind == "speed" && ratio.of == row->key && ratio.metric == run.headline)
         speed = fmt::format("{:.2f} [{:.2f}, {:.2f}]", ratio.ratio, ratio.low, ratio.high);
     const std::string name = row->key.representation;
-    out += fmt::format("{:<10} {:<28} {:>7}  ", view_name(row->key.requested_occupancy).substr(0, 10), name,
-                       row->key.agents);
+    out += fmt::format("{:<{}} {:<28} {:>7}  ", view_name(row->key.requested_occupancy), wide, name, row->key.agents);
     if (!row->frame_ns) {
       out += fmt::format("{}: {}\n", status_name(row->status), row->reason);
       continue;
