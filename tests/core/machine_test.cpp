@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "core/files.h"
 #include "tests/support/scratch_folder.h"
 
@@ -11,7 +13,9 @@ namespace {
 class MachineTest : public testing::Test {
  protected:
   void put(const std::string& path, const std::string& text) const {
-    write_file(folder_.path() / path, std::string_view(text));
+    const std::filesystem::path file = folder_.path() / path;
+    std::filesystem::create_directories(file.parent_path());
+    write_file(file, std::string_view(text));
   }
   Machine read() const { return read_machine(folder_.path()); }
 

@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Chooser{"relief", "relief:map=64"}, Chooser{"relief_levels", "relief:map=64,merge=0"},
                       Chooser{"height", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=128),height=50)"},
                       Chooser{"ratio", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=64),ratio=1)"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& chooser) { return std::string(chooser.param.name); });
 
 }  // namespace
 }  // namespace crowdbench::renderers
