@@ -77,9 +77,10 @@ TEST_P(StopsGl, WithinThreeSecondsAndLeavesNothingHalfWritten) {
     const std::string name = entry.path().filename().string();
     EXPECT_TRUE(name == "million.toml" || name.starts_with("results.sqlite")) << name;
   }
-  if (fs::exists(folder_ / "cache"))
+  if (fs::exists(folder_ / "cache")) {
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
       EXPECT_EQ(entry.path().filename().string().find(".part"), std::string::npos) << entry.path();
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -96,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
         Long{"Bench", {"bench", "--representation", "mesh", "--agents", "20000", "--full"}, SIGINT},
         Long{"Ratio", {"ratio", "--of", "mesh", "--to", "mesh", "--agents", "20000"}, SIGTERM},
         Long{"Pair", {"pair", "--a", "mesh", "--b", "mesh", "--agents", "3000", "--out", "x.mp4"}, SIGTERM}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& command) { return std::string(command.param.name); });
 
 // ---- stdout
 
@@ -266,7 +267,9 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
   for (const char* command : {"render", "bake", "quality", "switch-distance", "popmap", "bench", "view", "demo"})
     EXPECT_TRUE(by_command[command].count("representation")) << command;
   for (const auto& [command, options] : by_command) {
-    if (options.count("representations")) EXPECT_EQ(command, "info") << "there it is a question, not a choice";
+    if (options.count("representations")) {
+      EXPECT_EQ(command, "info") << "there it is a question, not a choice";
+    }
     for (const char* other : {"save", "output", "backend", "renderer", "gpu", "char", "resolution"})
       EXPECT_FALSE(options.count(other)) << command << " --" << other;
   }
@@ -275,8 +278,10 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
        {"render", "bake", "quality", "switch-distance", "popmap", "ratio", "bench", "pair", "view", "demo"})
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
-    if (command != "schema" && command != "inspect" && command != "pose" && command != "report" && command != "compare")
+    if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
+        command != "compare") {
       EXPECT_TRUE(options.count("device")) << command;
+    }
 }
 
 // ---- what was done
