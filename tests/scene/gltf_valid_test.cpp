@@ -95,6 +95,7 @@ TEST(GltfValid, ContainersAreAlike) {
   const Character embedded = load(b.gltf());
   EXPECT_EQ(glb.content_hash, embedded.content_hash);
   TemporaryFolder folder;
+  fs::create_directories(folder.path / "sub");
   const std::vector<uint8_t> text = b.gltf("sub/my%20data.bin");
   write_file(folder.path / "sub/my data.bin", b.bin.data(), b.bin.size());
   write_file(folder.path / "card.gltf", text.data(), text.size());
