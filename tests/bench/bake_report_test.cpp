@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 json report(const std::string& arguments) {
-  const support::Outcome out = support::run_driver("", "bake " + arguments + " --no-cache --report --json", false);
+  const support::Outcome out = support::run_driver("", "bake --representation " + arguments + " --no-cache --report --json", false);
   EXPECT_EQ(out.status, 0) << arguments;
   return json::parse(out.text, nullptr, false);
 }
@@ -70,7 +70,7 @@ TEST(BakeReportGl, RequiredByKeepsAPartOrIsRefused) {
     EXPECT_LT(kept.at("kept_bytes").get<int64_t>(), kept.at("whole_bytes").get<int64_t>()) << spec;
     EXPECT_LE(kept.at("kept_bytes"), json::parse(out.text).at("gpu_bytes")) << spec;
   }
-  const support::Outcome refused = support::run_driver("", "bake relief" + by);
+  const support::Outcome refused = support::run_driver("", "bake --representation relief" + by);
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.text.find("'relief' stores no views that could be left out"), std::string::npos) << refused.text;
   EXPECT_NE(refused.text.find("flat or polypostor"), std::string::npos) << refused.text;
@@ -79,7 +79,7 @@ TEST(BakeReportGl, RequiredByKeepsAPartOrIsRefused) {
 TEST(BakeReportGl, PolypostorsAreAudited) {
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
   const support::Outcome out = support::run_driver(
-      "", "bake polypostor:views=sphere-6x2,texels=32,frames=2 --character mannequin:triangles=500 --audit --json",
+      "", "bake --representation polypostor:views=sphere-6x2,texels=32,frames=2 --character mannequin:triangles=500 --audit --json",
       false);
   ASSERT_EQ(out.status, 0) << out.text;
   const json audit = json::parse(out.text, nullptr, false).at("characters").at(0).at("audit");

@@ -119,9 +119,9 @@ TEST(Compare, AlphaIsIgnoredWithAWarningOrComposited) {
 TEST(Compare, WritesThreeMaps) {
   const fs::path folder = scratch();
   const json out = compared(kImages / "p14_render_alias_ref.png", kImages / "p14_render_alias_test.png",
-                            {"--maps", (folder / "new" / "maps").string()});
+                            {"--maps", (folder / "maps").string()});
   ASSERT_EQ(out["maps"].size(), 3U);
-  const auto map = [&](const char* name) { return decode_png(read_file(folder / "new" / "maps" / name), name); };
+  const auto map = [&](const char* name) { return decode_png(read_file(folder / "maps" / name), name); };
   EXPECT_EQ(map("absdiff.png"),
             decode_png(read_file(kImages.parent_path() / "maps" / "p14_render_alias_absdiff.png"), "expected"));
   EXPECT_EQ(map("ssim_map.png").width, 470);
