@@ -16,7 +16,8 @@ namespace {
 using nlohmann::json;
 
 json report(const std::string& arguments) {
-  const support::Outcome out = support::run_driver("", "bake --representation " + arguments + " --no-cache --report --json", false);
+  const support::Outcome out =
+      support::run_driver("", "bake --representation " + arguments + " --no-cache --report --json", false);
   EXPECT_EQ(out.status, 0) << arguments;
   return json::parse(out.text, nullptr, false);
 }
@@ -60,7 +61,7 @@ TEST(BakeReportGl, RequiredByKeepsAPartOrIsRefused) {
   std::ofstream(scenario) << "[crowd]\nagents = 3\n[[character]]\nsource = \"mannequin:triangles=500\"\n";
   const std::string by = " --required-by '" + scenario.string() + "' --no-cache --json";
   for (const char* spec : {"flat:texels=32,frames=2", "polypostor:views=sphere-8x4,texels=32,frames=2"}) {
-    const support::Outcome out = support::run_driver("", std::string("bake ") + spec + by, false);
+    const support::Outcome out = support::run_driver("", std::string("bake --representation ") + spec + by, false);
     ASSERT_EQ(out.status, 0) << out.text;
     const json required = json::parse(out.text, nullptr, false).at("required_by");
     EXPECT_EQ(required.at("ticks"), 301);
@@ -78,9 +79,11 @@ TEST(BakeReportGl, RequiredByKeepsAPartOrIsRefused) {
 
 TEST(BakeReportGl, PolypostorsAreAudited) {
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
-  const support::Outcome out = support::run_driver(
-      "", "bake --representation polypostor:views=sphere-6x2,texels=32,frames=2 --character mannequin:triangles=500 --audit --json",
-      false);
+  const support::Outcome out =
+      support::run_driver("",
+                          "bake --representation polypostor:views=sphere-6x2,texels=32,frames=2 --character "
+                          "mannequin:triangles=500 --audit --json",
+                          false);
   ASSERT_EQ(out.status, 0) << out.text;
   const json audit = json::parse(out.text, nullptr, false).at("characters").at(0).at("audit");
   EXPECT_EQ(audit.at("views"), 12);
