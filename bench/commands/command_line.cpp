@@ -182,7 +182,9 @@ Option* Command::add_option(const std::string& name, T& target, const std::strin
 }
 
 Option* Command::add_flag(const std::string& name, bool& target, const std::string& description) {
-  return options_.emplace_back(std::make_unique<Option>(app_.add_flag(name, target, description))).get();
+  return options_
+      .emplace_back(std::make_unique<Option>(app_.add_flag(name, target, description)->disable_flag_override()))
+      .get();
 }
 
 #define CROWDBENCH_OPTION_TYPE(...) \

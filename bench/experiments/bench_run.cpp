@@ -62,12 +62,11 @@ class Sweep {
     for (const double occupancy : request_.occupancies) {
       curves_.assign(specs_.size(), {});
       turn_s_ = 0;
-      uint32_t before = 0;
+      turn_agents_ = 0;
       const uint32_t shown = agents_to_show();
       for (const uint32_t agents : request_.agents) {
-        const double growth = before > 0 ? static_cast<double>(agents) / before : 1;
+        const double growth = turn_agents_ > 0 ? static_cast<double>(agents) / turn_agents_ : 1;
         measure({agents, occupancy}, agents == shown, growth * turn_s_ * kLeastTurns);
-        before = agents;
         budget_.point_done();
         if (request_.after_point) request_.after_point(++done, budget_.left());
       }
@@ -244,6 +243,7 @@ class Sweep {
       throw_if_interrupted();
     });
     turn_s_ = 0;
+    turn_agents_ = at.agents;
     for (const VariantTimes& one : results)
       turn_s_ += 1e-9 * (one.dropped ? static_cast<double>(one.warmup_frame_ns)
                                      : median(values_of(one.samples, Metric::wall)));
@@ -379,7 +379,9 @@ class Sweep {
   std::map<size_t, std::unique_ptr<TimedRepresentation>> floors_;
   SweepSummary summary_;
   TimeBudget budget_;
-  double turn_s_ = 0;  // of the latest point at this occupancy: every variant drawn once
+  // Of the latest point that was timed at this occupancy: every variant drawn once, and how many agents that were.
+  double turn_s_ = 0;
+  uint32_t turn_agents_ = 0;
 };
 
 }  // namespace

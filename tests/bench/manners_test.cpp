@@ -328,7 +328,7 @@ TEST_F(MannersGl, BenchForecastsKeepsToItsTimeAndSaysWhatItWrote) {
 TEST_F(MannersGl, DemoForecasts) {
   const Outcome outcome =
       run("demo --tiny --no-clip --character mannequin:triangles=500 --representation "
-          "flat:views=sphere-4x1,texels=32,frames=1");
+          "flat:views=sphere-8x3,texels=64,frames=8");
   EXPECT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("demo: 4 steps, about "), std::string::npos) << outcome.text;
 }
