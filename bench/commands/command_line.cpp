@@ -214,7 +214,7 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   const std::string text = printable(error.what(), 1000);
   const std::string option = text.substr(0, text.find(':'));
   if (text.ends_with("flag override"))
-    return fmt::format("{}: takes no value; {}", text.substr(0, text.find(' ')), help);
+    return fmt::format("--{}: takes no value; {}", text.substr(0, text.find(' ')), help);
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
     return text.find("missing") != std::string::npos || text.find("At least") != std::string::npos
                ? fmt::format("{}: its value is missing; {}", option, help)

@@ -1,7 +1,6 @@
 #include "bench/commands/options.h"
 
 #include "bench/commands/command_line.h"
-#include "bench/experiments/bench_run.h"
 #include "core/error.h"
 
 namespace crowdbench::bench {

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/statistics.h"
+#include "reports/exports/markdown_cell.h"
 #include "reports/exports/scores_markdown.h"
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
@@ -44,20 +45,6 @@ std::string csv_field(const Json& value) {
   }
   quoted += '"';
   return quoted;
-}
-
-// "|" would end a cell of a Markdown table, "<" could open HTML.
-std::string cell(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '|')
-      out += "\\|";
-    else if (c == '<')
-      out += "&lt;";
-    else
-      out += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return out;
 }
 
 Json json_of(const Value& value) {
@@ -131,7 +118,7 @@ class Csv {
 std::string value_text(const Column& column, const Value& value) {
   if (value == Value() || value == Value(std::string())) return "–";
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "yes" : "no";
-  if (const auto* text = std::get_if<std::string>(&value)) return cell(*text);
+  if (const auto* text = std::get_if<std::string>(&value)) return markdown_cell(*text);
   const std::string unit = column.unit.empty() ? "" : " " + column.unit;
   if (const auto* real = std::get_if<double>(&value)) {
     if (column.unit == "ns") return time_text(*real);
@@ -176,7 +163,7 @@ std::string largest_crowds(const Scene& scene) {
       "\n## Every column of the largest crowds\n\nWhat each means: `crowdbench schema --results`.\n\n| column |";
   std::string rule = "|---|";
   for (const MeasurementRow* row : largest) {
-    out += fmt::format(" {}, {} agents, {} |", cell(row->key.representation), count_text(row->key.agents),
+    out += fmt::format(" {}, {} agents, {} |", markdown_cell(row->key.representation), count_text(row->key.agents),
                        percent_or_dash(row->key.requested_occupancy));
     rule += "--:|";
   }
@@ -218,10 +205,10 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
   for (const Scene& scene : scenes) {
     const RunRow& run = *scene.run;
     const std::string& metric = run.headline;
-    add("# {}, {} × {} pixels, scenario “{}”\n\n", cell(scene.character), scene.width, scene.height,
-        cell(run.scenario_name));
-    if (const auto notice = void_notice(scene)) add("**{}**\n\n", cell(*notice));
-    for (const std::string& sentence : answer(scene)) add("{}\n\n", cell(sentence));
+    add("# {}, {} × {} pixels, scenario “{}”\n\n", markdown_cell(scene.character), scene.width, scene.height,
+        markdown_cell(run.scenario_name));
+    if (const auto notice = void_notice(scene)) add("**{}**\n\n", markdown_cell(*notice));
+    for (const std::string& sentence : answer(scene)) add("{}\n\n", markdown_cell(sentence));
     if (run.software)
       out +=
           "**Drawn by a software rasteriser**: times compare representations with each other on this machine and say "
@@ -237,22 +224,23 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
           if (row == nullptr) continue;
           const auto& time = time_of(*row, metric);
           const RatioRow* ratio = scene.ratio("speed", name, agents, occupancy, metric);
-          add("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {}{} |\n", cell(name), count_text(agents),
+          add("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {}{} |\n", markdown_cell(name), count_text(agents),
               percent_or_dash(occupancy), time ? time_text(time->median) : "–",
               time ? time_text(time->low) + " to " + time_text(time->high) : "–",
               row->frame_ns ? time_text(row->frame_ns->median) : "–", ratio ? factor_text(ratio->ratio) + "×" : "–",
               ratio ? factor_text(ratio->low) + " to " + factor_text(ratio->high) : "–", row->rounds,
-              status_name(row->status), row->reason.empty() ? "" : ": " + cell(row->reason));
+              status_name(row->status), row->reason.empty() ? "" : ": " + markdown_cell(row->reason));
         }
     const auto lines = crossovers_of(scene, metric);
     if (!lines.empty()) {
       out += "\n## Where the curves cross\n\n| pair | occupancy | at | cheaper |\n|---|--:|--:|---|\n";
       for (const CrossoverLine& line : lines)
-        add("| {} and {} | {} | {} | {} |\n", cell(line.first), cell(line.second), percent_or_dash(line.occupancy),
-            line.agents ? fmt::format("{:.0f} agents", *line.agents) : "–",
-            line.agents ? fmt::format("{} below, {} beyond", cell(line.cheaper_below), cell(line.cheaper_beyond))
-                        : fmt::format("{} from {} to {} agents", cell(line.cheaper_beyond), count_text(line.from),
-                                      count_text(line.to)));
+        add("| {} and {} | {} | {} | {} |\n", markdown_cell(line.first), markdown_cell(line.second),
+            percent_or_dash(line.occupancy), line.agents ? fmt::format("{:.0f} agents", *line.agents) : "–",
+            line.agents ? fmt::format("{} below, {} beyond", markdown_cell(line.cheaper_below),
+                                      markdown_cell(line.cheaper_beyond))
+                        : fmt::format("{} from {} to {} agents", markdown_cell(line.cheaper_beyond),
+                                      count_text(line.from), count_text(line.to)));
     }
     out += scores_markdown(scene) + largest_crowds(scene) + provenance(run);
   }

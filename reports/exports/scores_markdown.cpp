@@ -2,25 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "reports/exports/markdown_cell.h"
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
 
 namespace crowdbench::reports {
 namespace {
-
-// "|" would end a cell, "<" could open HTML.
-std::string cell(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '|')
-      out += "\\|";
-    else if (c == '<')
-      out += "&lt;";
-    else
-      out += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return out;
-}
 
 // The two lines above a table: what tells the rows apart, the first of it a text, then the scores.
 std::string head(const std::vector<std::string>& keys, const std::vector<ScoreDoc>& scores) {
@@ -31,7 +18,7 @@ std::string head(const std::vector<std::string>& keys, const std::vector<ScoreDo
     rule += rule.size() == 1 ? "---|" : "--:|";
   }
   for (const ScoreDoc& doc : scores) {
-    titles += fmt::format(" {} |", cell(heading(doc)));
+    titles += fmt::format(" {} |", markdown_cell(heading(doc)));
     rule += "--:|";
   }
   return fmt::format("{}\n{}\n", titles, rule);
@@ -43,7 +30,7 @@ std::string agents_markdown(const Scene& scene) {
   std::string out = "\n## Difference of single agents\n\nMean over the views, with the worst view in brackets.\n\n";
   out += head({"representation", "height, px", "views"}, table.columns);
   for (const AgentScoreRow& row : table.rows) {
-    out += fmt::format("| {} | {:.0f} | {} |", cell(row.representation), row.height_px, row.views);
+    out += fmt::format("| {} | {:.0f} | {} |", markdown_cell(row.representation), row.height_px, row.views);
     for (const std::optional<ScoreCell>& score : row.cells)
       out += score ? fmt::format(" {} ({}) |", score->mean, score->worst) : std::string(" – |");
     out += '\n';
@@ -57,7 +44,7 @@ std::string frames_markdown(const Scene& scene) {
   std::string out = "\n## Difference of whole frames\n\n";
   out += head({"representation", "agents", "occupancy"}, scores);
   for (const ComparisonRow* row : scene.crowd_comparisons) {
-    out += fmt::format("| {} | {} | {} |", cell(row->representation), count_text(row->agents),
+    out += fmt::format("| {} | {} | {} |", markdown_cell(row->representation), count_text(row->agents),
                        occupancy_text(row->requested_occupancy));
     for (const ScoreDoc& doc : scores) {
       const auto value = score_of(*row, doc.name);
