@@ -45,7 +45,7 @@ share = 0.1
   const std::string common =
       fmt::format(" '{}' --size 96x72 --seed 3 --device software --json", (folder_ / "s.toml").string());
   const Json bench =
-      print(fmt::format("bench{} --agents 250,1000 --occupancy 0.15,0.9 --representations mesh "
+      print(fmt::format("bench{} --agents 250,1000 --occupancy 0.15,0.9 --representation mesh "
                         "--rounds 10 --time-limit 0.001 --no-floors --budget-ms 60000 --out '{}'",
                         common, (folder_ / "r.sqlite").string()));
   ASSERT_EQ(bench.at("stages").size(), 4U);

@@ -144,7 +144,10 @@ class ShaderFolder {
     setenv(variable_, folder_.path().c_str(), 1);
   }
   ~ShaderFolder() { unsetenv(variable_); }
-  void write(const std::string& path, std::string_view text) const { write_file(folder_ / path, text); }
+  void write(const std::string& path, std::string_view text) const {
+    std::filesystem::create_directories((folder_ / path).parent_path());
+    write_file(folder_ / path, text);
+  }
   const std::filesystem::path& path() const { return folder_.path(); }
 
  private:

@@ -18,7 +18,9 @@ namespace fs = std::filesystem;
 class PairGl : public testing::Test {
  protected:
   fs::path folder = fs::temp_directory_path() / ("crowdbench-pair-" + std::to_string(::getpid()));
-  void SetUp() override { fs::create_directories(folder); }
+  void SetUp() override {
+    for (const char* sub : {"one", "two"}) fs::create_directories(folder / sub);
+  }
   void TearDown() override { fs::remove_all(folder); }
 
   static PairRequest request(const scene::Scenario& scenario, const scene::Cast& cast) {
