@@ -29,6 +29,9 @@ layout(location = 3) in vec3 v_colour;
 #ifdef CB_EMISSIVE_UVS
 layout(location = 4) in vec2 v_emissive_uv;
 #endif
+#ifdef CB_FLAT_NORMALS
+layout(location = 6) in vec4 v_place_flat;
+#endif
 
 void main() {
   int material = int(v_outfit_material >> 16u) * 2;
@@ -64,6 +67,11 @@ void main() {
   vec3 normal = v_normal_u.xyz;
 #ifdef CB_DOUBLE_SIDED
   if (!gl_FrontFacing) normal = -normal;
+#endif
+#ifdef CB_FLAT_NORMALS
+  // The face as it is posed, its side towards the eye. A face of no extent keeps what was interpolated.
+  vec3 face = cross(dFdx(v_place_flat.xyz), dFdy(v_place_flat.xyz));
+  if (v_place_flat.w > 0.5 && dot(face, face) > 0.0) normal = face;
 #endif
 #ifdef CB_CAPTURE
   write_capture(albedo, normal, part, (flags & CB_MATERIAL_UNLIT) != 0u, emissive);

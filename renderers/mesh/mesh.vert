@@ -31,6 +31,10 @@ layout(location = 2) flat out uint v_outfit_material;  // outfit in the low 16 b
 layout(location = 5) flat out uint v_id;
 #endif
 
+#ifdef CB_FLAT_NORMALS
+layout(location = 6) out vec4 v_place_flat;  // place on the axes of the normal; 1 where the face's own normal is used
+#endif
+
 #ifdef CB_FEEDBACK
 out vec3 f_world;  // captured by the skinning test
 #endif
@@ -74,7 +78,13 @@ void main() {
   CaptureView view = capture_views[in_agent];
   gl_Position = capture_position(view, world);
   v_normal_u.xyz = capture_normal(view, normal);
+#ifdef CB_FLAT_NORMALS
+  v_place_flat = vec4(capture_normal(view, world), in_normal.w);
+#endif
 #else
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
+#ifdef CB_FLAT_NORMALS
+  v_place_flat = vec4(world, in_normal.w);
+#endif
 #endif
 }

@@ -64,8 +64,8 @@ void pack_weights(const glm::vec4& weights, uint16_t out[4]) {
 
 }  // namespace
 
-uint32_t pack_normal(const glm::vec3& normal) {
-  uint32_t packed = 0;
+uint32_t pack_normal(const glm::vec3& normal, bool flat) {
+  uint32_t packed = flat ? 1U << 30U : 0U;
   for (int i = 0; i < 3; ++i) {
     const auto value = static_cast<int32_t>(std::lround(std::clamp(normal[i], -1.0F, 1.0F) * 511.0F));
     packed |= (static_cast<uint32_t>(value) & 0x3ffU) << (10 * i);
@@ -120,10 +120,15 @@ MeshData make_mesh_data(const scene::Character& character) {
     return wants.size() - 1;
   };
   std::vector<int> vertex_material(mesh.positions.size(), 0);
+  std::vector<bool> vertex_flat(mesh.positions.size(), false);
   // A vertex shared by primitives of different materials would need two records; the loader never makes one, because a
   // primitive has its own run of vertices.
   for (const scene::Primitive& p : mesh.primitives) {
-    for (uint32_t v = 0; v < p.vertex_count; ++v) vertex_material[p.first_vertex + v] = p.material;
+    for (uint32_t v = 0; v < p.vertex_count; ++v) {
+      vertex_material[p.first_vertex + v] = p.material;
+      vertex_flat[p.first_vertex + v] = p.flat;
+    }
+    data.has_flat = data.has_flat || p.flat;
     auto& indices = group_indices[group_for(want_of(p))];
     for (uint32_t i = 0; i + 2 < p.index_count; i += 3) {
       const uint32_t a = mesh.indices[p.first_index + i];
@@ -164,7 +169,7 @@ MeshData make_mesh_data(const scene::Character& character) {
     MeshVertex& v = data.vertices[to];
     for (int i = 0; i < 3; ++i) v.position[i] = mesh.positions[source][i];
     v.material = static_cast<float>(vertex_material[source]);
-    v.normal = pack_normal(mesh.normals[source]);
+    v.normal = pack_normal(mesh.normals[source], vertex_flat[source]);
     v.uv[0] = mesh.uvs.empty() ? 0.0F : mesh.uvs[source].x;
     v.uv[1] = mesh.uvs.empty() ? 0.0F : mesh.uvs[source].y;
     for (int i = 0; i < 4; ++i) v.joints[i] = mesh.joints[source][i];
@@ -188,7 +193,8 @@ void bake_static_pose(MeshData& data, const scene::Character& character, const s
       normal[r] = glm::dot(glm::vec3(rows[r]), mesh.normals[source]);
     }
     const float length = glm::length(normal);
-    data.vertices[i].normal = pack_normal(length > 0 ? normal / length : glm::vec3(0.0F, 1.0F, 0.0F));
+    const bool flat = (data.vertices[i].normal >> 30U) != 0;
+    data.vertices[i].normal = pack_normal(length > 0 ? normal / length : glm::vec3(0.0F, 1.0F, 0.0F), flat);
   }
 }
 

@@ -13,7 +13,7 @@ namespace crowdbench::renderers {
 struct MeshVertex {
   float position[3];
   float material;   // index into Character::materials
-  uint32_t normal;  // 10:10:10:2 signed normalised
+  uint32_t normal;  // 10:10:10:2 signed normalised; w: 1 where the face's own normal is to be used
   float uv[2];
   uint16_t joints[4];
   uint16_t weights[4];  // unsigned normalised; sums to 65535 exactly
@@ -46,6 +46,7 @@ struct MeshData {
   MeshExtras extras;
   std::vector<uint32_t> indices;
   std::vector<MeshGroup> groups;
+  bool has_flat = false;  // a primitive is shaded by its faces as posed
   std::vector<MeshTextureArray> arrays;
   std::vector<uint32_t> source_vertex;                       // for each vertex, its index in Character::mesh
   std::vector<int> material_layer, material_emissive_layer;  // by material; 0 when it has no image
@@ -59,7 +60,7 @@ MeshData make_mesh_data(const scene::Character& character);
 void bake_static_pose(MeshData& data, const scene::Character& character, const std::vector<scene::Mat3x4>& palette);
 
 // A unit vector as three signed normalised 10-bit numbers, x in the lowest bits, as GL_INT_2_10_10_10_REV reads them.
-uint32_t pack_normal(const glm::vec3& normal);
+uint32_t pack_normal(const glm::vec3& normal, bool flat = false);
 glm::vec3 unpack_normal(uint32_t packed);
 
 }  // namespace crowdbench::renderers

@@ -68,6 +68,7 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
   out.vertex_count = static_cast<uint32_t>(data.vertices.size());
   out.triangles = data.indices.size() / 3;
   out.groups = data.groups;
+  out.has_flat = data.has_flat;
   if (data.indices.empty()) return out;
   out.indices = gl::Buffer(context, data.indices);
   const auto add_stream = [&](gl::Buffer& buffer, unsigned location, int components, size_t stride, const void* from) {
@@ -179,6 +180,7 @@ const gl::Program& MeshDraw::program(const Variant& v) {
     define(v.textures, "CB_TEXTURES");
     define(v.emissive_textures, "CB_EMISSIVE_TEXTURES");
     define(v.double_sided, "CB_DOUBLE_SIDED");
+    define(v.flat, "CB_FLAT_NORMALS");
     found =
         programs_.emplace(v, gl::Program(context_, {"renderers/mesh/mesh.vert", "renderers/mesh/mesh.frag"}, defines))
             .first;
@@ -199,7 +201,7 @@ void MeshDraw::draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffe
     const int emissive_array = mesh.has_emissive ? group.emissive_array : -1;
     const gl::Program& p = program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
                                     mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0,
-                                    emissive_array >= 0, group.double_sided});
+                                    emissive_array >= 0, group.double_sided, mesh.has_flat});
     p.use();
     if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
     const auto bind_array = [&](int array, unsigned unit) {

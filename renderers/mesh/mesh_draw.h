@@ -28,7 +28,7 @@ struct CharacterMesh {
   uint32_t joints = 0;
   uint32_t vertex_count = 0;
   uint64_t triangles = 0;
-  bool has_colours = false, has_emissive_uvs = false, has_emissive = false;
+  bool has_colours = false, has_emissive_uvs = false, has_emissive = false, has_flat = false;
   uint64_t texture_bytes() const;
   uint64_t buffer_bytes() const;
 };
@@ -58,7 +58,7 @@ class MeshDraw {
  private:
   // What a compiled variant of the program depends on.
   struct Variant {
-    bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided;
+    bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided, flat;
     auto operator<=>(const Variant&) const = default;
   };
   const gl::Program& program(const Variant& variant);

@@ -108,6 +108,7 @@ struct Primitive {
   int material = 0;       // into Character::materials; a default material exists when the file has none
   int node = 0;           // the mesh's node, in `Skeleton::nodes`
   int gltf_node = 0;      // the node's index in the file
+  bool flat = false;      // the file has no normals: shaded by its faces as posed. Mesh::normals has the bind pose's
   bool mirrored = false;  // rigid mesh whose node's rest transform has a negative determinant: winding flips
 };
 

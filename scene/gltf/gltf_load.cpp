@@ -325,7 +325,8 @@ class Loader {
     }
   }
 
-  void draw_flat(const Primitive& primitive, const std::string& path) {
+  void draw_flat(Primitive& primitive, const std::string& path) {
+    primitive.flat = true;
     if (!add_flat_normals(character_.mesh, primitive, limits_.vertices))
       asset_.fail(path, fmt::format("flat normals need more than {} vertices", limits_.vertices), "export normals");
     if (!warned_flat_) asset_.warn(fmt::format("{}: has no normals and is drawn flat", path));

@@ -238,7 +238,7 @@ class Writer {
     const Mesh& mesh = character_.mesh;
     ordered_json attributes = ordered_json::object();
     attributes["POSITION"] = vectors(mesh.positions, p, "VEC3", true);
-    attributes["NORMAL"] = vectors(mesh.normals, p, "VEC3");
+    if (!p.flat) attributes["NORMAL"] = vectors(mesh.normals, p, "VEC3");
     attributes["TEXCOORD_0"] = vectors(mesh.uvs, p, "VEC2");
     if (!mesh.emissive_uvs.empty()) attributes["TEXCOORD_1"] = vectors(mesh.emissive_uvs, p, "VEC2");
     if (!mesh.colours.empty()) attributes["COLOR_0"] = vectors(mesh.colours, p, "VEC4");

@@ -322,7 +322,7 @@ std::string compute_content_hash(const Character& character) {
   hash.values(mesh.indices).value(mesh.primitives.size());
   for (const Primitive& p : mesh.primitives) {
     hash.value(p.first_index).value(p.index_count).value(p.first_vertex).value(p.vertex_count);
-    hash.value(p.material).value(p.node).value(p.mirrored);
+    hash.value(p.material).value(p.node).value(static_cast<uint8_t>((p.mirrored ? 1 : 0) | (p.flat ? 2 : 0)));
   }
   hash.value(character.materials.size());
   for (const Material& m : character.materials) {

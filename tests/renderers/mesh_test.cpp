@@ -286,6 +286,31 @@ TEST_F(MeshGl, LightUnlitAndEmissiveAreAsStated) {
   EXPECT_NEAR(value(m), 0.5, 1e-6);
 }
 
+// A primitive that came without normals is lit by its faces as they are posed, whatever was stored for it, from both
+// sides.
+TEST_F(MeshGl, FlatPrimitivesAreLitByTheirPosedFaces) {
+  const scene::Character right = card(1.0F, 1.0F);
+  scene::Character wrong = right;
+  for (glm::vec3& normal : wrong.mesh.normals) normal = {1.0F, 0.0F, 0.0F};
+  scene::Character flat = wrong;
+  for (scene::Primitive& primitive : flat.mesh.primitives) primitive.flat = true;
+  for (const float heading : {0.0F, 0.1F}) {
+    const auto picture = [&](const scene::Character& character) {
+      const scene::Cast cast = cast_of(character);
+      scene::Frame frame = frame_of_one(3.0, 0.5, 64, 64, 40.0);
+      add_agent(frame, cast, {0, 0, 0}, 1, 0.0, heading);
+      return draw(cast, frame);
+    };
+    const Capture expected = picture(right);
+    EXPECT_GT(covered(expected), 400U);
+    EXPECT_NE(picture(wrong).colour.data, expected.colour.data);
+    const Capture shown = picture(flat);
+    ASSERT_EQ(shown.colour.data.size(), expected.colour.data.size());
+    for (size_t i = 0; i < expected.colour.data.size(); ++i)
+      ASSERT_NEAR(shown.colour.data[i], expected.colour.data[i], 1) << heading;
+  }
+}
+
 TEST_F(MeshGl, ColoursAreTheSameWithAndWithoutIds) {
   const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 500}));
   scene::Frame frame = frame_of_one(5.0, 1.0, 200, 200);

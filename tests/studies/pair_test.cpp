@@ -18,9 +18,7 @@ namespace fs = std::filesystem;
 class PairGl : public testing::Test {
  protected:
   fs::path folder = fs::temp_directory_path() / ("crowdbench-pair-" + std::to_string(::getpid()));
-  void SetUp() override {
-    for (const char* sub : {"one", "two"}) fs::create_directories(folder / sub);
-  }
+  void SetUp() override { fs::create_directories(folder); }
   void TearDown() override { fs::remove_all(folder); }
 
   static PairRequest request(const scene::Scenario& scenario, const scene::Cast& cast) {
@@ -99,6 +97,7 @@ TEST_F(PairGl, SameRequestSameBytesAndTheSeedChoosesTheSide) {
   scene::Scenario scenario = small_scenario();
   const scene::Cast cast = scene::load_cast(scenario);
   gl::Context context;
+  for (const char* sub : {"one", "two"}) fs::create_directories(folder / sub);
   export_pair(context, cast, request(scenario, cast), folder / "one" / "p.mp4");
   export_pair(context, cast, request(scenario, cast), folder / "two" / "p.mp4");
   EXPECT_EQ(read_text(folder / "one" / "p.mp4"), read_text(folder / "two" / "p.mp4"));
