@@ -39,7 +39,8 @@ TEST(ResultsSchema, JsonDescribesTablesAndColumns) {
 
 TEST(ResultsSchema, MarkdownHasTheSameColumns) {
   const std::string text = results_schema_markdown();
-  for (const json& table : json::parse(results_schema_json()).at("tables")) {
+  const json schema = json::parse(results_schema_json());
+  for (const json& table : schema.at("tables")) {
     EXPECT_NE(text.find("\n## `" + table.at("name").get<std::string>() + "`\n"), std::string::npos);
     for (const json& column : table.at("columns"))
       EXPECT_NE(text.find("\n| `" + column.at("name").get<std::string>() + "` | " +
