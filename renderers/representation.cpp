@@ -65,8 +65,9 @@ class Parser {
 
  private:
   [[noreturn]] void fail(const std::string& wrong) const {
-    throw Error(fmt::format("representation '{}'", printable(text_)), wrong,
-                "write name, name:key=value,... or, of one that has parts, name(part,part,key=value,...)");
+    throw Error(
+        fmt::format("representation '{}'", printable(text_)), wrong,
+        "write name, name:key=value,... or, of one that has components, name(component,component,key=value,...)");
   }
 
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
@@ -106,12 +107,12 @@ class Parser {
     spec.options.emplace_back(key, value);
   }
 
-  // One part inside brackets.
-  Spec parse_part(int depth) {
+  // One component inside brackets.
+  Spec parse_component(int depth) {
     if (!take('(')) return parse_one(depth, true);
-    Spec part = parse_one(depth);
+    Spec component = parse_one(depth);
     if (!take(')')) fail("a ')' is missing");
-    return part;
+    return component;
   }
 
   // `inside`: in another's brackets without brackets of its own, where a comma may end this spec.
@@ -127,9 +128,9 @@ class Parser {
         if (option_ahead())
           parse_option(spec, type);
         else if (!spec.options.empty())
-          fail("a part follows an option");
+          fail("a component follows an option");
         else
-          spec.components.push_back(parse_part(depth + 1));
+          spec.components.push_back(parse_component(depth + 1));
       } while (take(','));
       if (!take(')')) fail("a ')' is missing");
     } else if (take(':')) {
@@ -146,9 +147,9 @@ class Parser {
       }
     }
     if (spec.components.size() != type.components)
-      fail(type.components == 0 ? fmt::format("'{}' takes no parts in brackets", type.name)
-                                : fmt::format("'{}' takes {} parts in brackets, {} given", type.name, type.components,
-                                              spec.components.size()));
+      fail(type.components == 0 ? fmt::format("'{}' takes no components in brackets", type.name)
+                                : fmt::format("'{}' takes {} components in brackets, {} given", type.name,
+                                              type.components, spec.components.size()));
     return spec;
   }
 
@@ -199,10 +200,10 @@ std::string canonical_text(const Spec& spec, const std::vector<RepresentationTyp
   }
   std::string out = spec.name + "(";
   for (size_t i = 0; i < spec.components.size(); ++i) {
-    const std::string part = canonical_text(spec.components[i], types);
-    // Brackets keep a part's options its own.
-    const bool brackets = part.find(':') != std::string::npos && spec.components[i].components.empty();
-    out += (i == 0 ? "" : ",") + (brackets ? "(" + part + ")" : part);
+    const std::string component = canonical_text(spec.components[i], types);
+    // Brackets keep a component's options its own.
+    const bool brackets = component.find(':') != std::string::npos && spec.components[i].components.empty();
+    out += (i == 0 ? "" : ",") + (brackets ? "(" + component + ")" : component);
   }
   for (const std::string& o : options) out += "," + o;
   return out + ")";
@@ -300,9 +301,9 @@ std::string debug_views_of_all() {
 }
 
 namespace {
-// Debug views that a type, or one of the parts, offers.
+// Debug views that a type, or one of the components, offers.
 void add_debug_views(const Spec& spec, std::vector<std::string>& views) {
-  for (const Spec& part : spec.components) add_debug_views(part, views);
+  for (const Spec& component : spec.components) add_debug_views(component, views);
   for (const std::string& view : debug_views(representation_type(spec.name)))
     if (std::find(views.begin(), views.end(), view) == views.end()) views.push_back(view);
 }
@@ -313,7 +314,7 @@ bool knows(const std::vector<std::string>& views, const std::string& view) {
 }
 
 void set_where_known(Spec& spec, const std::string& view) {
-  for (Spec& part : spec.components) set_where_known(part, view);
+  for (Spec& component : spec.components) set_where_known(component, view);
   if (knows(debug_views(representation_type(spec.name)), view)) set_option(spec, kDebug, view);
 }
 }  // namespace

@@ -40,10 +40,10 @@ struct Spec {
 // twice, bad brackets.
 Spec parse_spec(const std::string& text);
 // The grammar, against a table of types given by the caller:
-//   spec  = name [":" option {"," option}]  |  name "(" part {"," part} {"," option} ")"
-//   part  = spec | "(" spec ")"             option = key "=" value
-// Within a name's brackets an option that follows a part with ":" belongs to that part when its type knows the key; a
-// part in brackets of its own takes none from outside. A value holds no comma, colon or bracket.
+//   spec  = name [":" option {"," option}]  |  name "(" component {"," component} {"," option} ")"
+//   component = spec | "(" spec ")"        option = key "=" value
+// Within a name's brackets an option that follows a component with ":" belongs to that component when its type knows
+// the key; a component in brackets of its own takes none from outside. A value holds no comma, colon or bracket.
 struct RepresentationType;
 Spec parse_spec(const std::string& text, const std::vector<RepresentationType>& types);
 std::string canonical_text(const Spec& spec, const std::vector<RepresentationType>& types);
@@ -56,8 +56,8 @@ std::vector<Spec> parse_specs(const std::string& text);
 Spec with_floor(Spec spec);
 bool is_floor(const Spec& spec);
 
-// Sets the option `debug` of a representation (of both parts of a hybrid, where they know the view) to one of its debug
-// views, whatever was given. Throws Error naming the views that there are.
+// Sets the option `debug` of a representation (of both components of a hybrid, where they know the view) to one of its
+// debug views, whatever was given. Throws Error naming the views that there are.
 void set_debug_view(Spec& spec, const std::string& view);
 
 // One option of a representation: what `info --representations` prints and parse_spec checks.
@@ -77,14 +77,14 @@ struct Footprint {
   uint64_t gpu_bytes() const { return texture_bytes + buffer_bytes; }
 };
 
-// One of the parts that a bake consists of, a joint's box for example.
+// One of the items that a bake consists of, a joint's box for example.
 struct BakeItem {
   std::string name;
-  std::vector<std::pair<std::string, double>> facts;  // ("texels", 256), ...; the same ones for every part
+  std::vector<std::pair<std::string, double>> facts;  // ("texels", 256), ...; the same ones for every item
 };
 
 // What a bake kept of all that its options ask for, because MakeContext::required_by shows no more.
-struct KeptPart {
+struct Kept {
   std::string unit;  // what is counted: "tiles"
   uint64_t kept = 0;
   uint64_t whole = 0;
@@ -100,7 +100,7 @@ struct BakeInfo {
   // What the bake holds, for people and JSON: ("views", 136), ("tiles", 1360), ("texel_mm", 14.5), ...
   std::vector<std::pair<std::string, double>> facts;
   std::vector<BakeItem> items;  // of the only character; none where there are several
-  std::vector<KeptPart> kept;   // one a representation that something was left out of; a hybrid's are its parts'
+  std::vector<Kept> kept;       // one a representation that something was left out of; a hybrid's are its components'
 };
 
 // agents[c]: indices into frame.agents[c], ascending.
@@ -210,7 +210,7 @@ Spec default_impostor();
 bool stands_alone(const RepresentationType& type);
 // A spec of the type, for help and tests: of the reference and the default impostor where it is made of two.
 std::string example_spec(const RepresentationType& type);
-// Whether the spec, or one of its parts, keeps only what MakeContext::required_by shows.
+// Whether the spec, or one of its components, keeps only what MakeContext::required_by shows.
 bool honours_required_by(const Spec& spec);
 // The words of the option `debug` but for "none"; empty where there is no such option.
 std::vector<std::string> debug_views(const RepresentationType& type);

@@ -169,22 +169,22 @@ int run_bake(const Options& options) {
     if (!options.required_by.empty()) {
       ordered_json& required =
           out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}, {"kept", ordered_json::array()}};
-      for (const renderers::KeptPart& part : bake.kept)
-        required["kept"].push_back({{"unit", part.unit},
-                                    {"kept", part.kept},
-                                    {"whole", part.whole},
-                                    {"kept_bytes", part.kept_bytes},
-                                    {"whole_bytes", part.whole_bytes}});
+      for (const renderers::Kept& kept : bake.kept)
+        required["kept"].push_back({{"unit", kept.unit},
+                                    {"kept", kept.kept},
+                                    {"whole", kept.whole},
+                                    {"kept_bytes", kept.kept_bytes},
+                                    {"whole_bytes", kept.whole_bytes}});
     }
     out["facts"] = ordered_json::object();
     for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
     if (options.report)
       for (const auto& [name, value] : bake.facts) out[name] = number(value);
     if (options.report && !bake.items.empty()) {
-      out["parts"] = ordered_json::array();
-      for (const renderers::BakeItem& part : bake.items) {
-        out["parts"].push_back({{"name", part.name}});
-        for (const auto& [name, value] : part.facts) out["parts"].back()[name] = number(value);
+      out["items"] = ordered_json::array();
+      for (const renderers::BakeItem& item : bake.items) {
+        out["items"].push_back({{"name", item.name}});
+        for (const auto& [name, value] : item.facts) out["items"].back()[name] = number(value);
       }
     }
     out["characters"] = ordered_json::array();
@@ -202,16 +202,16 @@ int run_bake(const Options& options) {
     fmt::print("  nothing is baked\n");
   else
     fmt::print("  {}  {:.2f} s\n", bake.cached ? "read from disk" : "baked         ", bake.seconds);
-  for (const renderers::KeptPart& part : bake.kept)
+  for (const renderers::Kept& kept : bake.kept)
     fmt::print("  required by   {} in {} ticks: {} of {} {}, {:.1f} of {:.1f} MiB\n", printable(options.required_by),
-               ticks, part.kept, part.whole, part.unit, mib(part.kept_bytes), mib(part.whole_bytes));
+               ticks, kept.kept, kept.whole, kept.unit, mib(kept.kept_bytes), mib(kept.whole_bytes));
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
   if (options.report)
-    for (const renderers::BakeItem& part : bake.items) {
-      fmt::print("  {:<28}", printable(part.name));
-      for (const auto& [name, value] : part.facts) fmt::print("  {} {:g}", name, value);
+    for (const renderers::BakeItem& item : bake.items) {
+      fmt::print("  {:<28}", printable(item.name));
+      for (const auto& [name, value] : item.facts) fmt::print("  {} {:g}", name, value);
       fmt::print("\n");
     }
   for (const ViewAudit& audit : audits) print(audit);
@@ -254,7 +254,7 @@ void add_bake(Command& app, Run& run) {
   add_device_option(*command, options->device);
   command->add_flag(
       "--report", options->report,
-      "also the bake's parts, where it names any; JSON: what the representation says of its bake beside the "
+      "also the bake's items, where it names any; JSON: what the representation says of its bake beside the "
       "sizes,\nnot only under facts");
   add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_bake(*options); }; });

@@ -50,7 +50,7 @@ std::string json_of(const StoreContents& contents, const SweepSummary& summary) 
 
 // Without a word about it, a run is over while one waits for it.
 constexpr double kDefaultMinutes = 3;
-// What solving, looking and writing take beside the timed turns, seconds a point; rough.
+// What solving, looking and writing take beside the timed rounds, seconds a point; rough.
 constexpr double kPointOverhead = 4;
 
 // What is about to be done, and about how long it takes at most.
@@ -151,7 +151,7 @@ void add_bench(Command& app, Run& run) {
                     "1 to 10000 agents in nine steps, up to 10 s of timing a point, however long that takes in all");
   command
       ->add_option("--minutes", options->minutes,
-                   "for all points together: the timed turns are shortened to fit, and points that would not fit wait "
+                   "for all points together: the timed rounds are shortened to fit, and points that would not fit wait "
                    "for the next run of the same command (3; no limit with --full, --agents or --occupancy)")
       ->type_name("M")
       ->number(0.05, 10'000);
@@ -163,7 +163,7 @@ void add_bench(Command& app, Run& run) {
       ->type_name("MS")
       ->capture_default_str()
       ->number(0.001, 1e6);
-  command->add_option("--rounds", request.rounds, "timed turns a point")
+  command->add_option("--rounds", request.rounds, "timed rounds a point")
       ->type_name("K")
       ->capture_default_str()
       ->whole_number(static_cast<uint64_t>(request.least_rounds), 100'000);

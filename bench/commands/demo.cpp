@@ -120,13 +120,13 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
   for (const double height : heights)
     for (const double elevation : {0.0, 15.0})
       for (const double azimuth : azimuths)
-        for (const double part : {0.1, 0.6}) {
+        for (const double phase : {0.1, 0.6}) {
           QualityView view;
           view.height_px = height;
           view.azimuth_deg = azimuth;
           view.elevation_deg = elevation;
           view.clip = clip;
-          view.time = motion != nullptr ? motion->start + part * motion->duration() : 0;
+          view.time = motion != nullptr ? motion->start + phase * motion->duration() : 0;
           setup.views.push_back(view);
         }
   Progress progress("comparing", setup.views.size());
@@ -204,7 +204,7 @@ int run_demo(const Options& options) {
     steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));
     draw_heroes(context, cast, scenario, options, store, run.id);
 
-    steps.next(fmt::format("{}: timing {} and {} in turns", cast_name(cast), renderers::reference_spec().text(),
+    steps.next(fmt::format("{}: timing {} and {} in rounds", cast_name(cast), renderers::reference_spec().text(),
                            options.representation));
     SweepRequest request;
     request.scenario = scenario;
@@ -221,10 +221,10 @@ int run_demo(const Options& options) {
                                                        {0.15, {1, 10, 100, 250, 1000}}, {0.9, {10, 100, 250}}}) {
         request.occupancies = {occupancy};
         request.agents = agents;
-        const SweepSummary part =
+        const SweepSummary swept =
             run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
-        summary.invalid += part.invalid;
-        summary.remarks.insert(summary.remarks.end(), part.remarks.begin(), part.remarks.end());
+        summary.invalid += swept.invalid;
+        summary.remarks.insert(summary.remarks.end(), swept.remarks.begin(), swept.remarks.end());
       }
     }
     for (const std::string& remark : summary.remarks) steps.say(remark);

@@ -40,7 +40,7 @@ Json representations_json() {
                    {"example", example_spec(type)},
                    {"reference", type.reference},
                    {"stands_alone", stands_alone(type)},
-                   {"parts", type.components},
+                   {"components", type.components},
                    {"stores_views", type.view_sampling != nullptr},
                    {"required_by", type.required_by},
                    {"debug_views", debug_views(type)},

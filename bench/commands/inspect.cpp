@@ -117,7 +117,7 @@ ordered_json to_json(const scene::Character& c) {
   for (const scene::Material& m : c.materials)
     out["materials"].push_back(
         {{"name", m.name},
-         {"part", m.part},
+         {"slot", m.slot},
          {"base_colour", {m.base_colour.r, m.base_colour.g, m.base_colour.b, m.base_colour.a}},
          {"base_colour_texture", m.base_colour_image < 0 ? ordered_json() : ordered_json(m.base_colour_image)},
          {"emissive", {m.emissive.r, m.emissive.g, m.emissive.b}},
@@ -161,10 +161,10 @@ void print_text(const scene::Character& c) {
                static_cast<int>(i) == c.placement.default_clip ? "  (default)" : "");
   }
   if (c.clips.empty()) fmt::print("      none\n");
-  fmt::print("\n{:>4}  {:<32}{:<28}{}\n", "part", "material", "base colour (linear)", "texture");
+  fmt::print("\n{:>4}  {:<32}{:<28}{}\n", "slot", "material", "base colour (linear)", "texture");
   for (const scene::Material& m : c.materials)
     fmt::print(
-        "{:>4}  {:<32}{:<28}{}{}{}\n", m.part, m.name.empty() ? "(unnamed)" : printable(m.name, 31),
+        "{:>4}  {:<32}{:<28}{}{}{}\n", m.slot, m.name.empty() ? "(unnamed)" : printable(m.name, 31),
         fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", m.base_colour.r, m.base_colour.g, m.base_colour.b, m.base_colour.a),
         m.base_colour_image < 0 ? "-" : fmt::format("{}", m.base_colour_image), m.unlit ? ", unlit" : "",
         m.double_sided ? ", double-sided" : "");

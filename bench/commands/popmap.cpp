@@ -69,15 +69,15 @@ Json to_json(const PopCell& cell, const Scores& scores) {
           {"matched_pose", values(cell.matched)}};
 }
 
-struct Way {
+struct SwitchKind {
   bool matched, fade;
   const char* key;
   const char* text;
 };
-constexpr Way kSwitchKinds[] = {{false, false, "own_cut", "own pose, cut"},
-                                {false, true, "own_fade", "own pose, fade step"},
-                                {true, false, "matched_cut", "matched pose, cut"},
-                                {true, true, "matched_fade", "matched pose, fade step"}};
+constexpr SwitchKind kSwitchKinds[] = {{false, false, "own_cut", "own pose, cut"},
+                                       {false, true, "own_fade", "own pose, fade step"},
+                                       {true, false, "matched_cut", "matched pose, cut"},
+                                       {true, true, "matched_fade", "matched pose, fade step"}};
 
 // Cells of one size.
 std::vector<std::vector<PopCell>> by_size(const std::vector<PopCell>& cells) {
@@ -96,10 +96,10 @@ std::string size_text(const PopCell& cell) {
 
 Json statistics_json(const std::vector<PopCell>& cells, const Scores& scores) {
   Json out = Json::object();
-  for (const Way& way : kSwitchKinds)
+  for (const SwitchKind& kind : kSwitchKinds)
     for (size_t i = 0; i < scores.size(); ++i) {
-      Json& place = out[way.key][std::string(scores[i]->name)];
-      const auto s = summarise_pops(cells, *scores[i], i, way.matched, way.fade);
+      Json& place = out[kind.key][std::string(scores[i]->name)];
+      const auto s = summarise_pops(cells, *scores[i], i, kind.matched, kind.fade);
       if (!s) {
         place = nullptr;
         continue;
@@ -134,7 +134,7 @@ std::string csv(const std::vector<PopCell>& cells, const Scores& scores) {
   return out;
 }
 
-// Means of a score over the phases, elevation upwards, azimuth to the right: a panel a size and a way of switching.
+// Means of a score over the phases, elevation upwards, azimuth to the right: a panel a size and kind of switch.
 Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& request, const metrics::Score& score,
                      size_t place) {
   std::vector<std::vector<metrics::HeatPanel>> panels;
@@ -143,10 +143,10 @@ Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& reques
   std::sort(elevations.rbegin(), elevations.rend());
   for (const std::vector<PopCell>& size : by_size(cells)) {
     std::vector<metrics::HeatPanel> row;
-    for (const Way& way : kSwitchKinds) {
-      if (way.fade) continue;
+    for (const SwitchKind& kind : kSwitchKinds) {
+      if (kind.fade) continue;
       metrics::HeatPanel panel;
-      panel.title = fmt::format("{}: {}", size_text(size.front()), way.text);
+      panel.title = fmt::format("{}: {}", size_text(size.front()), kind.text);
       for (const double a : request.azimuths_deg) panel.columns.push_back(fmt::format("{:g}", a));
       for (const double e : elevations) {
         panel.rows.push_back(fmt::format("{:g}", e));
@@ -155,7 +155,7 @@ Image8 draw_heat_map(const std::vector<PopCell>& cells, const PopRequest& reques
           int count = 0;
           for (const PopCell& cell : size)
             if (cell.azimuth_deg == a && cell.elevation_deg == e) {
-              const std::optional<double>& value = (way.matched ? cell.matched : cell.own).cut[place];
+              const std::optional<double>& value = (kind.matched ? cell.matched : cell.own).cut[place];
               sum += value.value_or(0);
               count += value ? 1 : 0;
             }
@@ -355,17 +355,17 @@ void print_text(const PopMap& map, const PopRequest& request) {
   for (const auto& size : by_size(map.cells)) {
     fmt::print("{}\n  {:<26} {:<10}{:>8}{:>13}{:>9}   worst at\n", size_text(size.front()), "", "", "mean",
                "95 % within", "worst");
-    for (const Way& way : kSwitchKinds)
+    for (const SwitchKind& kind : kSwitchKinds)
       for (size_t i = 0; i < map.scores.size(); ++i) {
         const metrics::Score& score = *map.scores[i];
         if ((score.uses & metrics::kInTables) == 0) continue;
-        const auto s = summarise_pops(size, score, i, way.matched, way.fade);
+        const auto s = summarise_pops(size, score, i, kind.matched, kind.fade);
         if (!s) {
-          fmt::print("  {:<26} {:<10} not available: {}\n", way.text, score.column, score.absence);
+          fmt::print("  {:<26} {:<10} not available: {}\n", kind.text, score.column, score.absence);
           continue;
         }
         const PopCell& at = size[s->worst_cell];
-        fmt::print("  {:<26} {:<10}{:>8}{:>13}{:>9}   azimuth {:g}, elevation {:g}, phase {:g}\n", way.text,
+        fmt::print("  {:<26} {:<10}{:>8}{:>13}{:>9}   azimuth {:g}, elevation {:g}, phase {:g}\n", kind.text,
                    score.column, metrics::value_text(score, s->mean), metrics::value_text(score, s->tail),
                    metrics::value_text(score, s->worst), at.azimuth_deg, at.elevation_deg, at.phase);
       }

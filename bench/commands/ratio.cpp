@@ -134,10 +134,11 @@ int run_ratio(const Options& options) {
 
 void add_ratio(Command& app, Run& run) {
   Command* command =
-      app.add_subcommand("ratio", "How many times as fast as another one representation is, drawn in turns");
+      app.add_subcommand("ratio", "How many times as fast as another one representation is, drawn in rounds");
   command->footer(
       "t(TO) / t(OF): above 1 OF is the faster. Both draw the same crowd from the same camera (solved with the mesh), "
-      "one\ntick a turn. Exit status 1 when a picture check fails: nothing drawn, another coverage than the mesh's, or "
+      "one\ntick a round. Exit status 1 when a picture check fails: nothing drawn, another coverage than the mesh's, "
+      "or "
       "no motion.\nExamples:\n  crowdbench ratio --of flat --to mesh --agents 250\n  crowdbench ratio --of mesh --to "
       "mesh --agents 100 "
       "--json   (the noise of the method)");
@@ -145,7 +146,7 @@ void add_ratio(Command& app, Run& run) {
   add_scene_options(*command, options->scene);
   command->add_option("--of", options->of, "representation, name[:key=value,...]")->required()->type_name("R");
   command->add_option("--to", options->to, "what it is measured against")->required()->type_name("R");
-  command->add_option("--pairs", options->pairs, "timed turns of each, at least 20")
+  command->add_option("--pairs", options->pairs, "timed rounds of each, at least 20")
       ->type_name("K")
       ->capture_default_str()
       ->whole_number(kLeastPairs, 100'000);

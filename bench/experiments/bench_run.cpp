@@ -20,7 +20,7 @@
 namespace crowdbench::bench {
 namespace {
 
-// Frames of every variant at a point, at least: pictures, counts, warm-up and timed turns.
+// Frames of every variant at a point, at least: pictures, counts, warm-up and timed rounds.
 constexpr double kLeastTurns = 16;
 
 // A curve: one representation at one occupancy. Once it has ended, every later point says so.
@@ -214,7 +214,7 @@ class Sweep {
     return looks;
   }
 
-  // Everything whose curve goes on, and its floor, in turns.
+  // Everything whose curve goes on, and its floor, in rounds.
   Times time(const Point& at, const std::vector<Look>& looks) {
     std::vector<Variant> variants;
     std::vector<size_t> of;  // place among the looks; the floors follow
@@ -239,7 +239,7 @@ class Sweep {
     plan.order_seed = request_.order_seed;
     int round = 0;
     std::vector<VariantTimes> results = time_interleaved(variants, plan, clocks_, gpu_, [&] {
-      progress_(fmt::format("{}: turn {}", at.name(), ++round));
+      progress_(fmt::format("{}: round {}", at.name(), ++round));
       throw_if_interrupted();
     });
     turn_s_ = 0;

@@ -20,7 +20,7 @@ struct SweepRequest {
   std::vector<uint32_t> agents{1, 10, 100, 1000};  // ascending, each at least 1
   std::vector<double> occupancies{0.15, 0.9};      // 0: the scenario's own camera
   double budget_ms = 1000;                         // wall time a frame: a curve ends with the first point beyond it
-  int rounds = 24;  // timed turns a point, fewer when they take longer than time_limit_s, never below least_rounds
+  int rounds = 24;  // timed rounds a point, fewer when they take longer than time_limit_s, never below least_rounds
   int least_rounds = 10;
   double time_limit_s = 10;
   double total_time_s = 0;  // for all points together (see TimeBudget), 0: as long as it takes

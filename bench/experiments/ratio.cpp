@@ -84,8 +84,8 @@ std::vector<VariantTimes> time_set(gl::Context& context, const TimedSet& set, co
   variants.reserve(set.all.size());
   for (const auto& timed : set.all) variants.push_back(timed->variant());
   progress.note("timing");
-  Progress turns("rounds at most", static_cast<size_t>(plan.rounds + plan.most_warmup));
-  return time_interleaved(variants, plan, system_clocks(), gpu_timer_of(context, method), [&] { turns.advance(); });
+  Progress rounds("rounds at most", static_cast<size_t>(plan.rounds + plan.most_warmup));
+  return time_interleaved(variants, plan, system_clocks(), gpu_timer_of(context, method), [&] { rounds.advance(); });
 }
 
 RatioReport::Median median_of(const std::string& name, const VariantTimes& times) {

@@ -1,4 +1,4 @@
-// `ratio`: how many times as fast as another one representation is, drawn in turns on one scene.
+// `ratio`: how many times as fast as another one representation is, drawn in rounds on one scene.
 #pragma once
 #include <optional>
 #include <span>

@@ -13,7 +13,7 @@ class TimeBudget {
   TimeBudget(double seconds, size_t points, Clock now = steady_seconds);
   // Whether a point that takes `least_s` seconds at least ends within the budget.
   bool allows(double least_s) const;
-  // Seconds that the warm-up and the timed turns of the next point may take, each: an even share of what is left, less
+  // Seconds that the warm-up and the timed rounds of the next point may take, each: an even share of what is left, less
   // what is needed beside them, and never more than limit_s.
   double share(double limit_s) const;
   void point_done();

@@ -58,7 +58,7 @@ inline constexpr uint64_t kOrderSeed = 1;
 std::vector<size_t> round_order(uint64_t seed, int round, size_t variants);
 
 struct TimingPlan {
-  int rounds = 20;        // timed turns of every variant
+  int rounds = 20;        // timed rounds of every variant
   int least_rounds = 20;  // fewer than `rounds` only because of time_limit_ns
   int least_warmup = 2;   // frames of the exact state, not kept
   int most_warmup = 12;   //
@@ -82,7 +82,7 @@ struct VariantTimes {
   int64_t warmup_frame_ns = 0;  // wall time of its last warm-up frame
 };
 
-// Warms every variant up, in turns in the order given, then draws round after round: C A D B, B A C D, ..., each
+// Warms every variant up, in rounds in the order given, then draws round after round: C A D B, B A C D, ..., each
 // variant once a round, in the round's own order (round_order), one tick a round, the same tick for all. `after_round`
 // is called between rounds (progress, the wish to stop). Throws whatever the variants throw.
 std::vector<VariantTimes> time_interleaved(std::span<const Variant> variants, const TimingPlan& plan,

@@ -33,11 +33,11 @@ void main() {
 #ifdef CB_FLOOR
     colour += weight * (albedo.rgb + surface.rgb + emission_at(texel));
 #else
-    uint part = uint(surface.b * 255.0 + 0.5);
+    uint slot = uint(surface.b * 255.0 + 0.5);
     vec2 n = (surface.rg * 255.0 - 128.0) / 127.0;
     float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
     float lambert = max(0.0, dot(vec3(n, n_z), v_light[i].xyz));
-    vec3 lit = shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit_id.x, part > 0x7fu, vec3(0.0));
+    vec3 lit = shade_lit(albedo.rgb * albedo.rgb, lambert, slot & 0x7fu, v_outfit_id.x, slot > 0x7fu, vec3(0.0));
     colour += weight * (lit + emission_at(texel) * uintBitsToFloat(table.layers.z));
 #endif
 #ifdef CB_NAILBOARD

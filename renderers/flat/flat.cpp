@@ -47,17 +47,17 @@ constexpr uint32_t kBatch = 8192;
 
 struct CharacterTiles {
   // Some layers of a level: as many as an array texture may have.
-  struct Part {
+  struct Array {
     gl::Buffer table;
     gl::Texture albedo, surface;
-    gl::Texture parts, depth;  // of compressed tiles; depth where it was baked
+    gl::Texture slots, depth;  // of compressed tiles; depth where it was baked
     gl::Texture emission;      // of a character that glows
     uint64_t texture_bytes() const {
-      return albedo.bytes() + surface.bytes() + parts.bytes() + depth.bytes() + emission.bytes();
+      return albedo.bytes() + surface.bytes() + slots.bytes() + depth.bytes() + emission.bytes();
     }
   };
   struct Level {
-    std::vector<Part> arrays;
+    std::vector<Array> arrays;
     int corners = 4;
   };
   std::vector<Level> levels;
@@ -65,7 +65,7 @@ struct CharacterTiles {
   gl::Texture tile_texels, outline_texels, view_texels;
   glm::vec3 centre{0.0F};
   double texel = 0;
-  int part_bits = 0;
+  int slot_bits = 0;
   bool glows = false;
   uint64_t tiles_baked = 0;
   uint32_t frames = 0, views = 0;
@@ -118,7 +118,7 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
   out.texel = bake.texel;
   out.clips = bake.clips;
-  out.part_bits = bake.part_bits;
+  out.slot_bits = bake.slot_bits;
   out.glows = bake.emission_peak > 0;
   out.frames = bake.frames;
   out.views = bake.views;
@@ -150,20 +150,20 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
                              std::span(texels).subspan(static_cast<size_t>(first) * layer_bytes,
                                                        static_cast<size_t>(count) * layer_bytes));
       };
-      CharacterTiles::Part& part = l.arrays.emplace_back();
-      part.table = gl::Buffer(context, sizeof table, &table);
+      CharacterTiles::Array& array = l.arrays.emplace_back();
+      array.table = gl::Buffer(context, sizeof table, &table);
       if (out.glows)
-        part.emission = make(bake.part_bits == 0 ? GL_SRGB8_ALPHA8 : GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, GL_RGBA,
-                             level.width, level.emission);
-      if (bake.part_bits == 0) {
-        part.albedo = make(GL_RGBA8, GL_RGBA, level.width, level.albedo);
-        part.surface = make(GL_RGBA8, GL_RGBA, level.width, level.surface);
+        array.emission = make(bake.slot_bits == 0 ? GL_SRGB8_ALPHA8 : GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, GL_RGBA,
+                              level.width, level.emission);
+      if (bake.slot_bits == 0) {
+        array.albedo = make(GL_RGBA8, GL_RGBA, level.width, level.albedo);
+        array.surface = make(GL_RGBA8, GL_RGBA, level.width, level.surface);
         continue;
       }
-      part.albedo = make(GL_COMPRESSED_RGBA_S3TC_DXT5_EXT, 0, level.width, level.albedo);
-      part.surface = make(GL_COMPRESSED_RG_RGTC2, 0, level.width, level.normal);
-      part.parts = make(GL_R8UI, GL_RED_INTEGER, level.width * bake.part_bits / 8, level.parts);
-      if (!level.depth.empty()) part.depth = make(GL_COMPRESSED_RED_RGTC1, 0, level.width, level.depth);
+      array.albedo = make(GL_COMPRESSED_RGBA_S3TC_DXT5_EXT, 0, level.width, level.albedo);
+      array.surface = make(GL_COMPRESSED_RG_RGTC2, 0, level.width, level.normal);
+      array.slots = make(GL_R8UI, GL_RED_INTEGER, level.width * bake.slot_bits / 8, level.slots);
+      if (!level.depth.empty()) array.depth = make(GL_COMPRESSED_RED_RGTC1, 0, level.width, level.depth);
     }
   }
   out.tiles = gl::Buffer(context, tiles);
@@ -269,15 +269,15 @@ class FlatRepresentation : public Representation {
         const CharacterTiles::Level& level = tiles.levels[l];
         if (level.arrays.empty()) continue;
         resources.draw_listed(c, order_.at_level(static_cast<int>(l)), [&](uint32_t n) {
-          program(pass, level.corners, tiles.part_bits, tiles.glows).use();
+          program(pass, level.corners, tiles.slot_bits, tiles.glows).use();
           // Every array is offered all agents and shows those whose tile it holds; nearly all bakes have one.
-          for (const CharacterTiles::Part& part : level.arrays) {
-            part.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
-            part.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
-            part.surface.bind(CB_FLAT_TEXTURE_SURFACE);
-            if (part.parts) part.parts.bind(CB_FLAT_TEXTURE_PARTS);
-            if (part.depth) part.depth.bind(CB_FLAT_TEXTURE_DEPTH);
-            if (part.emission) part.emission.bind(CB_FLAT_TEXTURE_EMISSION);
+          for (const CharacterTiles::Array& array : level.arrays) {
+            array.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
+            array.albedo.bind(CB_FLAT_TEXTURE_ALBEDO);
+            array.surface.bind(CB_FLAT_TEXTURE_SURFACE);
+            if (array.slots) array.slots.bind(CB_FLAT_TEXTURE_SLOTS);
+            if (array.depth) array.depth.bind(CB_FLAT_TEXTURE_DEPTH);
+            if (array.emission) array.emission.bind(CB_FLAT_TEXTURE_EMISSION);
             draw_polygons(draw_.blend ? 4 : level.corners, n);
           }
         });
@@ -291,9 +291,9 @@ class FlatRepresentation : public Representation {
     Footprint out;
     for (const CharacterTiles& c : characters_) {
       for (const CharacterTiles::Level& l : c.levels)
-        for (const CharacterTiles::Part& part : l.arrays) {
-          out.texture_bytes += part.texture_bytes();
-          out.buffer_bytes += part.table.size();
+        for (const CharacterTiles::Array& array : l.arrays) {
+          out.texture_bytes += array.texture_bytes();
+          out.buffer_bytes += array.table.size();
         }
       out.buffer_bytes += c.tiles.size() + c.outlines.size() + c.axes.size();
     }
@@ -317,7 +317,7 @@ class FlatRepresentation : public Representation {
       covered += c.covered;
       drawn += c.drawn;
       for (const CharacterTiles::Level& l : c.levels)
-        for (const CharacterTiles::Part& part : l.arrays) emission += static_cast<double>(part.emission.bytes());
+        for (const CharacterTiles::Array& array : l.arrays) emission += static_cast<double>(array.emission.bytes());
     }
     if (!characters_.empty()) {
       info.facts = {{"views", characters_[0].views},
@@ -325,7 +325,7 @@ class FlatRepresentation : public Representation {
                     {"tiles", tiles},
                     {"levels", static_cast<double>(characters_[0].levels.size())},
                     {"texel_mm", characters_[0].texel * 1000},
-                    {"compressed", characters_[0].part_bits > 0 ? 1.0 : 0.0},
+                    {"compressed", characters_[0].slot_bits > 0 ? 1.0 : 0.0},
                     {"emission_bytes", emission},
                     {"drawn_over_covered", covered > 0 ? drawn / covered : 0.0}};
       for (auto& fact : view_error_facts(grid_)) info.facts.push_back(std::move(fact));
@@ -357,12 +357,12 @@ class FlatRepresentation : public Representation {
  private:
   static constexpr unsigned kFiltered[] = {CB_FLAT_TEXTURE_ALBEDO, CB_FLAT_TEXTURE_EMISSION};
   // Units that are read without filtering.
-  static constexpr unsigned kNearest[] = {CB_FLAT_TEXTURE_SURFACE, CB_FLAT_TEXTURE_PARTS, CB_FLAT_TEXTURE_DEPTH};
+  static constexpr unsigned kNearest[] = {CB_FLAT_TEXTURE_SURFACE, CB_FLAT_TEXTURE_SLOTS, CB_FLAT_TEXTURE_DEPTH};
 
   struct Variant {
     bool ids, touched, texels, dithered;
     int corners;
-    int part_bits;
+    int slot_bits;
     bool glows;
     auto operator<=>(const Variant&) const = default;
   };
@@ -394,12 +394,12 @@ class FlatRepresentation : public Representation {
     }
   }
 
-  const gl::Program& program(const Pass& pass, int corners, int part_bits, bool glows) {
-    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, part_bits, glows};
+  const gl::Program& program(const Pass& pass, int corners, int slot_bits, bool glows) {
+    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, slot_bits, glows};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
-      if (part_bits > 0) defines.emplace_back("CB_PART_BITS", std::to_string(part_bits));
+      if (slot_bits > 0) defines.emplace_back("CB_SLOT_BITS", std::to_string(slot_bits));
       if (glows) defines.emplace_back("CB_EMISSIVE", "");
       if (v.ids) defines.emplace_back("CB_IDS", "");
       if (v.touched) defines.emplace_back("CB_TOUCHED", "");

@@ -49,10 +49,10 @@ void main() {
 #elif defined(CB_FLOOR)
   write_output(albedo.rgb + surface.rgb + emission_at(texel), v_id);
 #else
-  uint part = uint(surface.b * 255.0 + 0.5);
+  uint slot = uint(surface.b * 255.0 + 0.5);
   float lambert = max(0.0, dot(vec3(n, n_z), uintBitsToFloat(v_agent.xyz)));
   uint outfit = v_agent.w >> CB_FLAT_LAYER_BITS;
-  vec3 lit = shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, outfit, part > 0x7fu, vec3(0.0));
+  vec3 lit = shade_lit(albedo.rgb * albedo.rgb, lambert, slot & 0x7fu, outfit, slot > 0x7fu, vec3(0.0));
   // Added here, since what an unlit texel holds is the part of it that glows.
   write_output(lit + emission_at(texel) * uintBitsToFloat(table.layers.z), v_id);
 #endif

@@ -7,7 +7,7 @@
 
 #define CB_FLAT_TEXTURE_ALBEDO 0
 #define CB_FLAT_TEXTURE_SURFACE 1   // of compressed tiles: the normals
-#define CB_FLAT_TEXTURE_PARTS 2     // of compressed tiles
+#define CB_FLAT_TEXTURE_SLOTS 2     // of compressed tiles
 #define CB_FLAT_TEXTURE_DEPTH 3     // of compressed tiles drawn with depth=nailboard
 #define CB_FLAT_TEXTURE_EMISSION 4  // of characters that glow
 

@@ -40,7 +40,7 @@ struct Plan {
   std::vector<TilePlane> planes;  // frames x views
   std::vector<double> steps;      // metres: a frame's farthest vertex from where it is in the next
   size_t wanted = 0;              // of both kinds of tiles
-  int part_bits = 0;              // FlatBake's
+  int slot_bits = 0;              // FlatBake's
   float emission_peak = 0;
 };
 
@@ -57,8 +57,8 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
   if (options.compressed) {
     int largest = 0;
     for (const scene::Material& material : character.materials)
-      largest = std::max(largest, std::min<int>(material.part, 0x7f));
-    plan.part_bits = part_bits(largest);
+      largest = std::max(largest, std::min<int>(material.slot, 0x7f));
+    plan.slot_bits = slot_bits(largest);
   }
   plan.frames = stored_frames(character, bank, options.frames);
   const std::vector<std::vector<glm::vec3>> positions = plan.frames.positions(character.mesh);
@@ -112,7 +112,7 @@ int texel_bits(const FlatBakeOptions& options, const Plan& plan) {
   if (!options.compressed) return glows ? 96 : 64;
   const int block_bytes = kColourBlockBytes + kNormalBlockBytes + (options.depth ? kDepthBlockBytes : 0) +
                           (glows ? kEmissionBlockBytes : 0);
-  return block_bytes * 8 / (kBlock * kBlock) + plan.part_bits;
+  return block_bytes * 8 / (kBlock * kBlock) + plan.slot_bits;
 }
 
 // Elevations that are stored together: the rows of a sphere, bands of 15 degrees of the others.
@@ -204,7 +204,7 @@ void copy_tile(const Tile& tile, const PackPlace& place, FlatLevel& level) {
 }
 
 // The same of a compressed tile, whose place is a multiple of four.
-void copy_blocks(const CompressedTile& tile, const PackPlace& place, int part_bits, FlatLevel& level) {
+void copy_blocks(const CompressedTile& tile, const PackPlace& place, int slot_bits, FlatLevel& level) {
   const auto pitch = static_cast<size_t>(level.width / kBlock);
   const auto copy = [&](const std::vector<uint8_t>& from, size_t block_bytes, std::vector<uint8_t>& to) {
     const size_t row_bytes = static_cast<size_t>(tile.blocks_x) * block_bytes;
@@ -220,15 +220,15 @@ void copy_blocks(const CompressedTile& tile, const PackPlace& place, int part_bi
   copy(tile.normal, kNormalBlockBytes, level.normal);
   if (!level.depth.empty()) copy(tile.depth, kDepthBlockBytes, level.depth);
   if (!tile.emission.empty()) copy(tile.emission, kEmissionBlockBytes, level.emission);
-  const int texels = 8 / part_bits;  // a byte
+  const int texels = 8 / slot_bits;  // a byte
   const int row_texels = tile.blocks_x * kBlock;
   for (int row = 0; row < tile.blocks_y * kBlock; ++row) {
-    const uint8_t* from = &tile.parts[static_cast<size_t>(row) * static_cast<size_t>(row_texels)];
-    uint8_t* to = &level.parts[(static_cast<size_t>(place.layer) * static_cast<size_t>(level.height) +
+    const uint8_t* from = &tile.slots[static_cast<size_t>(row) * static_cast<size_t>(row_texels)];
+    uint8_t* to = &level.slots[(static_cast<size_t>(place.layer) * static_cast<size_t>(level.height) +
                                 static_cast<size_t>(place.y + row)) *
                                    static_cast<size_t>(level.width / texels) +
                                static_cast<size_t>(place.x / texels)];
-    for (int x = 0; x < row_texels; x += texels) *to++ = texels == 1 ? from[x] : pack_parts(from[x], from[x + 1]);
+    for (int x = 0; x < row_texels; x += texels) *to++ = texels == 1 ? from[x] : pack_slots(from[x], from[x + 1]);
   }
 }
 
@@ -265,14 +265,14 @@ Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, cons
 }
 
 FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& planes, const Layout& layout,
-                     const FlatBakeOptions& options, int part_bits, bool glows, size_t level) {
+                     const FlatBakeOptions& options, int slot_bits, bool glows, size_t level) {
   FlatLevel out;
   out.width = layout.packing.width;
   out.height = layout.packing.height;
   out.layers = layout.layers;
   const size_t texels =
       static_cast<size_t>(out.width) * static_cast<size_t>(out.height) * static_cast<size_t>(out.layers);
-  if (part_bits == 0) {
+  if (slot_bits == 0) {
     out.albedo.assign(texels * 4, 0);
     out.surface.assign(texels * 4, 0);
     if (glows) out.emission.assign(texels * 4, 0);
@@ -282,7 +282,7 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     out.normal.assign(all_blocks * kNormalBlockBytes, 0);
     if (options.depth) out.depth.assign(all_blocks * kDepthBlockBytes, 0);
     if (glows) out.emission.assign(all_blocks * kEmissionBlockBytes, 0);
-    out.parts.assign(texels * static_cast<size_t>(part_bits) / 8, 0);
+    out.slots.assign(texels * static_cast<size_t>(slot_bits) / 8, 0);
   }
   for (const Built& b : built)
     if (!b.outlines.empty()) out.corners = static_cast<int>(b.outlines[level].size());
@@ -295,10 +295,10 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     Tile& tile = built[i].levels[level];
     PackPlace place = layout.packing.places[i];
     place.layer = layout.layer[static_cast<size_t>(place.layer)];
-    if (part_bits == 0)
+    if (slot_bits == 0)
       copy_tile(tile, place, out);
     else
-      copy_blocks(built[i].compressed[level], place, part_bits, out);
+      copy_blocks(built[i].compressed[level], place, slot_bits, out);
     out.tiles.push_back({static_cast<float>(place.x + kTileGutter - tile.rect.x),
                          static_cast<float>(place.y + kTileGutter - tile.rect.y), static_cast<float>(place.layer),
                          static_cast<float>(tile.coverage), static_cast<float>(planes[i].slope_x),
@@ -309,7 +309,7 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     const auto& outline = built[i].outlines[level];
     for (const glm::vec2& p : outline) out.outlines.push_back({p.x, p.y});
     tile = {};  // its texels live on the page now
-    if (part_bits > 0) built[i].compressed[level] = {};
+    if (slot_bits > 0) built[i].compressed[level] = {};
   }
   return out;
 }
@@ -411,7 +411,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   bake.frames = static_cast<uint32_t>(plan.frames.size());
   bake.views = static_cast<uint32_t>(options.grid.size());
   bake.clips = plan.frames.clips;
-  bake.part_bits = plan.part_bits;
+  bake.slot_bits = plan.slot_bits;
   bake.emission_peak = plan.emission_peak;
 
   std::vector<Built> built(plan.frames.size() * bake.views);
@@ -435,7 +435,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
         });
   }
   for (int level = 0; level < levels; ++level)
-    bake.levels.push_back(pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], options, plan.part_bits,
+    bake.levels.push_back(pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], options, plan.slot_bits,
                                      plan.emission_peak > 0, static_cast<size_t>(level)));
   return bake;
 }
@@ -448,7 +448,7 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
   out.value(bake.texel);
   out.value(bake.frames);
   out.value(bake.views);
-  out.value(bake.part_bits);
+  out.value(bake.slot_bits);
   out.value(bake.emission_peak);
   out.values(bake.clips);
   out.value(static_cast<uint32_t>(bake.levels.size()));
@@ -463,7 +463,7 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
     out.values(l.surface);
     out.values(l.normal);
     out.values(l.depth);
-    out.values(l.parts);
+    out.values(l.slots);
     if (bake.emission_peak > 0) out.values(l.emission);
   }
   return out.bytes();
@@ -477,9 +477,9 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
   bake.texel = in.value<float>();
   bake.frames = in.value<uint32_t>();
   bake.views = in.value<uint32_t>();
-  bake.part_bits = in.value<int>();
+  bake.slot_bits = in.value<int>();
   bake.emission_peak = in.value<float>();
-  if (bake.part_bits != 0 && bake.part_bits != 4 && bake.part_bits != 8) return std::nullopt;
+  if (bake.slot_bits != 0 && bake.slot_bits != 4 && bake.slot_bits != 8) return std::nullopt;
   bake.clips = in.values<StoredClip>();
   const auto levels = in.value<uint32_t>();
   const uint64_t tiles = uint64_t{bake.frames} * bake.views;
@@ -495,20 +495,20 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
     l.surface = in.values<uint8_t>();
     l.normal = in.values<uint8_t>();
     l.depth = in.values<uint8_t>();
-    l.parts = in.values<uint8_t>();
+    l.slots = in.values<uint8_t>();
     if (bake.emission_peak > 0) l.emission = in.values<uint8_t>();
     const auto texels =
         static_cast<uint64_t>(l.width) * static_cast<uint64_t>(l.height) * static_cast<uint64_t>(l.layers);
     if (l.width < 0 || l.height < 0 || l.layers < 0 || l.corners < 3 || l.corners > 16 || l.tiles.size() != tiles ||
         l.outlines.size() != tiles * static_cast<uint64_t>(l.corners))
       return std::nullopt;
-    const auto bits = static_cast<uint64_t>(bake.part_bits);
+    const auto bits = static_cast<uint64_t>(bake.slot_bits);
     const bool fits = bits == 0 ? l.albedo.size() == texels * 4 && l.surface.size() == texels * 4 && l.normal.empty() &&
-                                      l.depth.empty() && l.parts.empty()
+                                      l.depth.empty() && l.slots.empty()
                                 : l.width % kBlock == 0 && l.height % kBlock == 0 && l.albedo.size() == texels &&
                                       l.surface.empty() && l.normal.size() == texels &&
                                       (l.depth.empty() || l.depth.size() == texels / 2) &&
-                                      l.parts.size() == texels * bits / 8;
+                                      l.slots.size() == texels * bits / 8;
     const uint64_t emission_bytes = bake.emission_peak <= 0 ? 0 : bits == 0 ? texels * 4 : texels / 2;
     if (!fits || l.emission.size() != emission_bytes) return std::nullopt;
     bake.levels.push_back(std::move(l));

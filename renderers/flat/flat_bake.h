@@ -52,8 +52,8 @@ struct FlatTile {
 
 // One level: layers of width x height texels, row 0 lowest. An albedo and a surface map
 // (renderers/impostor/tiles/tile.h) of RGBA8 texels; of a compressed bake albedo as BC3 blocks, and in place of the
-// surface map BC5 normals, BC4 depths where they are wanted, and material ids of FlatBake::part_bits, rows of width *
-// part_bits / 8 bytes. Where the character glows there is an emission map besides (renderers/bake/emission.h): RGBA8
+// surface map BC5 normals, BC4 depths where they are wanted, and material ids of FlatBake::slot_bits, rows of width *
+// slot_bits / 8 bytes. Where the character glows there is an emission map besides (renderers/bake/emission.h): RGBA8
 // texels or BC1 blocks.
 struct FlatLevel {
   int width = 0, height = 0, layers = 0;
@@ -61,10 +61,10 @@ struct FlatLevel {
   std::vector<FlatTile> tiles;                 // frames x views, frame-major
   std::vector<std::array<float, 2>> outlines;  // `corners` a tile, lattice coordinates, in strip order
   std::vector<uint8_t> albedo, surface;
-  std::vector<uint8_t> normal, depth, parts;
+  std::vector<uint8_t> normal, depth, slots;
   std::vector<uint8_t> emission;
   uint64_t texture_bytes() const {
-    return albedo.size() + surface.size() + normal.size() + depth.size() + parts.size() + emission.size();
+    return albedo.size() + surface.size() + normal.size() + depth.size() + slots.size() + emission.size();
   }
 };
 
@@ -74,7 +74,7 @@ struct FlatBake {
   float texel = 0;                // metres, of level 0
   uint32_t frames = 0;
   uint32_t views = 0;
-  int part_bits = 0;              // of a compressed bake: 4 or 8 bits a material id; 0: RGBA8
+  int slot_bits = 0;              // of a compressed bake: 4 or 8 bits a material id; 0: RGBA8
   float emission_peak = 0;        // linear light, of all materials; 0: no emission maps
   std::vector<StoredClip> clips;  // one a clip of the bank
   std::vector<FlatLevel> levels;

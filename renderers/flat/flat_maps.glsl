@@ -1,12 +1,12 @@
-// The maps of the tiles (renderers/impostor/tiles/tile.h), as texels or, with CB_PART_BITS, as compressed blocks
+// The maps of the tiles (renderers/impostor/tiles/tile.h), as texels or, with CB_SLOT_BITS, as compressed blocks
 // (renderers/impostor/tiles/block_compression.h). With CB_EMISSIVE there is light given off.
 #include "renderers/flat/flat.shared.h"
 
 layout(binding = CB_FLAT_TEXTURE_ALBEDO) uniform sampler2DArray albedo_map;    // filtered
 layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;  // nearest: ids must not be mixed
 
-#ifdef CB_PART_BITS
-layout(binding = CB_FLAT_TEXTURE_PARTS) uniform usampler2DArray part_map;
+#ifdef CB_SLOT_BITS
+layout(binding = CB_FLAT_TEXTURE_SLOTS) uniform usampler2DArray slot_map;
 #ifdef CB_NAILBOARD
 layout(binding = CB_FLAT_TEXTURE_DEPTH) uniform sampler2DArray depth_map;
 #endif
@@ -27,20 +27,20 @@ vec3 emission_at(vec3 texel) {
 
 // Normal x and y, material id and depth as Tile::surface codes them. texel: page coordinates in [0, 1], layer.
 vec4 surface_at(vec3 texel) {
-#ifdef CB_PART_BITS
+#ifdef CB_SLOT_BITS
   ivec2 size = textureSize(surface_map, 0).xy;
   ivec3 at = ivec3(min(ivec2(texel.xy * vec2(size)), size - 1), int(texel.z + 0.5));
   vec4 surface = vec4(texelFetch(surface_map, at, 0).rg, 0.0, 0.0);
 #ifdef CB_NAILBOARD
   surface.a = texelFetch(depth_map, at, 0).r;
 #endif
-#if CB_PART_BITS == 8
-  uint part = texelFetch(part_map, at, 0).r;
+#if CB_SLOT_BITS == 8
+  uint slot = texelFetch(slot_map, at, 0).r;
 #else
-  uint code = texelFetch(part_map, ivec3(at.x >> 1, at.yz), 0).r >> (4 * (at.x & 1));
-  uint part = (code & 7u) | (code & 8u) << 4;
+  uint code = texelFetch(slot_map, ivec3(at.x >> 1, at.yz), 0).r >> (4 * (at.x & 1));
+  uint slot = (code & 7u) | (code & 8u) << 4;
 #endif
-  surface.b = float(part) / 255.0;
+  surface.b = float(slot) / 255.0;
   return surface;
 #else
   return texture(surface_map, texel);

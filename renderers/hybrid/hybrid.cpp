@@ -62,11 +62,11 @@ bool HybridRepresentation::has_history() const {
 
 void HybridRepresentation::advance(const scene::Frame& frame, const AgentLists& agents) {
   const LodSplit& split = switch_.split(frame, agents);
-  for (const auto& [part, lists] : {std::pair(near_.get(), &split.near), std::pair(far_.get(), &split.far)}) {
-    if (!part->has_history()) continue;
-    part->advance(frame, *lists);
+  for (const auto& [component, lists] : {std::pair(near_.get(), &split.near), std::pair(far_.get(), &split.far)}) {
+    if (!component->has_history()) continue;
+    component->advance(frame, *lists);
     for (size_t m = 1; m < split.fading.size(); ++m)
-      if (split.count(split.fading[m]) != 0) part->advance(frame, split.fading[m]);
+      if (split.count(split.fading[m]) != 0) component->advance(frame, split.fading[m]);
   }
 }
 
@@ -92,7 +92,8 @@ BakeInfo HybridRepresentation::bake_info() const {
   info.cache_key = baked_a && baked_b ? a.cache_key + "+" + b.cache_key : a.cache_key + b.cache_key;
   for (const auto& [name, value] : a.facts) info.facts.emplace_back("near_" + name, value);
   for (const auto& [name, value] : b.facts) info.facts.emplace_back("far_" + name, value);
-  for (const BakeInfo* part : {&a, &b}) info.kept.insert(info.kept.end(), part->kept.begin(), part->kept.end());
+  for (const BakeInfo* component : {&a, &b})
+    info.kept.insert(info.kept.end(), component->kept.begin(), component->kept.end());
   return info;
 }
 
@@ -139,15 +140,15 @@ const RepresentationType hybrid_type = {
       Spec near = spec.components[0];
       Spec far = spec.components[1];
       if (reader.flag("floor"))
-        for (Spec* part : {&near, &far})
-          if (std::none_of(part->options.begin(), part->options.end(),
+        for (Spec* component : {&near, &far})
+          if (std::none_of(component->options.begin(), component->options.end(),
                            [](const auto& o) { return o.first == "floor"; }))
-            part->options.emplace_back("floor", "1");
-      auto near_part = make_representation(context, near);
-      auto far_part = make_representation(context, far);
+            component->options.emplace_back("floor", "1");
+      auto near_component = make_representation(context, near);
+      auto far_component = make_representation(context, far);
       std::vector<LodCharacter> characters;
       for (size_t c = 0; c < context.cast.characters.size(); ++c) {
-        const double texel = far_part->texel_metres(c);
+        const double texel = far_component->texel_metres(c);
         if (policy.rule == Rule::ratio && !(texel > 0))
           throw Error("representation 'hybrid'", fmt::format("'{}' has no texels to go by", far.name),
                       "switch by distance or height");
@@ -155,7 +156,7 @@ const RepresentationType hybrid_type = {
         const double own = context.cast.characters[c]->placement.height;
         characters.push_back({own > 0 ? own : static_cast<double>(bank.bounds_max().y - bank.bounds_min().y), texel});
       }
-      return std::make_unique<HybridRepresentation>(std::move(near_part), std::move(far_part), policy,
+      return std::make_unique<HybridRepresentation>(std::move(near_component), std::move(far_component), policy,
                                                     std::move(characters), context.cast.banks);
     },
     .components = 2,

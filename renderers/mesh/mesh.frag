@@ -7,7 +7,7 @@
 #include "renderers/shaders/output.glsl"
 #endif
 
-// Two texels a material: linear base colour and, as bits, part | flags << 8 | layer << 16; linear emissive colour and
+// Two texels a material: linear base colour and, as bits, slot | flags << 8 | layer << 16; linear emissive colour and
 // the layer of its image.
 layout(binding = CB_TEXTURE_MATERIALS) uniform samplerBuffer materials;
 #ifdef CB_TEXTURES
@@ -37,7 +37,7 @@ void main() {
   int material = int(v_outfit_material >> 16u) * 2;
   vec4 texel0 = texelFetch(materials, material);
   uint bits = floatBitsToUint(texel0.w);
-  uint part = bits & 0xffu;
+  uint slot = bits & 0xffu;
   uint flags = bits >> 8u;
   vec3 albedo = texel0.rgb;
 #ifdef CB_EMISSIVE
@@ -74,13 +74,13 @@ void main() {
   if (v_place_flat.w > 0.5 && dot(face, face) > 0.0) normal = face;
 #endif
 #ifdef CB_CAPTURE
-  write_capture(albedo, normal, part, (flags & CB_MATERIAL_UNLIT) != 0u, emissive);
+  write_capture(albedo, normal, slot, (flags & CB_MATERIAL_UNLIT) != 0u, emissive);
 #else
 #ifdef CB_IDS
   uint id = v_id;
 #else
   uint id = 0u;
 #endif
-  write_output(shade(albedo, normal, part, v_outfit_material & 0xffffu, (flags & CB_MATERIAL_UNLIT) != 0u, emissive), id);
+  write_output(shade(albedo, normal, slot, v_outfit_material & 0xffffu, (flags & CB_MATERIAL_UNLIT) != 0u, emissive), id);
 #endif
 }

@@ -126,7 +126,7 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
     else
       out.has_emissive = out.has_emissive || glow != glm::vec3(0.0F);
     materials.push_back({{base.r, base.g, base.b},
-                         material.part | flags << 8U | static_cast<uint32_t>(data.material_layer[m]) << 16U,
+                         material.slot | flags << 8U | static_cast<uint32_t>(data.material_layer[m]) << 16U,
                          {glow.r, glow.g, glow.b},
                          static_cast<float>(data.material_emissive_layer[m])});
   }

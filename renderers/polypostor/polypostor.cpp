@@ -402,7 +402,7 @@ class PolypostorRepresentation : public Representation {
   ViewGrid grid_;
   double seconds_ = 0;
   std::vector<BakeRecord> records_;
-  KeptPart kept_{.unit = "views of clips"};  // where only the required part is
+  Kept kept_{.unit = "views of clips"};  // where only the required part is
   std::vector<CharacterPolygons> characters_;
   gl::Sampler filtered_, nearest_;
   gl::Program place_;

@@ -66,11 +66,11 @@ void main() {
 #elif defined(CB_FLOOR)
   write_output(albedo.rgb + vec3(normal, material) + emission, v_id);
 #else
-  uint part = uint(material * 255.0 + 0.5);
+  uint slot = uint(material * 255.0 + 0.5);
   vec2 n = (normal * 255.0 - 128.0) / 127.0;
   float lambert = max(0.0, dot(vec3(n, sqrt(max(0.0, 1.0 - dot(n, n)))), v_light));
   // Added here, since what an unlit texel holds is the part of it that glows.
-  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, part & 0x7fu, v_outfit, part > 0x7fu, vec3(0.0)) + emission,
+  write_output(shade_lit(albedo.rgb * albedo.rgb, lambert, slot & 0x7fu, v_outfit, slot > 0x7fu, vec3(0.0)) + emission,
                v_id);
 #endif
 }

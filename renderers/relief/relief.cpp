@@ -459,38 +459,37 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
 const RepresentationType relief_type = {
     .name = "relief",
     .summary = "bone-relief impostors: one box a joint, dual-depth maps on its faces, a ray search a pixel",
-    .options = {{"map", "32|64|128|256", "128", "texels a side of each face's maps"},
-                {"rule", "dominant|any|threshold[W]", "threshold1.2",
-                 "which triangles a joint captures; threshold: a weight above W, summed over the three corners"},
-                {"capture", "best|bind|CLIP[@PHASE]", "best",
-                 "pose in which the mesh is captured; best: least silhouette error"},
-                {"size", "uniform|by_area", "uniform",
-                 "by_area: boxes smaller than the largest get maps of fewer texels"},
-                {"resolution", "none|JOINT@TEXELS[+...]", "none",
-                 "texels a side of single joints, by name or number, whatever map and size say: Head@256+LeftHand@32"},
-                {"budget", "0..65536", "0", "MiB of maps at full detail, met by coarser texels; 0: none"},
-                {"depth", "8|16", "16", "bits of a stored depth"},
-                {"search", "adaptive|linear|cone", "adaptive",
-                 "adaptive: two intervals a texel crossed; linear: the source's fixed steps; cone: adaptive, past what "
-                 "relaxed "
-                 "cone maps show to be air"},
-                {"steps", "LINEAR+BINARY", "256+7",
-                 "most adaptive steps, or the linear steps of search=linear; binary refinements of linear and cone"},
-                {"bias", "-4..4", "-3", "mip levels added to one texel a pixel of a depth, for the silhouette"},
-                {"proxy", "hull|box", "hull",
-                 "hull: the outline of a prism around the joint; box: the back faces of its box"},
-                {"merge", "auto|0..16", "auto",
-                 "pixels that joints sharing a box may stray; auto: 0.25 with proxy=hull, else 0"},
-                {"bend", "0..64", "0",
-                 "pixels, of a character 240 tall, that skin may stray before bends get boxes of their own; 0: one box "
-                 "a joint"},
-                {"part", "auto|0..4", "auto",
-                 "longest box, in heights of the character: longer ones are captured in parts; 0: whole; auto: 0.27 "
-                 "with merge "
-                 "(more "
-                 "where the bake budget asks for it), else 0"},
-                {"debug", "none|boxes|steps|hit-face|misses", "none",
-                 "shows how the picture comes about instead of the picture"}},
+    .options =
+        {{"map", "32|64|128|256", "128", "texels a side of each face's maps"},
+         {"rule", "dominant|any|threshold[W]", "threshold1.2",
+          "which triangles a joint captures; threshold: a weight above W, summed over the three corners"},
+         {"capture", "best|bind|CLIP[@PHASE]", "best",
+          "pose in which the mesh is captured; best: least silhouette error"},
+         {"size", "uniform|by_area", "uniform", "by_area: boxes smaller than the largest get maps of fewer texels"},
+         {"resolution", "none|JOINT@TEXELS[+...]", "none",
+          "texels a side of single joints, by name or number, whatever map and size say: Head@256+LeftHand@32"},
+         {"budget", "0..65536", "0", "MiB of maps at full detail, met by coarser texels; 0: none"},
+         {"depth", "8|16", "16", "bits of a stored depth"},
+         {"search", "adaptive|linear|cone", "adaptive",
+          "adaptive: two intervals a texel crossed; linear: the source's fixed steps; cone: adaptive, past what "
+          "relaxed "
+          "cone maps show to be air"},
+         {"steps", "LINEAR+BINARY", "256+7",
+          "most adaptive steps, or the linear steps of search=linear; binary refinements of linear and cone"},
+         {"bias", "-4..4", "-3", "mip levels added to one texel a pixel of a depth, for the silhouette"},
+         {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
+         {"merge", "auto|0..16", "auto",
+          "pixels that joints sharing a box may deviate; auto: 0.25 with proxy=hull, else 0"},
+         {"bend", "0..64", "0",
+          "pixels, of a character 240 tall, that skin may deviate before bends get boxes of their own; 0: one box "
+          "a joint"},
+         {"part", "auto|0..4", "auto",
+          "longest box, in heights of the character: longer ones are captured in parts; 0: whole; auto: 0.27 "
+          "with merge "
+          "(more "
+          "where the bake budget asks for it), else 0"},
+         {"debug", "none|boxes|steps|hit-face|misses", "none",
+          "shows how the picture comes about instead of the picture"}},
     .make = make_relief,
     .floor = "the same proxies with one tap a pixel and no choice of face",
 };

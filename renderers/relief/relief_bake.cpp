@@ -202,7 +202,7 @@ void shade(const Source& source, const BoxSpace& space, const Winner& winner, co
   }
   const glm::dvec3 n = normal_toward(source, space, point, face, material.double_sided);
   for (int c = 0; c < 3; ++c) texel.normal[c] = byte_of(0.5 + 0.5 * n[c]);
-  texel.normal[3] = material.part;
+  texel.normal[3] = material.slot;
 }
 
 // The box, without its maps' resolution: bounds in the joint's frame, tight around the triangles.

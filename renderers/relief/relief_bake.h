@@ -1,5 +1,5 @@
 // The relief bake: for each joint a box in the joint's own frame, and on its six faces maps of front and back depth,
-// colour, normal and part, captured from the posed mesh. Pure CPU and double precision, so that a bake has the same
+// colour, normal and slot, captured from the posed mesh. Pure CPU and double precision, so that a bake has the same
 // bytes with every driver and thread count.
 #pragma once
 #include <array>
@@ -64,7 +64,7 @@ struct ReliefModel {
   // From texel 6 `first` on, [axis][side][v][u], four bytes each: sRGB colour; the fourth is 255 where the material is
   // unlit. side 0 is the surface seen from the low face.
   std::vector<uint8_t> colour;
-  // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is the part id.
+  // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is the slot.
   std::vector<uint8_t> normal;
   // The same for the light given off (renderers/bake/emission.h), the fourth unused; empty where the peak is 0.
   std::vector<uint8_t> emission;

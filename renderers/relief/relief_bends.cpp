@@ -18,7 +18,7 @@ namespace {
 
 using scene::Character;
 
-constexpr int kParts = 8;                             // blends are multiples of an eighth
+constexpr int kShares = 8;                            // blends are multiples of an eighth
 constexpr size_t kSampled = 4096;                     // triangles that blends are weighed by
 constexpr float kTie = 1e-6F;                         // what differs by rounding is the same: the earlier piece wins
 using Weights = std::vector<std::pair<int, double>>;  // joint, weight
@@ -65,17 +65,17 @@ std::vector<Piece> blends(const std::vector<Weights>& weights, const std::vector
     const auto [first, large] = most[0];
     const auto [second, small] = most[1];
     if (parent[static_cast<size_t>(first)] != second && parent[static_cast<size_t>(second)] != first) continue;
-    const int parts = static_cast<int>(std::lround(kParts * small / (large + small)));
-    if (parts == 0) continue;
-    found.emplace(std::array{first, second, parts},
-                  Piece{.joints = {first, second}, .second = static_cast<double>(parts) / kParts});
+    const int shares = static_cast<int>(std::lround(kShares * small / (large + small)));
+    if (shares == 0) continue;
+    found.emplace(std::array{first, second, shares},
+                  Piece{.joints = {first, second}, .second = static_cast<double>(shares) / kShares});
   }
   std::vector<Piece> out;
   for (const auto& [key, piece] : found) out.push_back(piece);
   return out;
 }
 
-// How far pieces stray from the skin in some poses of a bank.
+// How far pieces deviate from the skin in some poses of a bank.
 class Skin {
  public:
   Skin(const Character& character, const scene::PoseBank& bank, const CapturePose& capture)
@@ -86,7 +86,7 @@ class Skin {
 
   // Of each triangle: the mean of its corners' root-mean-square distances, in metres, to where the skin puts them;
   // infinite where the piece flattens space in some pose.
-  std::vector<float> strays(const Piece& piece, const std::vector<uint32_t>& triangles) const {
+  std::vector<float> deviations(const Piece& piece, const std::vector<uint32_t>& triangles) const {
     const glm::dmat4 back = inverse_or_zero(matrix_of(piece, palette_));
     std::vector<glm::dmat4> moved;
     for (const auto& pose : poses_) {
@@ -102,7 +102,7 @@ class Skin {
       float sum = 0;
       for (uint32_t corner = 0; corner < 3; ++corner) {
         const uint32_t v = mesh_.indices[3 * t + corner];
-        if (at_vertex[v] < 0) at_vertex[v] = static_cast<float>(stray(moved, v));
+        if (at_vertex[v] < 0) at_vertex[v] = static_cast<float>(deviation(moved, v));
         sum += at_vertex[v];
       }
       out.push_back(sum / 3.0F);
@@ -116,7 +116,7 @@ class Skin {
   }
 
  private:
-  double stray(const std::vector<glm::dmat4>& moved, uint32_t v) const {
+  double deviation(const std::vector<glm::dmat4>& moved, uint32_t v) const {
     double sum = 0;
     for (size_t t = 0; t < moved.size(); ++t) {
       const glm::dvec3 gap = glm::dvec3(moved[t] * glm::dvec4(captured_[v], 1.0)) - posed_[t][v];
@@ -134,16 +134,16 @@ class Skin {
 
 // A piece over a list of triangles.
 struct Fit {
-  std::vector<float> stray;  // metres
-  // What decides between pieces: stray, and for skin that hardly strays with any (beside a hinge) its weights, so that
-  // pieces are bands around a limb, not patches.
+  std::vector<float> deviation;  // metres
+  // What decides between pieces: deviation, and for skin that hardly deviates with any (beside a hinge) its weights, so
+  // that pieces are bands around a limb, not patches.
   std::vector<float> cost;
 };
 Fit fit(const Piece& piece, const std::vector<uint32_t>& triangles, const Skin& skin,
-        const std::vector<Weights>& weights, double stray) {
-  Fit out{skin.strays(piece, triangles), {}};
+        const std::vector<Weights>& weights, double deviation) {
+  Fit out{skin.deviations(piece, triangles), {}};
   for (size_t i = 0; i < triangles.size(); ++i)
-    out.cost.push_back(out.stray[i] + static_cast<float>(stray * distance(piece, weights[triangles[i]])));
+    out.cost.push_back(out.deviation[i] + static_cast<float>(deviation * distance(piece, weights[triangles[i]])));
   return out;
 }
 
@@ -155,18 +155,18 @@ std::vector<Piece> choose(const std::vector<Piece>& own, const std::vector<Piece
   for (const uint32_t t : triangles) areas.push_back(skin.area(t));
   std::vector<Piece> pieces;
   std::vector<float> cost(triangles.size(), std::numeric_limits<float>::infinity());
-  std::vector<float> stray(triangles.size(), 0.0F);
+  std::vector<float> deviation(triangles.size(), 0.0F);
   const auto keep = [&](const Piece& piece, const Fit& fit) {
     pieces.push_back(piece);
     for (size_t i = 0; i < cost.size(); ++i) {
       if (!(fit.cost[i] < cost[i] - kTie)) continue;
       cost[i] = fit.cost[i];
-      stray[i] = fit.stray[i];
+      deviation[i] = fit.deviation[i];
     }
   };
-  for (const Piece& piece : own) keep(piece, fit(piece, triangles, skin, weights, options.stray));
+  for (const Piece& piece : own) keep(piece, fit(piece, triangles, skin, weights, options.deviation));
   std::vector<Fit> fits;
-  for (const Piece& piece : blends) fits.push_back(fit(piece, triangles, skin, weights, options.stray));
+  for (const Piece& piece : blends) fits.push_back(fit(piece, triangles, skin, weights, options.deviation));
   while (pieces.size() < options.most) {
     double most = 0;
     size_t chosen = blends.size();
@@ -176,11 +176,11 @@ std::vector<Piece> choose(const std::vector<Piece>& own, const std::vector<Piece
       double area = 0;
       for (size_t i = 0; i < cost.size(); ++i) {
         if (!(fits[c].cost[i] < cost[i] - kTie)) continue;
-        before += areas[i] * static_cast<double>(stray[i]) * static_cast<double>(stray[i]);
-        after += areas[i] * static_cast<double>(fits[c].stray[i]) * static_cast<double>(fits[c].stray[i]);
+        before += areas[i] * static_cast<double>(deviation[i]) * static_cast<double>(deviation[i]);
+        after += areas[i] * static_cast<double>(fits[c].deviation[i]) * static_cast<double>(fits[c].deviation[i]);
         area += areas[i];
       }
-      if (before - after > most && before > options.stray * options.stray * area) {
+      if (before - after > most && before > options.deviation * options.deviation * area) {
         most = before - after;
         chosen = c;
       }
@@ -237,7 +237,7 @@ std::vector<Piece> bend_pieces(const Character& character, const scene::PoseBank
   std::vector<Piece> pieces = choose(own, blends(weights, parents_of(character)), sampled, skin, weights, options);
 
   std::vector<Fit> fits;
-  for (const Piece& piece : pieces) fits.push_back(fit(piece, all, skin, weights, options.stray));
+  for (const Piece& piece : pieces) fits.push_back(fit(piece, all, skin, weights, options.deviation));
   std::vector<size_t> owner(all.size(), 0);
   for (size_t i = 0; i < all.size(); ++i)
     for (size_t p = 1; p < pieces.size(); ++p)
@@ -265,7 +265,7 @@ std::vector<Piece> bend_pieces(const Character& character, const scene::PoseBank
       bool next = false;
       for (uint32_t corner = 0; corner < 3; ++corner)
         next = next || touched[place[mesh.indices[3 * all[i] + corner]]] != 0;
-      if (owner[i] == p || (next && static_cast<double>(fits[p].stray[i]) <= options.stray) ||
+      if (owner[i] == p || (next && static_cast<double>(fits[p].deviation[i]) <= options.deviation) ||
           by_rule(p, weights[all[i]]))
         pieces[p].triangles.push_back(all[i]);
     }

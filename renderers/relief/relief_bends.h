@@ -11,14 +11,14 @@ namespace crowdbench::renderers {
 struct BendOptions {
   TriangleRule rule = TriangleRule::threshold;
   double threshold = 1.2;
-  double stray = 0;  // metres, above 0: boxes are added where skin strays farther from its own, root mean square
-  size_t most = 96;  // pieces, the joints' own among them
+  double deviation = 0;  // metres, above 0: boxes are added where skin deviates farther from its own, root mean square
+  size_t most = 96;      // pieces, the joints' own among them
 };
 
 // Pieces that follow joints, and blends of a joint and its parent in eighths: those are added that bring the skin
 // nearest in the poses of a bank, one by one. A triangle goes to the piece that carries it best, and to further ones so
 // that no gap opens between boxes: those that `rule` would give it to if joints were where the pieces are, and those
-// next to it that carry it within `stray`. Deterministic; throws nothing.
+// next to it that carry it within `deviation`. Deterministic; throws nothing.
 std::vector<Piece> bend_pieces(const scene::Character& character, const scene::PoseBank& bank,
                                const CapturePose& capture, const BendOptions& options);
 

@@ -7,7 +7,7 @@ struct Face {
   int axis;
   int side;     // 0: seen from the low face
   ivec2 texel;  // of the depth picture
-  vec4 normal;  // as stored, with the part
+  vec4 normal;  // as stored, with the slot
 };
 
 // The colour and normal pictures hold two maps where the depth picture holds one.

@@ -58,7 +58,7 @@ std::vector<std::vector<glm::dmat4>> spread_poses(const scene::PoseBank& bank, s
 // Zero for a matrix without volume, which carries nothing anywhere.
 glm::dmat4 inverse_or_zero(const glm::dmat4& m);
 
-// How far joints stray when another joint carries them: the skin in some poses of a bank against the skin at the
+// How far joints deviate when another joint carries them: the skin in some poses of a bank against the skin at the
 // capture pose moved rigidly.
 class JointMerger {
  public:

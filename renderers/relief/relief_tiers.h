@@ -19,8 +19,8 @@ struct ReliefTierOptions {
   std::string resolution;  // "none" or "JOINT@TEXELS+..."
   int depth_bits = 16;
   bool cones = false;
-  double merge = 0;  // pixels that joints sharing a box may stray; 0: one tier
-  double bend = 0;   // pixels, of a character 240 tall, that skin may stray before it gets boxes of its own; 0: never
+  double merge = 0;  // pixels that joints sharing a box may deviate; 0: one tier
+  double bend = 0;   // pixels, of a character 240 tall, that skin may deviate before it gets boxes of its own; 0: never
   double part = 0;   // longest box, of the character's height; 0: no limit
   bool part_auto = false;  // longer boxes where the maps need it to fit
   uint64_t budget = 0;     // bytes of the nearest tier's maps, met by coarser texels; 0: none

@@ -77,7 +77,7 @@ struct Material {
   int emissive_image = -1;
   bool unlit = false;  // KHR_materials_unlit
   bool double_sided = false;
-  uint8_t part = 0;  // the outfit's slot that colours it, 0..255: the material's index, 255 at most
+  uint8_t slot = 0;  // the outfit's slot that colours it, 0..255: the material's index, 255 at most
 };
 
 // How a texture is sampled where it is smaller than its texels; within a mip level, then between levels. `nearest` and

@@ -39,8 +39,8 @@ enum Purpose : uint64_t {
   kStratumZ = 16,
   kCellX = 17,
   kCellZ = 18,
-  kPaletteChoice = 32,  // + part
-  kPaletteShade = 64    // + part
+  kPaletteChoice = 32,  // + slot
+  kPaletteShade = 64    // + slot
 };
 
 constexpr double kLaneJitter = 0.15;             // spacings, either way: neighbours in lanes stay 0.7 spacings apart
@@ -552,21 +552,21 @@ std::vector<Outfit> make_outfits(uint64_t seed, uint32_t count) {
   static constexpr float kDark[3] = {0.46F, 0.33F, 0.27F};
   std::vector<Outfit> outfits(count);
   for (uint32_t row = 0; row < count; ++row)
-    for (int part = 0; part < kOutfitSlots; ++part) {
-      glm::vec4& colour = outfits[row].colours[static_cast<size_t>(part)];
+    for (int slot = 0; slot < kOutfitSlots; ++slot) {
+      glm::vec4& colour = outfits[row].colours[static_cast<size_t>(slot)];
       colour = glm::vec4(1.0F);
       if (row == 0) continue;
       const auto pick = [&](const auto& list) -> const float* {
-        return list[random_below(seed, row, kPaletteChoice + static_cast<uint64_t>(part), std::size(list))];
+        return list[random_below(seed, row, kPaletteChoice + static_cast<uint64_t>(slot), std::size(list))];
       };
-      const auto shade = static_cast<float>(random_unit(seed, row, kPaletteShade + static_cast<uint64_t>(part)));
-      if (part == 0) {
+      const auto shade = static_cast<float>(random_unit(seed, row, kPaletteShade + static_cast<uint64_t>(slot)));
+      if (slot == 0) {
         for (int c = 0; c < 3; ++c) colour[c] = kFair[c] + shade * (kDark[c] - kFair[c]);
         continue;
       }
-      const float* base = part == 1   ? pick(kHair)
-                          : part == 3 ? pick(kTrousers)
-                          : part == 4 ? pick(kShoes)
+      const float* base = slot == 1   ? pick(kHair)
+                          : slot == 3 ? pick(kTrousers)
+                          : slot == 4 ? pick(kShoes)
                                       : pick(kShirts);
       for (int c = 0; c < 3; ++c) colour[c] = base[c] * (0.92F + 0.16F * shade);
     }

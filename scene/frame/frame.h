@@ -24,7 +24,7 @@ struct FrameAgent {
   uint32_t id = 1;          // agent index + 1
 };
 
-// Slots (Material::part) that an outfit can colour; materials with a higher one stay as they are.
+// Slots (Material::slot) that an outfit can colour; materials with a higher one stay as they are.
 inline constexpr int kOutfitSlots = 16;
 
 // Colour factors by slot, linear light, multiplied with the albedo; white leaves it alone.

@@ -45,7 +45,7 @@ GltfMaterials::GltfMaterials(GltfAsset& asset, const std::vector<bool>& used) : 
     const tinygltf::Material& in = asset_.model->materials[i];
     Material out;
     out.name = in.name;
-    out.part = static_cast<uint8_t>(std::min<size_t>(i, 255));
+    out.slot = static_cast<uint8_t>(std::min<size_t>(i, 255));
     out.double_sided = in.doubleSided;
     out.unlit = in.extensions.count("KHR_materials_unlit") != 0;
     const auto& pbr = in.pbrMetallicRoughness;
@@ -72,7 +72,7 @@ int GltfMaterials::default_material() {
     default_material_ = static_cast<int>(asset_.character.materials.size());
     Material material;
     material.name = "default";
-    material.part = static_cast<uint8_t>(std::min(default_material_, 255));
+    material.slot = static_cast<uint8_t>(std::min(default_material_, 255));
     asset_.character.materials.push_back(material);
     base_uv_.emplace_back();
     emissive_uv_.emplace_back();

@@ -57,12 +57,12 @@ Character make_mannequin(const MannequinOptions& options) {
     primitive.node = body_node;
     primitive.gltf_node = body_node;
   }
-  constexpr const char* kParts[] = {"skin", "hair", "shirt", "trousers", "shoes"};
-  for (int part = 0; part < mannequin::kPartCount; ++part) {
+  constexpr const char* kSlotNames[] = {"skin", "hair", "shirt", "trousers", "shoes"};
+  for (int slot = 0; slot < mannequin::kSlotCount; ++slot) {
     Material material;
-    material.name = kParts[part];
+    material.name = kSlotNames[slot];
     material.base_colour_image = 0;
-    material.part = static_cast<uint8_t>(part);
+    material.slot = static_cast<uint8_t>(slot);
     out.materials.push_back(std::move(material));
   }
   Texture texture;

@@ -33,8 +33,8 @@ inline constexpr glm::dvec3 kArmUp{kHalfRoot, kHalfRoot, 0.0};     // away from 
 inline constexpr double kUpperArm = 0.285;
 inline constexpr double kForearm = 0.255;
 
-enum Part : uint8_t { skin, hair, shirt, trousers, shoes };
-inline constexpr int kPartCount = 5;
+enum Slot : uint8_t { skin, hair, shirt, trousers, shoes };
+inline constexpr int kSlotCount = 5;
 
 // Indices into Skeleton::joints, the same in both skeletons; the 53-joint one has more behind these. `side` is 0 for
 // the left, 1 for the right.

@@ -110,7 +110,7 @@ class Builder {
   }
 
   // Ends one closed piece: turns every triangle so that its front is outside and files it under its material.
-  void finish(Part part);
+  void finish(Slot slot);
 
   Mesh mesh() const;
 
@@ -118,10 +118,10 @@ class Builder {
   bool full_;
   std::vector<Point> points_;
   std::vector<Triangle> piece_;
-  std::array<std::vector<Triangle>, kPartCount> parts_;
+  std::array<std::vector<Triangle>, kSlotCount> by_slot_;
 };
 
-void Builder::finish(Part part) {
+void Builder::finish(Slot slot) {
   // Neighbours agree when they run along their common edge in opposite directions: from the first triangle outwards,
   // each one is turned to agree with the neighbour that it was reached from.
   std::map<std::pair<int, int>, std::vector<size_t>> by_edge;
@@ -160,27 +160,27 @@ void Builder::finish(Part part) {
   }
   for (Triangle& t : piece_) {
     if (volume < 0.0) std::swap(t[1], t[2]);
-    parts_[part].push_back(t);
+    by_slot_[slot].push_back(t);
   }
   piece_.clear();
 }
 
 Mesh Builder::mesh() const {
   std::vector<dvec3> normals(points_.size(), dvec3(0.0));
-  for (const auto& part : parts_) {
-    for (const Triangle& t : part) {
+  for (const auto& slot : by_slot_) {
+    for (const Triangle& t : slot) {
       const dvec3 area = glm::cross(at(t[1].point) - at(t[0].point), at(t[2].point) - at(t[0].point));
       for (const Corner& c : t) normals[static_cast<size_t>(c.point)] += area;
     }
   }
   Mesh mesh;
-  for (int part = 0; part < kPartCount; ++part) {
+  for (int slot = 0; slot < kSlotCount; ++slot) {
     Primitive primitive;
     primitive.first_index = static_cast<uint32_t>(mesh.indices.size());
     primitive.first_vertex = static_cast<uint32_t>(mesh.positions.size());
-    primitive.material = part;
+    primitive.material = slot;
     std::map<std::tuple<int, double, double>, uint32_t> made;
-    for (const Triangle& t : parts_[static_cast<size_t>(part)]) {
+    for (const Triangle& t : by_slot_[static_cast<size_t>(slot)]) {
       for (const Corner& c : t) {
         const auto [it, fresh] =
             made.try_emplace({c.point, c.uv.x, c.uv.y}, static_cast<uint32_t>(mesh.positions.size()));

@@ -264,10 +264,10 @@ void normalise(Character& character, const NormaliseOptions& options) {
         at = glm::dvec3(node_matrices(character, -1, 0.0)[static_cast<size_t>(root)][3]);
       } else {
         const Clip& clip = character.clips[static_cast<size_t>(chosen)];
-        const double part = std::min(phase * cycle / clip.duration(), 1.0);
-        at = glm::dvec3(
-                 node_matrices(character, chosen, clip.start + part * clip.duration())[static_cast<size_t>(root)][3]) -
-             character.motion[static_cast<size_t>(chosen)].root_displacement * part;
+        const double progress = std::min(phase * cycle / clip.duration(), 1.0);
+        at = glm::dvec3(node_matrices(character, chosen,
+                                      clip.start + progress * clip.duration())[static_cast<size_t>(root)][3]) -
+             character.motion[static_cast<size_t>(chosen)].root_displacement * progress;
       }
       pivot += at / static_cast<double>(samples);
     }
@@ -328,7 +328,7 @@ std::string compute_content_hash(const Character& character) {
   for (const Material& m : character.materials) {
     hash.bytes(&m.base_colour, sizeof m.base_colour).value(m.base_colour_image);
     hash.bytes(&m.emissive, sizeof m.emissive).value(m.emissive_image);
-    hash.value(m.unlit).value(m.double_sided).value(m.part);
+    hash.value(m.unlit).value(m.double_sided).value(m.slot);
   }
   hash.value(character.images.size());
   for (const Texture& t : character.images) {

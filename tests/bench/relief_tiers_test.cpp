@@ -9,9 +9,9 @@
 namespace crowdbench::bench {
 namespace {
 
-// A tier lets joints stray a quarter of a pixel (root mean square, so no less than the mean), in maps whose texels are
-// at most half a pixel: a quarter of a pixel each way. So silhouettes lie at most half a pixel farther from the mesh's,
-// on average, than those of joints on their own.
+// A tier lets joints deviate a quarter of a pixel (root mean square, so no less than the mean), in maps whose texels
+// are at most half a pixel: a quarter of a pixel each way. So silhouettes lie at most half a pixel farther from the
+// mesh's, on average, than those of joints on their own.
 TEST(ReliefTiersGl, StrayByTheirTolerance) {
   gl::Context context;
   QualitySetup setup;

@@ -106,7 +106,7 @@ TEST_F(RequiredGl, PicturesAreIdenticalAndBytesAreFewer) {
     EXPECT_LT(part->footprint().gpu_bytes(), whole->footprint().gpu_bytes()) << text;
     ASSERT_EQ(part->bake_info().kept.size(), 1U);
     EXPECT_TRUE(whole->bake_info().kept.empty());
-    const renderers::KeptPart kept = part->bake_info().kept[0];
+    const renderers::Kept kept = part->bake_info().kept[0];
     EXPECT_EQ(kept.unit, unit);
     EXPECT_EQ(kept.whole, all);
     EXPECT_LT(static_cast<double>(kept.kept_bytes), most * static_cast<double>(kept.whole_bytes)) << text;

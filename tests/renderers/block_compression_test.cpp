@@ -20,13 +20,13 @@ TEST(BlockCompression, CodesOfASingleChannelBlockByHand) {
 }
 
 TEST(BlockCompression, FourBitsHoldSevenIdsAndWhatIsNotLit) {
-  EXPECT_EQ(part_bits(0), 4);
-  EXPECT_EQ(part_bits(7), 4);
-  EXPECT_EQ(part_bits(8), 8);
+  EXPECT_EQ(slot_bits(0), 4);
+  EXPECT_EQ(slot_bits(7), 4);
+  EXPECT_EQ(slot_bits(8), 8);
   for (int left = 0; left < 8; ++left)
     for (int right = 0; right < 8; ++right)
-      for (const int unlit : {0, int{kUnlitPart}}) {
-        const uint8_t packed = pack_parts(static_cast<uint8_t>(left), static_cast<uint8_t>(right | unlit));
+      for (const int unlit : {0, int{kUnlitSlot}}) {
+        const uint8_t packed = pack_slots(static_cast<uint8_t>(left), static_cast<uint8_t>(right | unlit));
         EXPECT_EQ(unpack_part(packed, false), left);
         EXPECT_EQ(unpack_part(packed, true), right | unlit);
       }
@@ -57,7 +57,7 @@ TEST(BlockCompression, ConstantMapsComeBack) {
   EXPECT_EQ(blocks.albedo.size(), 4U * 16);
   EXPECT_EQ(blocks.normal.size(), 4U * 16);
   EXPECT_EQ(blocks.depth.size(), 4U * 8);
-  EXPECT_EQ(blocks.parts.size(), 64U);
+  EXPECT_EQ(blocks.slots.size(), 64U);
   const Tile back = decompress(blocks, tile);
   const std::vector<bool> visible = visible_texels(tile);
   for (size_t i = 0; i < 49; ++i) {
@@ -74,7 +74,7 @@ TEST(BlockCompression, ConstantMapsComeBack) {
 
 TEST(BlockCompression, IdsAreNeverMixedAndUnseenTexelsDoNotCount) {
   Tile tile = tile_of({200, 100, 50, 230}, {128, 128, 0, 128});
-  for (size_t i = 0; i < 49; ++i) tile.surface[4 * i + 2] = static_cast<uint8_t>(i % 5 | (i % 2 ? kUnlitPart : 0));
+  for (size_t i = 0; i < 49; ++i) tile.surface[4 * i + 2] = static_cast<uint8_t>(i % 5 | (i % 2 ? kUnlitSlot : 0));
   const Tile before = decompress(compress(tile), tile);
   for (size_t i = 0; i < 49; ++i) EXPECT_EQ(before.surface[4 * i + 2], tile.surface[4 * i + 2]);
   // What nobody sees may be any colour.

@@ -300,7 +300,7 @@ TEST_P(ContractGl, CapabilitiesAreTrue) {
     make.required_by = [](size_t, const std::function<void(const ViewSample&)>& see) { see({{0, 1, 8}, 0, 0}); };
     const auto part = make_representation(make, spec);
     ASSERT_EQ(part->bake_info().kept.size(), 1U);
-    const KeptPart kept = part->bake_info().kept[0];
+    const Kept kept = part->bake_info().kept[0];
     EXPECT_GT(kept.kept, 0U);
     EXPECT_LT(kept.kept, kept.whole);
     EXPECT_LT(kept.kept_bytes, kept.whole_bytes);

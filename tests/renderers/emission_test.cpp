@@ -34,12 +34,12 @@ scene::Character lantern() {
   c.skeleton.nodes.push_back({.name = "root"});
   c.skeleton.joints.push_back({.name = "root", .node = 0});
   c.skeleton.root_node = 0;
-  c.materials.push_back({.base_colour = glm::vec4(0.3F), .part = 0});
-  c.materials.push_back({.base_colour = glm::vec4(0.1F), .emissive = {0.5F, 0.25F, 0.0F}, .part = 1});
+  c.materials.push_back({.base_colour = glm::vec4(0.3F), .slot = 0});
+  c.materials.push_back({.base_colour = glm::vec4(0.1F), .emissive = {0.5F, 0.25F, 0.0F}, .slot = 1});
   c.materials.push_back(
-      {.base_colour = glm::vec4(0.1F), .emissive = {4.0F, 2.0F, 1.0F}, .emissive_image = 0, .part = 2});
+      {.base_colour = glm::vec4(0.1F), .emissive = {4.0F, 2.0F, 1.0F}, .emissive_image = 0, .slot = 2});
   c.materials.push_back(
-      {.base_colour = {0.0F, 0.2F, 0.05F, 1.0F}, .emissive = {1.0F, 0.0F, 1.0F}, .unlit = true, .part = 3});
+      {.base_colour = {0.0F, 0.2F, 0.05F, 1.0F}, .emissive = {1.0F, 0.0F, 1.0F}, .unlit = true, .slot = 3});
   scene::Texture halves;
   halves.image = Image8(64, 1, 4);
   for (int x = 0; x < 32; ++x) std::copy_n(std::array<uint8_t, 3>{255, 128, 0}.begin(), 3, halves.image.at(x, 0));

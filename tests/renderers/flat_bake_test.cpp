@@ -50,19 +50,19 @@ TEST(FlatBake, BytesSurviveARoundTripAndDamageDoesNot) {
   EXPECT_FALSE(deserialise_flat(serialise(bake)));
   bake.clips = {{0, 2}};
   ASSERT_TRUE(deserialise_flat(serialise(bake)));
-  bake.part_bits = 4;  // blocks that are not there
+  bake.slot_bits = 4;  // blocks that are not there
   EXPECT_FALSE(deserialise_flat(serialise(bake)));
   FlatLevel& compressed = bake.levels[0];
   compressed.albedo.resize(16);
   compressed.surface.clear();
   compressed.normal.resize(16);
-  compressed.parts.resize(8);
+  compressed.slots.resize(8);
   EXPECT_TRUE(deserialise_flat(serialise(bake)));
   compressed.depth.resize(8);
   EXPECT_TRUE(deserialise_flat(serialise(bake)));
-  bake.part_bits = 8;
+  bake.slot_bits = 8;
   EXPECT_FALSE(deserialise_flat(serialise(bake))) << "ids of four bits";
-  bake.part_bits = 4;
+  bake.slot_bits = 4;
   bake.emission_peak = 2.5F;  // a map that is not there
   EXPECT_FALSE(deserialise_flat(serialise(bake)));
   compressed.emission.resize(8);

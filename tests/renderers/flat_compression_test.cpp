@@ -44,7 +44,7 @@ TEST_F(FlatGl, CompressionKeepsEveryMapWithinItsTolerance) {
   };
   const FlatBake plain = bake(false);
   const FlatBake blocks = bake(true);
-  ASSERT_EQ(blocks.part_bits, 4) << "five materials";
+  ASSERT_EQ(blocks.slot_bits, 4) << "five materials";
   ASSERT_EQ(blocks.levels.size(), plain.levels.size());
   for (size_t l = 0; l < plain.levels.size(); ++l) {
     const FlatLevel& a = plain.levels[l];
@@ -90,7 +90,7 @@ TEST_F(FlatGl, CompressionKeepsEveryMapWithinItsTolerance) {
         for (int x = static_cast<int>(tile.low_x) - 1; x < static_cast<int>(tile.high_x); ++x) {
           const size_t i = texel(a, a.tiles[t], x, y);
           const size_t j = texel(b, b.tiles[t], x, y);
-          const uint8_t packed = b.parts[j / 2];
+          const uint8_t packed = b.slots[j / 2];
           other_ids += unpack_part(packed, j % 2 == 1) != a.surface[4 * i + 2];
           ++tested_ids;
           // The filtered alpha between four texels, at 4 x 4 points.
@@ -179,10 +179,10 @@ TEST_F(FlatGl, CompressedTilesAreDrawnAsTheOthers) {
 // Ids beyond seven take a byte each, and the bit of what is not lit travels with both kinds.
 TEST_F(FlatGl, CompressedIdsSelectTheOutfitAndTheLighting) {
   for (const bool unlit : {false, true})
-    for (const uint8_t part : {uint8_t{5}, uint8_t{9}}) {
+    for (const uint8_t slot : {uint8_t{5}, uint8_t{9}}) {
       scene::Character character = testing::card(1, 1, glm::vec4(1.0F));
       for (scene::Material& material : character.materials) {
-        material.part = part;
+        material.slot = slot;
         material.unlit = unlit;
       }
       const scene::Cast cast = cast_of(std::move(character));
@@ -192,7 +192,7 @@ TEST_F(FlatGl, CompressedIdsSelectTheOutfitAndTheLighting) {
       scene::Frame frame = frame_of_one(3, 0.5, 96, 96);
       scene::Outfit outfit;
       for (size_t i = 0; i < outfit.colours.size(); ++i)
-        outfit.colours[i] = i == part ? glm::vec4(0.1F, 1.0F, 0.3F, 1) : glm::vec4(1, 0, 0, 1);
+        outfit.colours[i] = i == slot ? glm::vec4(0.1F, 1.0F, 0.3F, 1) : glm::vec4(1, 0, 0, 1);
       frame.outfits.push_back(outfit);
       add_agent(frame, cast, {0, 0, 0}, 1);
       frame.agents[0][0].outfit = 1;
@@ -200,7 +200,7 @@ TEST_F(FlatGl, CompressedIdsSelectTheOutfitAndTheLighting) {
       const Capture b = renderer.capture(frame, *flat);
       EXPECT_GT(iou(a, b), 0.95);
       EXPECT_LE(worst_colour_difference(a, b), 1)
-          << "part " << int{part} << ", unlit " << unlit << ": white survives compression";
+          << "slot " << int{slot} << ", unlit " << unlit << ": white survives compression";
     }
 }
 

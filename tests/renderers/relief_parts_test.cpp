@@ -135,9 +135,9 @@ TEST_F(ReliefPartsGl, AutomaticPartsKeepToTheBudget) {
 TEST(ReliefParts, BendsGetBlendsAndRigidJointsNone) {
   const scene::Character soft = soft_column();
   const scene::PoseBank bank = scene::PoseBank::frames(soft, {0}, 12);
-  const std::vector<Piece> joints = bend_pieces(soft, bank, {}, {.stray = 10});
-  ASSERT_EQ(joints.size(), 2U) << "nothing strays so far";
-  const std::vector<Piece> pieces = bend_pieces(soft, bank, {}, {.stray = 0.01});
+  const std::vector<Piece> joints = bend_pieces(soft, bank, {}, {.deviation = 10});
+  ASSERT_EQ(joints.size(), 2U) << "nothing deviates so far";
+  const std::vector<Piece> pieces = bend_pieces(soft, bank, {}, {.deviation = 0.01});
   ASSERT_GT(pieces.size(), 4U);
   std::set<uint32_t> held;
   for (const Piece& piece : pieces) {
@@ -146,12 +146,12 @@ TEST(ReliefParts, BendsGetBlendsAndRigidJointsNone) {
     held.insert(piece.triangles.begin(), piece.triangles.end());
   }
   EXPECT_EQ(held.size(), soft.triangles()) << "every triangle in a box";
-  EXPECT_LE(bend_pieces(soft, bank, {}, {.stray = 0.001, .most = 4}).size(), 4U);
+  EXPECT_LE(bend_pieces(soft, bank, {}, {.deviation = 0.001, .most = 4}).size(), 4U);
 
   // Where no vertex follows two joints, blends carry nothing better.
   scene::Character rigid = soft;
   for (glm::vec4& w : rigid.mesh.weights) w = w.x >= 0.5F ? glm::vec4(1, 0, 0, 0) : glm::vec4(0, 1, 0, 0);
-  const std::vector<Piece> of_rigid = bend_pieces(rigid, bank, {}, {.stray = 0.05});
+  const std::vector<Piece> of_rigid = bend_pieces(rigid, bank, {}, {.deviation = 0.05});
   ASSERT_GE(of_rigid.size(), 2U);
   for (const Piece& piece : of_rigid) EXPECT_EQ(piece.second, 0.0);
 }

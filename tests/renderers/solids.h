@@ -13,7 +13,7 @@ inline scene::Character one_joint_character() {
   c.skeleton.nodes.push_back({.name = "root"});
   c.skeleton.joints.push_back({.name = "root", .node = 0});
   c.skeleton.root_node = 0;
-  c.materials.push_back({.base_colour = {0.5F, 0.25F, 0.125F, 1.0F}, .part = 3});
+  c.materials.push_back({.base_colour = {0.5F, 0.25F, 0.125F, 1.0F}, .slot = 3});
   return c;
 }
 

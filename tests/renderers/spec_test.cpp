@@ -30,11 +30,11 @@ TEST(Spec, CanonicalText) {
       {"relief:steps=4+3,floor=1", "relief:steps=4+3,floor=1"},
       {"hybrid(mesh,relief)", "hybrid(mesh,relief)"},
       {"hybrid(mesh,relief,distance=12.5)", "hybrid(mesh,relief,distance=12.5)"},
-      // The key is known to the part before it, so it is the part's.
+      // The key is known to the component before it, so it is that one's.
       {"hybrid(mesh,relief:search=cone,steps=8+5,distance=9)",
        "hybrid(mesh,(relief:search=cone,steps=8+5),distance=9)"},
       {"hybrid(mesh,(relief:search=cone),distance=9)", "hybrid(mesh,(relief:search=cone),distance=9)"},
-      // Both know `floor`: the open part takes it, a closed one leaves it to the hybrid.
+      // Both know `floor`: the open component takes it, a closed one leaves it to the hybrid.
       {"hybrid(mesh,relief:steps=8+5,floor=1)", "hybrid(mesh,(relief:steps=8+5,floor=1))"},
       {"hybrid(mesh,(relief:steps=8+5),floor=1)", "hybrid(mesh,(relief:steps=8+5),floor=1)"},
       {"hybrid(mesh,relief,floor=1)", "hybrid(mesh,relief,floor=1)"},
@@ -80,14 +80,14 @@ TEST(Spec, RefusalsSayWhat) {
       {"relief:steps=1+1,", "is not key=value"},
       {"relief,steps=1", "is left over"},
       {"mesh()", "a name is missing"},
-      {"mesh(mesh)", "takes no parts"},
-      {"hybrid", "takes 2 parts"},
-      {"hybrid(mesh)", "takes 2 parts"},
-      {"hybrid(mesh,mesh,mesh)", "takes 2 parts"},
+      {"mesh(mesh)", "takes no components"},
+      {"hybrid", "takes 2 components"},
+      {"hybrid(mesh)", "takes 2 components"},
+      {"hybrid(mesh,mesh,mesh)", "takes 2 components"},
       {"hybrid(mesh,mesh", "')' is missing"},
       {"hybrid(mesh,(mesh", "')' is missing"},
       {"hybrid(mesh,mesh))", "is left over"},
-      {"hybrid(mesh,distance=3,mesh)", "a part follows an option"},
+      {"hybrid(mesh,distance=3,mesh)", "a component follows an option"},
       {"hybrid(mesh,mesh,steps=3)", "there is no option 'steps'"},
       {"hybrid(mesh,(relief:steps=1+1,distance=4))", "there is no option 'distance'"},
       {"hybrid(mesh,hybrid(mesh,hybrid(mesh,hybrid(mesh,hybrid(mesh,hybrid(mesh,mesh))))))", "go too deep"},

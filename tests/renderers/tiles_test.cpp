@@ -13,7 +13,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-// Coverage of a shape sampled 4x4 a texel; albedo, normal, part and depth constant unless a test sets them.
+// Coverage of a shape sampled 4x4 a texel; albedo, normal, slot and depth constant unless a test sets them.
 template <typename Inside>
 std::vector<CapturedTexel> draw_shape(const TileRect& rect, Inside inside) {
   std::vector<CapturedTexel> texels(static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height));
@@ -175,7 +175,7 @@ TEST(Tile, ColoursAreMeansInLinearLight) {
   ASSERT_EQ(levels[1].rect, (TileRect{0, 0, 1, 1}));
   const size_t centre = 4 * 4;               // (1, 1) of 3 x 3
   EXPECT_EQ(levels[1].albedo[centre], 180);  // sqrt(0.5) * 255 = 180.3
-  EXPECT_EQ(levels[1].surface[centre + 2], 4) << "three quarters of it is part 4; ids are never averaged";
+  EXPECT_EQ(levels[1].surface[centre + 2], 4) << "three quarters of it is slot 4; ids are never averaged";
 }
 
 TEST(Tile, EmissionIsAMeanOfWhatIsCovered) {

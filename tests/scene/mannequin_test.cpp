@@ -30,12 +30,12 @@ TEST_P(MannequinLevels, HasTheTrianglesAndJointsAskedFor) {
   ASSERT_EQ(character.mesh.primitives.size(), 5u);
   uint32_t next_index = 0;
   uint32_t next_vertex = 0;
-  for (size_t part = 0; part < 5; ++part) {
-    const Primitive& p = character.mesh.primitives[part];
+  for (size_t slot = 0; slot < 5; ++slot) {
+    const Primitive& p = character.mesh.primitives[slot];
     EXPECT_EQ(p.first_index, next_index);
     EXPECT_EQ(p.first_vertex, next_vertex);
-    EXPECT_EQ(p.material, static_cast<int>(part));
-    EXPECT_EQ(character.materials[part].part, part);
+    EXPECT_EQ(p.material, static_cast<int>(slot));
+    EXPECT_EQ(character.materials[slot].slot, slot);
     next_index += p.index_count;
     next_vertex += p.vertex_count;
   }
@@ -93,7 +93,7 @@ TEST_P(MannequinLevels, EveryPartIsClosedAndFacesOutwards) {
       const auto back = edges.find({edge.second, edge.first});
       if (count != 1 || back == edges.end() || back->second != 1) ++open;
     }
-    EXPECT_EQ(open, 0u) << "part " << p.material;
+    EXPECT_EQ(open, 0u) << "slot " << p.material;
   }
 }
 

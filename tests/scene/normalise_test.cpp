@@ -149,7 +149,7 @@ TEST(Normalise, ContentHashFollowsWhatABakeDependsOn) {
   other.clips[0].channels[0].values[3] += 1e-9;
   EXPECT_NE(compute_content_hash(other), hash);
   other = c;
-  other.materials[0].part = 3;
+  other.materials[0].slot = 3;
   EXPECT_NE(compute_content_hash(other), hash);
 }
 

@@ -47,7 +47,7 @@ CompressedTile compress(const Tile& tile) {
   out.albedo.resize(count * kColourBlockBytes);
   out.normal.resize(count * kNormalBlockBytes);
   out.depth.resize(count * kDepthBlockBytes);
-  out.parts.resize(count * kBlock * kBlock);
+  out.slots.resize(count * kBlock * kBlock);
   if (!tile.emission.empty()) out.emission.resize(count * kEmissionBlockBytes);
   const std::vector<bool> visible = visible_texels(tile);
   size_t block = 0;
@@ -70,7 +70,7 @@ CompressedTile compress(const Tile& tile) {
         std::copy_n(&tile.surface[4 * texel], 4, &surface[o]);
         depth[o] = surface[o + 3];
         if (!tile.emission.empty()) std::copy_n(&tile.emission[4 * texel], 4, &emission[o]);
-        out.parts[static_cast<size_t>(y) * static_cast<size_t>(out.blocks_x * kBlock) + static_cast<size_t>(x)] =
+        out.slots[static_cast<size_t>(y) * static_cast<size_t>(out.blocks_x * kBlock) + static_cast<size_t>(x)] =
             surface[o + 2];
       }
       // A BC3 block is its coverage and then its colours; each is fitted to texels of its own.
@@ -133,7 +133,7 @@ Tile decompress(const CompressedTile& compressed, const Tile& shape) {
         out.surface[o] = x_codes[i];
         out.surface[o + 1] = y_codes[i];
         out.surface[o + 2] =
-            compressed.parts[static_cast<size_t>(y) * static_cast<size_t>(compressed.blocks_x * kBlock) +
+            compressed.slots[static_cast<size_t>(y) * static_cast<size_t>(compressed.blocks_x * kBlock) +
                              static_cast<size_t>(x)];
         out.surface[o + 3] = depths[i];
         if (!compressed.emission.empty()) std::copy_n(&emission[4 * i], 4, &out.emission[o]);
@@ -142,12 +142,12 @@ Tile decompress(const CompressedTile& compressed, const Tile& shape) {
   return out;
 }
 
-int part_bits(int largest) { return largest < 8 ? 4 : 8; }
+int slot_bits(int largest) { return largest < 8 ? 4 : 8; }
 
-uint8_t pack_parts(uint8_t left, uint8_t right) {
-  const auto code = [](uint8_t part) {
-    assert((part & 0x78) == 0);
-    return (part & 7) | (part & kUnlitPart) >> 4;
+uint8_t pack_slots(uint8_t left, uint8_t right) {
+  const auto code = [](uint8_t slot) {
+    assert((slot & 0x78) == 0);
+    return (slot & 7) | (slot & kUnlitSlot) >> 4;
   };
   return static_cast<uint8_t>(code(left) | code(right) << 4);
 }

@@ -31,7 +31,7 @@ struct CompressedTile {
   std::vector<uint8_t> normal;
   std::vector<uint8_t> depth;
   std::vector<uint8_t> emission;
-  std::vector<uint8_t> parts;  // (4 blocks_x) x (4 blocks_y)
+  std::vector<uint8_t> slots;  // (4 blocks_x) x (4 blocks_y)
 };
 
 // Colours, normals and depths are fitted to the texels that can be seen, those that are covered and their neighbours;
@@ -47,10 +47,10 @@ std::vector<bool> visible_texels(const Tile& tile);
 // Eight codes of a BC4 block (half of a BC5 block, the first half of a BC3 one) for 16 texels, row by row.
 std::array<uint8_t, 16> decode_bc4(std::span<const uint8_t> block);
 
-// Material ids of four bits, two texels a byte, the left one in the low bits: ids 0 to 7, the top bit kUnlitPart.
+// Material ids of four bits, two texels a byte, the left one in the low bits: ids 0 to 7, the top bit kUnlitSlot.
 // Which of 4 and 8 bits hold the ids 0 to `largest`.
-int part_bits(int largest);
-uint8_t pack_parts(uint8_t left, uint8_t right);
+int slot_bits(int largest);
+uint8_t pack_slots(uint8_t left, uint8_t right);
 uint8_t unpack_part(uint8_t packed, bool right);
 
 }  // namespace crowdbench::renderers

@@ -28,12 +28,12 @@ layout(location = 2) out vec4 out_emission;  // square root of the fraction of t
 
 vec2 encode_signed(vec2 v) { return (clamp(v, -1.0, 1.0) * 127.0 + 128.0) / 255.0; }
 
-void write_capture(vec3 albedo, vec3 normal, uint part, bool unlit, vec3 emission) {
+void write_capture(vec3 albedo, vec3 normal, uint slot, bool unlit, vec3 emission) {
   vec3 n = normalize(normal);
   // A smooth normal may lean away from the eye at the silhouette; its length then lies in the plane.
   if (n.z < 0.0) n.xy = normalize(n.xy + vec2(1e-8, 0.0));
   out_albedo = vec4(sqrt(clamp(albedo, 0.0, 1.0)), 1.0);
-  uint id = min(part, 0x7fu) | (unlit ? 0x80u : 0u);
+  uint id = min(slot, 0x7fu) | (unlit ? 0x80u : 0u);
   out_surface = vec4(encode_signed(n.xy), float(id) / 255.0, encode_signed(vec2(gl_FragCoord.z * 2.0 - 1.0)).x);
 #ifdef CB_EMISSIVE
   out_emission = vec4(sqrt(clamp(emission, 0.0, 1.0)), 1.0);

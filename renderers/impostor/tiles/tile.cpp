@@ -20,7 +20,7 @@ struct Plane {
   std::vector<std::array<float, 3>> colour;  // linear
   std::vector<std::array<float, 3>> normal;  // unit
   std::vector<float> depth;                  // of the range, [-1, 1]
-  std::vector<uint8_t> part;
+  std::vector<uint8_t> slot;
   std::vector<std::array<float, 3>> emission;  // linear, of the peak; empty: nothing glows
 
   explicit Plane(const TileRect& r) : rect(r) {
@@ -29,7 +29,7 @@ struct Plane {
     colour.resize(n);
     normal.resize(n);
     depth.resize(n);
-    part.resize(n);
+    slot.resize(n);
   }
   size_t index(int x, int y) const {
     return static_cast<size_t>(y - rect.y) * static_cast<size_t>(rect.width) + static_cast<size_t>(x - rect.x);
@@ -87,17 +87,17 @@ Plane half(const Plane& fine) {
         }
         float same = 0;
         for (int k = 0; k < sources; ++k)
-          if (fine.part[source[static_cast<size_t>(k)]] == fine.part[s])
+          if (fine.slot[source[static_cast<size_t>(k)]] == fine.slot[s])
             same += fine.alpha[source[static_cast<size_t>(k)]];
         if (same > best) {
           best = same;
-          coarse.part[d] = fine.part[s];
+          coarse.slot[d] = fine.slot[s];
         }
       }
       float depth = 0;
       for (int i = 0; i < sources; ++i) {
         const size_t s = source[static_cast<size_t>(i)];
-        if (fine.part[s] == coarse.part[d]) depth += fine.alpha[s] * fine.depth[s];
+        if (fine.slot[s] == coarse.slot[d]) depth += fine.alpha[s] * fine.depth[s];
       }
       coarse.alpha[d] = total / 4;
       coarse.depth[d] = depth / best;
@@ -213,7 +213,7 @@ Tile encode(const Plane& plane, double area) {
       std::array<float, 3> emission{};
       float depth = 0;
       float heaviest = 0;
-      uint8_t part = 0;
+      uint8_t slot = 0;
       const int reach = plane.alpha_at(x, y) > 0 ? 0 : 1;
       for (int j = -reach; j <= reach; ++j)
         for (int i = -reach; i <= reach; ++i) {
@@ -229,7 +229,7 @@ Tile encode(const Plane& plane, double area) {
           }
           if (w > heaviest) {
             heaviest = w;
-            part = plane.part[s];
+            slot = plane.slot[s];
           }
         }
       tile.albedo[o + 3] = reach == 0 ? stored(plane.alpha_at(x, y)) : tile.empty_alpha;
@@ -240,7 +240,7 @@ Tile encode(const Plane& plane, double area) {
         tile.albedo[o + c] = static_cast<uint8_t>(std::clamp(std::sqrt(colour[c] / weight) * 255 + 0.5F, 0.0F, 255.0F));
       tile.surface[o + 0] = encode_signed(normal[0] / length);
       tile.surface[o + 1] = encode_signed(normal[1] / length);
-      tile.surface[o + 2] = part;
+      tile.surface[o + 2] = slot;
       tile.surface[o + 3] = encode_signed(depth / weight);
       if (plane.emission.empty()) continue;
       for (size_t c = 0; c < 3; ++c) tile.emission[o + c] = linear_to_srgb8(static_cast<double>(emission[c] / weight));
@@ -297,7 +297,7 @@ std::vector<Tile> build_tile_levels(const TileRect& rect, const std::vector<Capt
         plane.colour[d][c] = v * v;
       }
       plane.normal[d] = decode_normal(t.surface[0], t.surface[1]);
-      plane.part[d] = t.surface[2];
+      plane.slot[d] = t.surface[2];
       plane.depth[d] = static_cast<float>(decode_signed(t.surface[3]));
       if (t.emission == std::array<uint8_t, 3>{}) continue;
       if (plane.emission.empty()) plane.emission.resize(plane.alpha.size());

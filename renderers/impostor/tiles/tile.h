@@ -44,7 +44,7 @@ struct Tile {
   int rows() const { return rect.height + 2 * kTileGutter; }
 };
 
-inline constexpr uint8_t kUnlitPart = 0x80;
+inline constexpr uint8_t kUnlitSlot = 0x80;
 
 // [-1, 1] to 8 bits with an exact zero: 128 + 127 v, and back.
 uint8_t encode_signed(double v);
