@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "store/columns.h"
 #include "store/database.h"
 #include "store/schema.h"
@@ -108,12 +109,7 @@ StoreWriter::StoreWriter(const std::filesystem::path& path) : state_(new State) 
   state_->where = path.string();
   const std::string& where = state_->where;
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw Error(where, "is a folder", "name a file");
-  if (path.has_parent_path()) {
-    std::error_code failed;
-    std::filesystem::create_directories(path.parent_path(), failed);
-    if (failed) throw Error(path.parent_path().string(), "cannot make this folder: " + failed.message());
-  }
+  require_writable_file(path);
   // Look before touching: opening another program's file read-write could replay or checkpoint its log.
   const bool existed = std::filesystem::exists(path, ignored) && std::filesystem::file_size(path, ignored) > 0;
   if (existed) schema_of(store::open(where, where, SQLITE_OPEN_READONLY).get(), where);

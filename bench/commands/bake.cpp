@@ -125,11 +125,12 @@ int run_bake(const Options& options) {
     scenario.characters.push_back(entry);
   }
   std::filesystem::path folder;
+  scene::KeyPlaces places;
   if (!options.required_by.empty()) {
-    scenario = scene::load_scenario(options.required_by);
+    scenario = scene::load_scenario(options.required_by, &places);
     folder = std::filesystem::path(options.required_by).parent_path();
   }
-  const scene::Cast cast = scene::load_cast(scenario, folder);
+  const scene::Cast cast = scene::load_cast(scenario, folder, places);
   gl::Context context({.device = options.device});
   renderers::MakeContext make{.context = context, .cast = cast};
   make.bake_budget = options.bake_budget_mib << 20;

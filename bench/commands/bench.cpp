@@ -84,7 +84,7 @@ int run_bench(const Options& options) {
     for (const renderers::RepresentationType& type : renderers::representation_types())
       if (!type.reference && stands_alone(type)) request.representations.push_back(renderers::parse_spec(type.name));
   StoreWriter store(options.out);  // refused before anything is drawn
-  const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder);
+  const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder, chosen.places);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);
   gl::Context& context = *opened;
   const TimingMethod method = choose_timing_method(context);

@@ -86,12 +86,15 @@ int render_crowd(const RenderOptions& options) {
   ChosenScenario chosen = read_scenario(options.scene);
   override_representation(chosen, options.representation);
   if (!options.clips.empty())
-    for (scene::CharacterEntry& entry : chosen.scenario.characters) entry.clips = options.clips;
+    for (size_t i = 0; i < chosen.scenario.characters.size(); ++i) {
+      chosen.scenario.characters[i].clips = options.clips;
+      chosen.places[scene::key_place("character", "clips", i)] = "--clip";
+    }
   renderers::Spec spec = representation_of(chosen);
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   Progress progress("render", 0);
   progress.note("loading the characters");
-  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder);
+  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
   const auto context = open_context(options.scene.device);
   progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);

@@ -56,9 +56,8 @@ PictureSize parse_size(const std::string& text, const std::string& option) {
 ChosenScenario read_scenario(const SceneOptions& options) {
   ChosenScenario chosen;
   if (!options.file.empty()) {
-    scene::KeyPlaces places;
-    chosen.scenario = scene::load_scenario(options.file, &places);
-    if (const auto place = places.find("representation"); place != places.end())
+    chosen.scenario = scene::load_scenario(options.file, &chosen.places);
+    if (const auto place = chosen.places.find("representation"); place != chosen.places.end())
       chosen.representation_from = place->second + ": `representation`";
     chosen.folder = std::filesystem::path(options.file).parent_path();
   }
@@ -75,6 +74,7 @@ ChosenScenario read_scenario(const SceneOptions& options) {
     scene::CharacterEntry entry;
     entry.source = options.character;
     scenario.characters = {entry};
+    chosen.places.erase(scene::key_place("character", "clips"));
     chosen.folder.clear();  // a path on the command line is relative to where the user is
   }
   return chosen;

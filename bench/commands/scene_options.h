@@ -40,6 +40,7 @@ inline constexpr uint64_t kMostAgents = 1'000'000;
 struct ChosenScenario {
   scene::Scenario scenario;
   std::filesystem::path folder;
+  scene::KeyPlaces places;
   std::string representation_from = "--representation";  // who is to blame where it cannot be parsed
 };
 // Throws Error.

@@ -16,10 +16,12 @@ layout(binding = CB_FLAT_TEXTURE_DEPTH) uniform sampler2DArray depth_map;
 layout(binding = CB_FLAT_TEXTURE_EMISSION) uniform sampler2DArray emission_map;  // filtered
 #endif
 
+// The maps have one level, and derivatives are undefined where a neighbour was discarded: hence textureLod.
+
 // As the map holds it: fractions of the peak, linear light.
 vec3 emission_at(vec3 texel) {
 #ifdef CB_EMISSIVE
-  return texture(emission_map, texel).rgb;
+  return textureLod(emission_map, texel, 0.0).rgb;
 #else
   return vec3(0.0);
 #endif
@@ -43,6 +45,6 @@ vec4 surface_at(vec3 texel) {
   surface.b = float(slot) / 255.0;
   return surface;
 #else
-  return texture(surface_map, texel);
+  return textureLod(surface_map, texel, 0.0);
 #endif
 }

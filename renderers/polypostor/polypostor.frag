@@ -54,10 +54,11 @@ void main() {
 #endif
   vec4 albedo = texture(albedo_map, v_texel);
   if (albedo.a < 0.5) discard;
-  vec2 normal = texture(normal_map, v_texel).rg;
-  float material = texture(material_map, v_texel).r;
+  // Derivatives are undefined from here on; the maps have one level.
+  vec2 normal = textureLod(normal_map, v_texel, 0.0).rg;
+  float material = textureLod(material_map, v_texel, 0.0).r;
 #ifdef CB_EMISSIVE
-  vec3 emission = texture(emission_map, v_texel).rgb * emission_peak;
+  vec3 emission = textureLod(emission_map, v_texel, 0.0).rgb * emission_peak;
 #else
   const vec3 emission = vec3(0.0);
 #endif

@@ -1,10 +1,27 @@
 #include "scene/cast/cast.h"
 
+#include "core/error.h"
 #include "scene/cast/open_character.h"
 
 namespace crowdbench::scene {
+namespace {
 
-Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder) {
+// The clips that an entry names; whoever named one that is not there is to blame, not the character's file.
+std::vector<int> clips_in_use(const Character& character, const CharacterEntry& entry, const std::string* place) {
+  std::vector<int> clips;
+  try {
+    for (const std::string& name : entry.clips) clips.push_back(require_clip(character, name));
+  } catch (const Error& error) {
+    if (place == nullptr) throw;
+    throw Error(*place, fmt::format("{} of {}", error.wrong, error.where), error.advice);
+  }
+  if (clips.empty()) clips.push_back(character.placement.default_clip);
+  return clips;
+}
+
+}  // namespace
+
+Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder, const KeyPlaces& places) {
   Cast cast;
   double sum = 0;
   for (const CharacterEntry& entry : scenario.characters) sum += entry.share;
@@ -16,9 +33,8 @@ Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder) {
     const bool built_in = entry.source == "mannequin" || entry.source.rfind("mannequin:", 0) == 0;
     const std::string source = built_in || folder.empty() ? entry.source : (folder / entry.source).string();
     auto character = std::make_shared<const Character>(open_character(source, options));
-    std::vector<int> clips;
-    for (const std::string& name : entry.clips) clips.push_back(require_clip(*character, name));
-    if (clips.empty()) clips.push_back(character->placement.default_clip);
+    const auto place = places.find(key_place("character", "clips", cast.characters.size()));
+    const std::vector<int> clips = clips_in_use(*character, entry, place == places.end() ? nullptr : &place->second);
     cast.banks.push_back(std::make_shared<const PoseBank>(*character, clips, scenario.pose_rate));
     cast.characters.push_back(std::move(character));
     cast.shares.push_back(entry.share / sum);

@@ -7,6 +7,7 @@
 #include "scene/character/character.h"
 #include "scene/pose/pose_bank.h"
 #include "scene/scenario/scenario.h"
+#include "scene/scenario/scenario_toml.h"
 
 namespace crowdbench::scene {
 
@@ -15,7 +16,8 @@ struct Cast {
   std::vector<std::shared_ptr<const PoseBank>> banks;
   std::vector<double> shares;  // of the crowd, by character; they sum to 1
 };
-// Loads every character of the scenario; `folder` resolves relative paths. Throws Error.
-Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder = {});
+// Loads every character of the scenario; `folder` resolves relative paths. Throws Error, which names the line of a
+// clip's name where `places` has it.
+Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder = {}, const KeyPlaces& places = {});
 
 }  // namespace crowdbench::scene

@@ -170,6 +170,12 @@ std::string full_name(const std::string& table, const std::string& name) {
   return table.empty() ? name : table + "." + name;
 }
 
+const KeyTable* find_table(const std::string& name) {
+  for (const KeyTable& table : scenario_tables())
+    if (!table.name.empty() && table.name == name) return &table;
+  return nullptr;
+}
+
 // Reads one value as its key's type; every fault names line, key, what was found and what is taken.
 class Reader {
  public:
@@ -312,7 +318,7 @@ class Parser {
       }
       if (key == nullptr) unknown(name, key_name, entry, std::move(known));
       key->set(scenario_, index, Reader(where_, *key).read(entry));
-      if (places_ != nullptr) (*places_)[full] = at_line(where_, line_of(entry));
+      if (places_ != nullptr) (*places_)[key_place(name, key_name, index)] = at_line(where_, line_of(entry));
     }
   }
 
@@ -342,12 +348,6 @@ class Parser {
                     advice);
       table(inner.name, list[i], i);
     }
-  }
-
-  static const KeyTable* find_table(const std::string& name) {
-    for (const KeyTable& table : scenario_tables())
-      if (!table.name.empty() && table.name == name) return &table;
-    return nullptr;
   }
 
   [[noreturn]] void unknown(const std::string& table, const std::string& name, const Toml& value,
@@ -406,6 +406,11 @@ class Parser {
 };
 
 }  // namespace
+
+std::string key_place(const std::string& table, const std::string& key, size_t index) {
+  const KeyTable* const owner = find_table(table);
+  return owner != nullptr && owner->list ? fmt::format("{}[{}].{}", table, index, key) : full_name(table, key);
+}
 
 Scenario parse_scenario(const std::string& toml, const std::string& where, KeyPlaces* places) {
   return Parser(where, places).run(toml);

@@ -9,8 +9,9 @@
 namespace crowdbench::scene {
 
 // Where each key that a file gives stands, "plaza.toml:7" by "crowd.agents": for faults that only those find who use
-// the value. Of keys that lists repeat, the last.
+// the value. The keys of lists have their index: "character[1].clips".
 using KeyPlaces = std::map<std::string, std::string>;
+std::string key_place(const std::string& table, const std::string& key, size_t index = 0);
 
 // Parses a scenario. Unknown keys name the nearest known one; every fault names file and line. Throws Error; hostile
 // text (deep nesting, more than 256 KiB, invalid UTF-8) is refused the same way.

@@ -152,6 +152,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
 
 TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
   write_file(work_ / "wrong.toml", "seed = 4\n\nrepresentation = \"flax\"\n");
+  write_file(work_ / "clip.toml",
+             "[[character]]\nclips = [\"walk\"]\n\n[[character]]\nsource = \"mannequin\"\nclips = [\"wlak\"]\n");
   const struct {
     const char* arguments;
     const char* says;
@@ -186,6 +188,8 @@ TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
       {"render wrong.toml --out x.png", "wrong.toml:3: `representation`: there is no representation 'flax'"},
       {"bench wrong.toml", "wrong.toml:3: `representation`: there is no representation 'flax'"},
       {"view wrong.toml", "wrong.toml:3: `representation`: there is no representation 'flax'"},
+      {"render clip.toml --out x.png", "clip.toml:6: there is no clip 'wlak' of mannequin"},
+      {"render clip.toml --out x.png --clip wlak", "--clip: there is no clip 'wlak' of mannequin"},
       {"pose mannequin --clip wlak", "there is no clip 'wlak'; give a name or an index; it has walk, run, idle, wave"},
   };
   for (const auto& w : wrong) {
