@@ -12,9 +12,12 @@
 #include <vector>
 
 #include "bench/commands/command_line.h"
+#include "bench/commands/compare_region.h"
 #include "bench/commands/options.h"
+#include "bench/commands/score_bounds.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
+#include "core/colour_tags.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
@@ -34,6 +37,8 @@ struct Options {
   std::string over;
   std::string ids_reference;
   std::string ids_test;
+  RegionOptions region;
+  std::vector<std::string> fail_above, fail_below;
   bool json = false;
 };
 
@@ -47,6 +52,8 @@ struct Result {
   int width = 0;
   int height = 0;
   std::vector<metrics::Scored> scores;
+  std::vector<BoundVerdict> verdicts;
+  std::optional<CompareRegion> region;  // none: every pixel
   std::vector<std::string> warnings;
   std::vector<std::string> maps;
   std::optional<metrics::Difference> worst;      // with code values
@@ -121,6 +128,17 @@ void prepare(const Options& options, Pictures& pictures, Result& result) {
   if (!options.over.empty()) result.warnings.push_back("--over has no effect: the pictures have no 8-bit code values");
 }
 
+// Code values are compared as they are stored; where the files give them different colours, that is not what is seen.
+void compare_tags(const Options& options, Result& result) {
+  const std::string reference = colour_tags(std::filesystem::path(options.reference));
+  const std::string test = colour_tags(std::filesystem::path(options.test));
+  if (reference == test) return;
+  const auto said = [](const std::string& tags) { return tags.empty() ? "sRGB or nothing" : tags; };
+  result.warnings.push_back(fmt::format("colour tags differ: {} says {}, {} says {}; values are compared as stored",
+                                        printable(options.reference), said(reference), printable(options.test),
+                                        said(test)));
+}
+
 metrics::Buffers buffers_of(const AnyImage& image, const ImageU32& ids) {
   metrics::Buffers out;
   out.codes = std::get_if<Image8>(&image);
@@ -150,6 +168,7 @@ void write_maps(const std::filesystem::path& folder, const metrics::ScoreInput& 
 }
 
 Result compare(const Options& options, metrics::ScoreTable table) {
+  const std::vector<ScoreBound> bounds = parse_bounds(options.fail_above, options.fail_below, table);
   Pictures pictures{read_image(options.reference), read_image(options.test), {}, {}};
   Result result;
   std::tie(result.width, result.height) = std::visit(
@@ -160,15 +179,21 @@ Result compare(const Options& options, metrics::ScoreTable table) {
   require_size(pictures.test, result.width, result.height, options.test, options.reference + " is",
                "compare pictures of one size");
   prepare(options, pictures, result);
+  compare_tags(options, result);
+  result.region = compare_region(options.region, result.width, result.height);
+  if (result.region && pictures.reference.index() == pictures.test.index())
+    equal_outside(*result.region, pictures.reference, pictures.test);
   if (!options.ids_reference.empty()) read_both_ids(options, pictures, result);
 
   metrics::ScoreInput input{buffers_of(pictures.reference, pictures.reference_ids),
                             buffers_of(pictures.test, pictures.test_ids)};
   const bool codes = (metrics::given(input) & metrics::kNeedsCodes) != 0;
   input.maps = codes && !options.maps.empty();
+  if (result.region) input.region = &result.region->counted;
   metrics::Shared shared;
   // Scores of code values are what people expect: pictures without them say why there are none.
   result.scores = metrics::score_pictures(table, input, shared, metrics::kNeedsCodes);
+  result.verdicts = check_bounds(bounds, result.scores);
   if (codes) result.worst = metrics::region_difference(input, shared);
   if (input.maps) write_maps(options.maps, input, result);
   if (input.reference.ids) result.by_agent = metrics::score_agents(table, input, shared);
@@ -207,6 +232,8 @@ ordered_json to_json(const Options& options, const Result& result) {
   if (result.worst)
     out["worst"] = {{"difference", result.worst->worst}, {"x", result.worst->worst_x}, {"y", result.worst->worst_y}};
   if (!options.over.empty()) out["over"] = options.over;
+  if (result.region) out["region"] = region_json(options.region, *result.region);
+  if (!result.verdicts.empty()) out["bounds"] = bounds_json(result.verdicts);
   out["warnings"] = result.warnings;
   out["maps"] = result.maps;
   if (!result.by_agent) return out;
@@ -228,7 +255,9 @@ void print_agents(const metrics::AgentScores& scores) {
 }
 
 void print_text(const Result& result) {
-  fmt::print("{} x {} pixels\n", result.width, result.height);
+  fmt::print("{} x {} pixels", result.width, result.height);
+  if (result.region) fmt::print(", {} of {} counted", result.region->pixels, int64_t{result.width} * result.height);
+  fmt::print("\n");
   for (const auto& [score, scored] : result.scores) {
     fmt::print("  {:<16} {:>12}  ", score->name, metrics::value_text(*score, scored.value));
     if (scored.value)
@@ -269,6 +298,7 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       "Examples:\n"
       "  crowdbench compare mesh.png flat.png\n"
       "  crowdbench compare mesh.png flat.png --maps maps --json\n"
+      "  crowdbench compare old.png new.png --ignore 0,0,640,24 --fail-above mae=0.5    status 1 where it is more\n"
       "  crowdbench compare a.png b.png --over '#808080'       pictures with alpha, in front of grey\n"
       "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well");
   auto options = std::make_shared<Options>();
@@ -280,6 +310,25 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       ->output_folder();
   command->add_option("--over", options->over,
                       "composite pictures with alpha onto this colour first, '#rrggbb' (else alpha is ignored)");
+  command
+      ->add_option("--ignore", options->region.ignore,
+                   "a rectangle that does not count, x,y,width,height from the upper left; may be repeated.\nThe test "
+                   "takes the reference's pixels there; mae, mse, psnr and ssim_union are means of the rest")
+      ->type_name("X,Y,W,H")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--mask", options->region.mask, "a picture of the same size: black does not count")
+      ->type_name("FILE");
+  command
+      ->add_option("--fail-above", options->fail_above,
+                   "exit 1 where a score is above this (or not available), mae=2; may be repeated")
+      ->type_name("SCORE=VALUE")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--fail-below", options->fail_below, "the same for scores that are better high, ssim=0.98")
+      ->type_name("SCORE=VALUE")
+      ->expected(1)
+      ->take_all();
   auto* ids_ref = command->add_option("--ids-ref", options->ids_reference,
                                       "EXR with the reference's agent ids: scores by agent and of the silhouettes");
   auto* ids_test = command->add_option("--ids-test", options->ids_test, "EXR with the test's agent ids");
@@ -294,7 +343,12 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
         fmt::print("{}\n", to_json(*options, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));
       else
         print_text(result);
-      return 0;
+      bool kept = true;
+      for (const BoundVerdict& verdict : result.verdicts) {
+        if (!verdict.pass) fmt::print(stderr, "crowdbench: {}\n", verdict_text(verdict));
+        kept = kept && verdict.pass;
+      }
+      return kept ? 0 : 1;
     };
   });
 }

@@ -24,6 +24,7 @@ struct Options {
   double seconds = 25;
   std::optional<size_t> frames;
   int supersample = 1;
+  uint64_t fps = 30;
   bool no_ground = false;
   bool json = false;
   studies::ClipSettings clip;
@@ -37,6 +38,7 @@ int run_pair(const Options& options) {
   request.b = parse_representation(options.b, "--b");
   request.supersample = options.supersample;
   request.clip = options.clip;
+  request.clip.fps = static_cast<int>(options.fps);
   request.clip.title = "crowdbench pair";
   if (options.frames) {
     request.frames = *options.frames;
@@ -102,7 +104,11 @@ void add_pair(Command& app, Run& run) {
       ->required()
       ->type_name("R");
   command->add_option("--out", options->out, "the clip to write")->required()->type_name("FILE.mp4")->output_file();
-  auto* seconds = command->add_option("--seconds", options->seconds, "length, at 30 frames a second")
+  command->add_option("--fps", options->fps, "frames a second; the scenario's tick rate must be a multiple of it")
+      ->type_name("N")
+      ->capture_default_str()
+      ->whole_number(1, 240);
+  auto* seconds = command->add_option("--seconds", options->seconds, "length, in seconds")
                       ->type_name("S")
                       ->capture_default_str()
                       ->number(0.01, 3600);

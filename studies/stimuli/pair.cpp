@@ -17,8 +17,9 @@ namespace {
 uint64_t ticks_per_frame(const scene::Scenario& scenario, int fps) {
   const double ticks = scenario.tick_rate / fps;
   if (ticks < 1 || ticks != std::floor(ticks)) {
-    throw Error("tick_rate", fmt::format("{} ticks a second do not divide into {} frames", scenario.tick_rate, fps),
-                fmt::format("make it a multiple of {}", fps));
+    throw Error("--fps", fmt::format("{} ticks a second do not divide into {} frames", scenario.tick_rate, fps),
+                fmt::format("choose a rate that divides {}, or make the scenario's `tick_rate` a multiple of {}",
+                            scenario.tick_rate, fps));
   }
   return static_cast<uint64_t>(ticks);
 }

@@ -33,7 +33,7 @@ fs::path scratch() {
   return folder;
 }
 
-std::string output_of(std::vector<std::string> arguments) {
+std::string output_of(std::vector<std::string> arguments, int expected_status = 0) {
   CLI::App app;
   Run run;
   Command program(app);
@@ -51,7 +51,7 @@ std::string output_of(std::vector<std::string> arguments) {
     ::testing::internal::GetCapturedStderr();
     throw;
   }
-  EXPECT_EQ(status, 0);
+  EXPECT_EQ(status, expected_status);
   std::fflush(stdout);
   ::testing::internal::GetCapturedStderr();
   return ::testing::internal::GetCapturedStdout();
@@ -175,6 +175,121 @@ TEST(Compare, ScoresByAgent) {
                 .find("is no picture of agent ids"),
             std::string::npos);
   fs::remove_all(folder);
+}
+
+// Two grey pictures whose left half differs by 40 and whose right half by 10.
+class CompareRegions : public ::testing::Test {
+ protected:
+  CompareRegions() {
+    Image8 a(200, 180, 3);
+    std::fill(a.data.begin(), a.data.end(), uint8_t{100});
+    Image8 b = a;
+    Image8 mask(200, 180, 1);
+    for (int y = 0; y < 180; ++y)
+      for (int x = 0; x < 200; ++x) {
+        for (int c = 0; c < 3; ++c) b.at(x, y)[c] = x < 100 ? 140 : 110;
+        *mask.at(x, y) = x < 100 ? 255 : 0;
+      }
+    write_png(reference, a);
+    write_png(test, b);
+    write_png(left, mask);
+  }
+  ~CompareRegions() override { fs::remove_all(folder); }
+  json scores(std::vector<std::string> more) { return compared(reference, test, std::move(more)); }
+
+  fs::path folder = scratch(), reference = folder / "a.png", test = folder / "b.png", left = folder / "left.png";
+};
+
+TEST_F(CompareRegions, WhatIsIgnoredHasNoSay) {
+  EXPECT_FALSE(scores({}).contains("region"));
+  const json right = scores({"--ignore", "0,0,100,180"});
+  EXPECT_EQ(right["region"]["pixels"], 100 * 180);
+  EXPECT_EQ(right["region"]["ignore"], json({{0, 0, 100, 180}}));
+  EXPECT_TRUE(right["region"]["mask"].is_null());
+  EXPECT_EQ(right["scores"]["mae"], 10);
+  EXPECT_EQ(right["scores"]["mse"], 100);
+  EXPECT_EQ(right["worst"]["difference"], 10);
+  EXPECT_EQ(scores({"--mask", left.string()})["scores"]["mae"], 40);
+  // Both together leave the lower left quarter.
+  const json quarter = scores({"--mask", left.string(), "--ignore", "0,0,200,90"});
+  EXPECT_EQ(quarter["region"]["pixels"], 100 * 90);
+  EXPECT_EQ(quarter["region"]["mask"], left.string());
+  // Scores of the whole picture see no difference either in what is left out, and some in the rest.
+  EXPECT_GT(right["scores"]["ssim"].get<double>(), scores({})["scores"]["ssim"].get<double>());
+  EXPECT_LT(right["scores"]["ssim"].get<double>(), 1);
+  // Rectangles may reach over the edge; several add up.
+  EXPECT_EQ(scores({"--ignore", "150,0,9999,9999", "--ignore", "0,0,100,180"})["region"]["pixels"], 50 * 180);
+}
+
+TEST_F(CompareRegions, EqualPicturesButForWhatIsIgnoredScoreAsEqual) {
+  Image8 b = decode_png(read_file(reference), "a.png");
+  for (int y = 20; y < 40; ++y) b.at(60, y)[1] = 255;
+  write_png(test, b);
+  EXPECT_LT(scores({})["scores"]["ssim"].get<double>(), 1);
+  const json out = scores({"--ignore", "60,20,1,20"});
+  for (const char* name : {"ssim", "ms_ssim", "ssim_union"}) EXPECT_EQ(out["scores"][name], 1) << name;
+  EXPECT_EQ(out["scores"]["gmsd"], 0);
+  EXPECT_EQ(out["scores"]["psnr"], "inf");
+}
+
+TEST_F(CompareRegions, WrongRegionsAreRefused) {
+  for (const char* wrong : {"1,2,3", "1,2,3,4,5", "-1,0,5,5", "0,0,0,5", "a,b,c,d", "0,0,5,5 ", ""})
+    EXPECT_NE(error_of(reference, test, {"--ignore", wrong}).find("is not a rectangle"), std::string::npos) << wrong;
+  EXPECT_NE(error_of(reference, test, {"--ignore", "200,0,5,5"}).find("lies outside the picture"), std::string::npos);
+  EXPECT_NE(error_of(reference, test, {"--ignore", "0,0,200,180"}).find("leaves no pixel"), std::string::npos);
+  write_png(left, Image8(10, 10, 1));
+  EXPECT_NE(error_of(reference, test, {"--mask", left.string()}).find("is 10 x 10 pixels"), std::string::npos);
+}
+
+TEST_F(CompareRegions, BoundsDecideTheExitStatus) {
+  const auto status = [&](std::vector<std::string> more, int expected) {
+    more.insert(more.begin(), {reference.string(), test.string(), "--json"});
+    return json::parse(output_of(std::move(more), expected));
+  };
+  const json kept = status({"--fail-above", "mae=25", "--fail-below", "ssim=0.5"}, 0);  // (40 + 10) / 2
+  EXPECT_EQ(kept["bounds"][0]["score"], "mae");
+  EXPECT_EQ(kept["bounds"][0]["fail_above"], 25);
+  EXPECT_EQ(kept["bounds"][0]["value"], 25);
+  EXPECT_EQ(kept["bounds"][0]["pass"], true);
+  EXPECT_EQ(kept["bounds"][1]["fail_below"], 0.5);
+  EXPECT_EQ(status({"--fail-above", "mae=24.9"}, 1)["bounds"][0]["pass"], false);
+  EXPECT_EQ(status({"--fail-above", "mae=24.9", "--ignore", "0,0,100,180"}, 0)["bounds"][0]["value"], 10);
+  EXPECT_EQ(status({"--fail-below", "psnr=60"}, 1)["bounds"][0]["pass"], false);
+  // What does not exist has not passed.
+  EXPECT_EQ(status({"--fail-above", "linear_mae=1"}, 1)["bounds"][0]["pass"], false);
+  EXPECT_NE(error_of(reference, test, {"--fail-above", "ssim=0.9"}).find("write --fail-below ssim=0.9"),
+            std::string::npos);
+  EXPECT_NE(error_of(reference, test, {"--fail-above", "mea=2"}).find("did you mean 'mae'?"), std::string::npos);
+  for (const char* wrong : {"mae", "mae=", "mae=x", "mae=2 ", "mae=nan"})
+    EXPECT_NE(error_of(reference, test, {"--fail-above", wrong}).find("is not a bound"), std::string::npos) << wrong;
+}
+
+// A chunk of a PNG put before its first IDAT; its checksum is not looked at.
+void insert_chunk(const fs::path& png, const std::string& type, const std::string& data) {
+  const std::vector<uint8_t> bytes = read_file(png);
+  std::string text(bytes.begin(), bytes.end());
+  const auto length = static_cast<uint32_t>(data.size());
+  std::string chunk;
+  for (const int shift : {24, 16, 8, 0}) chunk += static_cast<char>(length >> shift & 0xff);
+  chunk += type + data;
+  uint32_t crc = 0xffffffffU;
+  for (const char c : type + data) {
+    crc ^= static_cast<uint8_t>(c);
+    for (int k = 0; k < 8; ++k) crc = (crc & 1U) != 0 ? 0xedb88320U ^ crc >> 1U : crc >> 1U;
+  }
+  crc = ~crc;
+  for (const int shift : {24, 16, 8, 0}) chunk += static_cast<char>(crc >> shift & 0xff);
+  write_file(png, text.insert(text.find("IDAT") - 4, chunk));
+}
+
+TEST_F(CompareRegions, ColourTagsThatDifferAreSaid) {
+  EXPECT_TRUE(scores({})["warnings"].empty());
+  insert_chunk(test, "cICP", std::string("\x09\x10\x00\x01", 4));
+  const json out = scores({});
+  ASSERT_EQ(out["warnings"].size(), 1U);
+  EXPECT_NE(out["warnings"][0].get<std::string>().find("cICP 9/16/0/1"), std::string::npos) << out["warnings"];
+  insert_chunk(reference, "cICP", std::string("\x09\x10\x00\x01", 4));
+  EXPECT_TRUE(scores({})["warnings"].empty());
 }
 
 TEST(Compare, RefusesPicturesOfTwoSizesAndMissingFiles) {

@@ -115,6 +115,12 @@ TEST_F(PairGl, TicksMustDivideIntoFrames) {
   gl::Context context;
   EXPECT_THROW(export_pair(context, cast, request(scenario, cast), folder / "p.mp4"), Error);
   EXPECT_TRUE(fs::is_empty(folder));
+  // 25 frames a second do: every other tick.
+  PairRequest r = request(scenario, cast);
+  r.clip.fps = 25;
+  const Pair pair = export_pair(context, cast, r, folder / "p.mp4");
+  EXPECT_EQ(pair.clip.fps, 25);
+  EXPECT_NE(pair.manifest.find("\"ticks_per_frame\": 2"), std::string::npos) << pair.manifest;
 }
 
 TEST_F(PairGl, MissedAccuracyLeavesNothing) {

@@ -1,0 +1,92 @@
+#include "bench/commands/score_bounds.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bench/commands/score_json.h"
+#include "core/error.h"
+
+namespace crowdbench::bench {
+namespace {
+
+const metrics::Score& score_named(const std::string& name, const std::string& option, metrics::ScoreTable table) {
+  std::vector<std::string> names;
+  for (const metrics::Score* score : table) {
+    if (score->name == name) return *score;
+    if (score->compute != nullptr) names.emplace_back(score->name);
+  }
+  const std::string nearest = nearest_name(name, names);
+  throw Error(option, fmt::format("there is no score '{}'", printable(name)),
+              nearest.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                              : fmt::format("did you mean '{}'?", nearest));
+}
+
+ScoreBound parse_bound(const std::string& text, bool above, metrics::ScoreTable table) {
+  const std::string option = above ? "--fail-above" : "--fail-below";
+  const size_t equals = text.find('=');
+  double value = 0;
+  bool fine = equals != std::string::npos;
+  if (fine) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, fault] = std::from_chars(text.data() + equals + 1, end, value);
+    fine = fault == std::errc{} && stop == end && std::isfinite(value);
+  }
+  if (!fine)
+    throw Error(option, fmt::format("'{}' is not a bound", printable(text)), "write SCORE=VALUE: mae=2 or ssim=0.98");
+  const metrics::Score& score = score_named(text.substr(0, equals), option, table);
+  if (score.compute == nullptr)
+    throw Error(option, fmt::format("{} is of clips, not of pictures", score.name), "bound a score of pictures");
+  if (above != (score.direction == metrics::Direction::lower_is_better))
+    throw Error(option, fmt::format("{} is better the {} it is", score.name, above ? "higher" : "lower"),
+                fmt::format("write {} {}", above ? "--fail-below" : "--fail-above", printable(text)));
+  return {&score, value, above};
+}
+
+}  // namespace
+
+std::vector<ScoreBound> parse_bounds(const std::vector<std::string>& above, const std::vector<std::string>& below,
+                                     metrics::ScoreTable table) {
+  std::vector<ScoreBound> bounds;
+  for (const std::string& text : above) bounds.push_back(parse_bound(text, true, table));
+  for (const std::string& text : below) bounds.push_back(parse_bound(text, false, table));
+  return bounds;
+}
+
+std::vector<BoundVerdict> check_bounds(const std::vector<ScoreBound>& bounds,
+                                       const std::vector<metrics::Scored>& scores) {
+  std::vector<BoundVerdict> verdicts;
+  for (const ScoreBound& bound : bounds) {
+    BoundVerdict& verdict = verdicts.emplace_back();
+    verdict.bound = bound;
+    const auto scored = std::ranges::find(scores, bound.score, &metrics::Scored::score);
+    verdict.result = scored != scores.end() ? scored->result : metrics::absent("needs what these pictures do not have");
+    const std::optional<double>& value = verdict.result.value;
+    verdict.pass = value && (bound.above ? *value <= bound.value : *value >= bound.value);
+  }
+  return verdicts;
+}
+
+nlohmann::ordered_json bounds_json(const std::vector<BoundVerdict>& verdicts) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const BoundVerdict& v : verdicts)
+    out.push_back({{"score", v.bound.score->name},
+                   {v.bound.above ? "fail_above" : "fail_below", v.bound.value},
+                   {"value", score_json(v.result)},
+                   {"pass", v.pass}});
+  return out;
+}
+
+std::string verdict_text(const BoundVerdict& v) {
+  if (!v.result.value) return fmt::format("{} is not available: {}", v.bound.score->name, v.result.reason);
+  return fmt::format("{} is {}, {} {:g}", v.bound.score->name, fmt::format("{:g}", *v.result.value),
+                     v.pass      ? v.bound.above ? "not above" : "not below"
+                     : v.bound.above ? "above"
+                                     : "below",
+                     v.bound.value);
+}
+
+}  // namespace crowdbench::bench

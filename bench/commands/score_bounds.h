@@ -1,0 +1,34 @@
+// Bounds that scores must keep: `compare --fail-above SCORE=VALUE`, `--fail-below SCORE=VALUE`.
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "metrics/registry.h"
+
+namespace crowdbench::bench {
+
+struct ScoreBound {
+  const metrics::Score* score = nullptr;
+  double value = 0;
+  bool above = true;  // fails above it; else below it
+};
+
+// above, below: "mae=2" each. Throws Error: not of that shape, no such score (the nearest is named), a bound on the side
+// on which the score is better, so that it would refuse good pictures.
+std::vector<ScoreBound> parse_bounds(const std::vector<std::string>& above, const std::vector<std::string>& below,
+                                     metrics::ScoreTable table);
+
+struct BoundVerdict {
+  ScoreBound bound;
+  metrics::ScoreResult result;
+  bool pass = false;  // a score that is not available does not pass
+};
+std::vector<BoundVerdict> check_bounds(const std::vector<ScoreBound>& bounds,
+                                       const std::vector<metrics::Scored>& scores);
+// [{"score", "fail_above" or "fail_below", "value", "pass"}]
+nlohmann::ordered_json bounds_json(const std::vector<BoundVerdict>& verdicts);
+// "mae is 2.31, above 2"
+std::string verdict_text(const BoundVerdict& verdict);
+
+}  // namespace crowdbench::bench
