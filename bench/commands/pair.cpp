@@ -96,6 +96,8 @@ void add_pair(Command& app, Run& run) {
       "The same scenario and seed give the same bytes on one machine and build. A manifest (JSON) beside the clip "
       "says\n"
       "which half is which, by what rule, and how far the decoded frames lie from the drawn ones.\n"
+      "The clip is H.264 with all colour samples (4:4:4), which Chromium plays; Safari, and Firefox on some systems,\n"
+      "refuse it.\n"
       "Example:\n  crowdbench pair --a mesh --b flat --agents 250 --seconds 10 --out clip.mp4");
   auto options = std::make_shared<Options>();
   add_scene_options(*command, options->scene);
