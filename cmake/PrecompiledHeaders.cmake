@@ -39,6 +39,7 @@ function(crowdbench_precompile target kind)
     if(kind STREQUAL "test")
       target_link_libraries(${owner} PRIVATE GTest::gtest)
       target_compile_options(${owner} PRIVATE -fPIE)  # tests are programs, and position-independent as such
+      set_target_properties(${owner} PROPERTIES CROWDBENCH_TEST ON)
     endif()
     target_precompile_headers(${owner} PRIVATE ${crowdbench_headers_${kind}})
     target_compile_options(${owner} PRIVATE ${crowdbench_precompiled_options})

@@ -7,6 +7,7 @@
 # (only `view` needs it). The loaders in front of the drivers (libEGL, libOpenGL, libGLdispatch: glvnd) are in lib/glvnd and
 # used where the machine has none. The modules that bring OpenImageIO and FFmpeg are
 # left out; the driver says so when something asks for them.
+# A command whose reader leaves early ends by a signal, and pipefail takes that for a failure: every reader here reads on.
 set -euo pipefail
 limit_mib=48
 
@@ -76,7 +77,7 @@ done < <(ldd "${objects[@]}" | grep '=>' | grep -v '^/' | sort -u)
 
 mkdir -p "$top/lib/glvnd"
 for soname in libEGL.so.1 libOpenGL.so.0 libGLdispatch.so.0; do
-  path=$(ldconfig -p | awk -v name="$soname" '$1 == name && /x86-64/ { print $NF; exit }')
+  path=$(ldconfig -p | awk -v name="$soname" '$1 == name && /x86-64/ && !n++ { print $NF }')
   [ -n "$path" ] || fail "$soname is missing (libegl1, libopengl0, libglvnd0)"
   install -m 755 "$path" "$top/lib/glvnd/$soname"
   copied+=("$path")
@@ -110,7 +111,7 @@ done
 cp "$source_dir/LICENSE" "$top/LICENSE"
 for path in "${copied[@]}"; do
   # By the file's name: a package may list it below /lib, the link it was found by lies below /usr/lib.
-  package=$(dpkg-query -S "*/$(basename "$(readlink -f "$path")")" | head -n 1 | cut -d: -f1) || package=
+  package=$(dpkg-query -S "*/$(basename "$(readlink -f "$path")")" | awk -F: 'NR == 1 { print $1 }') || package=
   [ -r "/usr/share/doc/$package/copyright" ] || fail "no licence found for $path"
   install -m 644 "/usr/share/doc/$package/copyright" "$top/licences/$package"
 done

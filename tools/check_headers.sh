@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Fails when a header does not compile alone. Usage: check_headers.sh BUILD_DIR (a configured build, for its include paths)
+# Fails when a header does not compile alone. Usage: check_headers.sh BUILD_DIR [HEADER...]
+# BUILD_DIR: a configured build, for its include paths. Without HEADERs every one of the product.
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
-build=${1:-build/release}
-commands=$build/compile_commands.json
+top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+commands=$(realpath -m "${1:-$top/build/release}")/compile_commands.json
+[ $# -eq 0 ] || shift
 [ -f "$commands" ] || { echo "check_headers: no $commands; configure first" >&2; exit 2; }
 
 # Every include path and definition that any target uses, once.
@@ -16,6 +17,13 @@ compile() {
 }
 export -f compile
 export flags
+if [ $# -gt 0 ]; then
+  mapfile -t headers < <(realpath -m "$@")
+  cd "$top"
+  printf '%s\0' "${headers[@]}" | xargs -0 -n 1 -P "$(nproc)" bash -c 'compile "$0"'
+  exit
+fi
+cd "$top"
 find core store scene renderers metrics studies reports bench -name '*.h' -print0 |
   xargs -0 -r -n 1 -P "$(nproc)" bash -c 'compile "$0"'
 echo "check_headers: every header compiles alone"

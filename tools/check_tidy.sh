@@ -4,6 +4,7 @@
 set -euo pipefail
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$top"
+[ $# -ge 2 ] || { echo "usage: check_tidy.sh BUILD_DIR JOBS [FILE...]" >&2; exit 2; }
 build=$1
 jobs=$2
 shift 2
@@ -17,5 +18,5 @@ files() {
     git ls-files -- 'core/*.cpp' 'store/*.cpp' 'scene/*.cpp' 'renderers/*.cpp' 'metrics/*.cpp' 'studies/*.cpp' 'bench/*.cpp' 'reports/*.cpp'
   fi
 }
-files "$@" | xargs -P "$jobs" -n 2 clang-tidy -p "$database" --quiet \
+files "$@" | xargs -P "$jobs" -n 2 clang-tidy -p "$database" --config-file="$top/.clang-tidy" --quiet \
   2> >(grep -vE '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header' >&2)

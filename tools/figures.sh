@@ -26,8 +26,22 @@ while [ $# -gt 0 ]; do
 done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-trap 'exit 130' INT
-trap 'exit 143' TERM
+
+publish() {
+  cp "$work/page" "$out.part"
+  mv "$out.part" "$out"
+}
+# Whoever ends it early, gpu_check when its time is up, keeps the tables that are there.
+cut_short() {  # STATUS
+  trap '' INT TERM
+  if [ -s "$work/page" ]; then
+    printf '\nEnded before all was measured: what is missing here was not reached.\n' >>"$work/page"
+    publish
+  fi
+  exit "$1"
+}
+trap 'cut_short 130' INT
+trap 'cut_short 143' TERM
 
 # ---- commands and their JSON ------------------------------------------------------------------------------------------
 
@@ -220,5 +234,4 @@ TEXT
 
 small=flat:views=sphere-8x2,frames=4
 page >"$work/page"
-cp "$work/page" "$out.part"
-mv "$out.part" "$out"
+publish

@@ -2,13 +2,14 @@
 // rigid artefacts (rule, capture), each cell's error against the mesh and its time beside it, as Markdown tables.
 //
 //   node tools/relief_sweep.mjs DRIVER FOLDER [--axis NAME=A;B;C]... [--only AXIS]
+//   node tools/relief_sweep.mjs DRIVER FOLDER --tiny    two cells of a small crowd, to see that it runs
 //
 // FOLDER keeps every cell (FOLDER/CELL.json, CELL.sqlite): ended and started again, it goes on where it was.
 // --axis: other values than the ones below; --only: vary that axis alone, the others at their last value.
-import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { asks } from './driver.mjs';
 
 const axes = {
   map: ['32', '64', '256', '128'],
@@ -18,13 +19,15 @@ const axes = {
 };
 
 function usage(message) {
-  console.error(`relief_sweep: ${message}\nusage: relief_sweep.mjs DRIVER FOLDER [--axis NAME=A;B;C]... [--only AXIS]`);
+  console.error(`relief_sweep: ${message}\nusage: relief_sweep.mjs DRIVER FOLDER [--axis NAME=A;B;C]... [--only AXIS] | --tiny`);
   process.exit(2);
 }
 const [driver, folder, ...rest] = process.argv.slice(2);
 if (!driver || !folder) usage('the driver and a folder are needed');
 let only;
-for (let i = 0; i < rest.length; i += 2) {
+const tiny = rest[0] === '--tiny' && rest.length === 1;
+if (tiny) Object.assign(axes, { map: ['32', '64'], steps: ['4+0'], rule: ['dominant'], capture: ['bind'] });
+for (let i = 0; i < rest.length && !tiny; i += 2) {
   const [name, values] = (rest[i + 1] ?? '').split('=');
   if (!(name in axes)) usage(`there is no axis '${name}': ${Object.keys(axes).join(', ')}`);
   if (rest[i] === '--axis' && values) axes[name] = values.split(';');
@@ -34,8 +37,12 @@ for (let i = 0; i < rest.length; i += 2) {
 if (only) for (const name of Object.keys(axes)) if (name !== only) axes[name] = axes[name].slice(-1);
 
 const scenario = join(dirname(fileURLToPath(import.meta.url)), '../bench/scenarios/relief_sweep.toml');
+const character = tiny ? ['--character', 'mannequin:triangles=500'] : [];
+const crowd = tiny ? ['--agents', '10', '--size', '160x120'] : ['--agents', '250', '--size', '640x480'];
+const views = tiny ? ['--height-px', '30', '--azimuth-deg', '0', '--time', '0.1']
+  : ['--height-px', '60,120,240', '--azimuth-deg', '0,45,90', '--time', '0.1,0.6'];
 mkdirSync(folder, { recursive: true });
-const call = (...args) => JSON.parse(execFileSync(driver, args, { stdio: ['ignore', 'pipe', 'ignore'], maxBuffer: 1 << 28 }));
+const call = asks(driver);
 
 function measure(cell) {
   const search = cell.steps.includes('+') ? `search=linear,steps=${cell.steps}` : `search=${cell.steps}`;
@@ -43,11 +50,10 @@ function measure(cell) {
   const spec = `relief:map=${cell.map},${search},rule=${cell.rule},capture=${cell.capture},merge=0`;
   const name = join(folder, Object.values(cell).join('_').replace(/[^\w.+-]/g, '-'));
   if (existsSync(`${name}.json`)) return JSON.parse(readFileSync(`${name}.json`, 'utf8'));
-  const { rows } = call('quality', '--representation', spec, '--height-px', '60,120,240', '--azimuth-deg', '0,45,90',
-    '--time', '0.1,0.6', '--json');
+  const { rows } = call('quality', '--representation', spec, ...character, ...views);
   const mean = (key) => rows.reduce((sum, row) => sum + row[key], 0) / rows.length;
-  const { measurements } = call('bench', scenario, '--representation', spec, '--agents', '250', '--occupancy', '0.15',
-    '--size', '640x480', '--rounds', '10', '--no-floors', '--budget-ms', '60000', '--out', `${name}.sqlite`, '--json');
+  const { measurements } = call('bench', scenario, '--representation', spec, ...character, ...crowd,
+    '--occupancy', '0.15', '--rounds', '10', '--no-floors', '--budget-ms', '60000', '--out', `${name}.sqlite`);
   const relief = measurements.find((row) => row.representation !== 'mesh');
   const mesh = measurements.find((row) => row.representation === 'mesh');
   if (relief?.status !== 'valid' || mesh?.status !== 'valid') throw new Error(`${spec}: not timed (${relief?.status}: ${relief?.reason})`);

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "renderers/gl/context.h"
 #include "scene/mannequin/mannequin.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -20,6 +21,7 @@ class AuditGl : public ::testing::Test {
 };
 
 TEST_F(AuditGl, StatesStepsBytesAndTheLimit) {
+  CROWDBENCH_SKIP_SANITIZED("MirroringIsComparedWithTheFullTurn");
   const ViewAudit a = audit("flat:views=sphere-8x4,frames=4,texels=64");
   EXPECT_EQ(a.views, 32);
   EXPECT_NEAR(a.step_deg_max, 45, 1e-9) << "azimuths on the horizon";
@@ -50,6 +52,7 @@ TEST_F(AuditGl, MirroringIsComparedWithTheFullTurn) {
 }
 
 TEST_F(AuditGl, MovingCornersAreAsGoodBetweenFrames) {
+  CROWDBENCH_SKIP_SANITIZED("BakeReportGl.PolypostorsAreAudited");
   const std::string sampling = ":views=sphere-6x3,frames=8,texels=64";
   const ViewAudit a = audit("polypostor" + sampling);
   const ViewAudit still = audit("flat" + sampling);

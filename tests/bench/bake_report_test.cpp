@@ -8,6 +8,7 @@
 
 #include "renderers/representation.h"
 #include "tests/support/driver.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
@@ -35,6 +36,7 @@ TEST(BakeReportGl, NominalBytesOfTheSource) {
 
 // One frame of 136 views on 1024 x 1024 texels: 7 MiB as RGBA and RGB, 1.5 MiB as blocks.
 TEST(BakeReportGl, AFrameOfViewsAsTheSourceCountsIt) {
+  CROWDBENCH_SKIP_SANITIZED("NominalBytesOfTheSource");
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
   const json out = report("flat:texels=85,frames=1 --character mannequin:triangles=500");
   ASSERT_TRUE(out.is_object());

@@ -5,6 +5,7 @@
 #include "renderers/gl/context.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 // are at most half a pixel: a quarter of a pixel each way. So silhouettes lie at most half a pixel farther from the
 // mesh's, on average, than those of joints on their own.
 TEST(ReliefTiersGl, StrayByTheirTolerance) {
+  CROWDBENCH_SKIP_SANITIZED("QualityGl");
   gl::Context context;
   QualitySetup setup;
   setup.character = std::make_shared<const scene::Character>(scene::open_character("mannequin"));

@@ -7,6 +7,7 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "tests/support/driver.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
@@ -64,6 +65,7 @@ TEST_F(RenderGl, BytesDoNotDependOnThreadsPlatformOrRun) {
 // llvmpipe's shader cache does not know the vector width: code of one width must not run at another, either way. A tier
 // of 13 or 9 boxes of 4 corners has no multiple of 8 vertices, which code 8 lanes wide would write.
 TEST_F(RenderGl, ANarrowedDriverSharesNoShaderCache) {
+  CROWDBENCH_SKIP_SANITIZED("BytesDoNotDependOnThreadsPlatformOrRun");
   const auto render = [&](const std::string& shaders, const std::string& representation,
                           const std::string& environment) {
     const Outcome outcome =

@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -61,6 +62,7 @@ TEST_F(FlatGl, CoverageOfACrowdIsKeptWhenAgentsAreSpecks) {
 
 // Figures that overlap: shapes must be kept too, since blobs of the same area would cover more of the picture.
 TEST_F(FlatGl, AHundredThousandAgentsCoverWhatTheirMeshesCover) {
+  CROWDBENCH_SKIP_SANITIZED("CoverageOfACrowdIsKeptWhenAgentsAreSpecks");
   Specks specks(1.5, 640, 480);
   for (int i = 0; i < 100000; ++i) {
     const double x = 600 / specks.metre * (random_unit(7, static_cast<uint64_t>(i), 1) - 0.5);

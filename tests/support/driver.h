@@ -19,10 +19,8 @@ struct Outcome {
 
 inline bool driver_is_built() { return std::filesystem::exists(program_directory() / "crowdbench"); }
 
-// `prefix` stands before the driver in the shell's line: variables (A=1) or `cd DIR;`. `with_stderr`: false for JSON.
-inline Outcome run_driver(const std::string& prefix, const std::string& arguments, bool with_stderr = true) {
-  const std::string command = prefix + " '" + (program_directory() / "crowdbench").string() + "' " + arguments +
-                              (with_stderr ? " 2>&1" : " 2>/dev/null");
+// A line of the shell.
+inline Outcome run_shell(const std::string& command) {
   Outcome out;
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return out;
@@ -31,6 +29,12 @@ inline Outcome run_driver(const std::string& prefix, const std::string& argument
   const int status = pclose(pipe);
   out.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return out;
+}
+
+// `prefix` stands before the driver in the shell's line: variables (A=1) or `cd DIR;`. `with_stderr`: false for JSON.
+inline Outcome run_driver(const std::string& prefix, const std::string& arguments, bool with_stderr = true) {
+  return run_shell(prefix + " '" + (program_directory() / "crowdbench").string() + "' " + arguments +
+                   (with_stderr ? " 2>&1" : " 2>/dev/null"));
 }
 
 }  // namespace crowdbench::support

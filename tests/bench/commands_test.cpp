@@ -1,0 +1,448 @@
+// Every command that `crowdbench --help` lists is run once as a user would, on tiny input, and what it is for is looked
+// at. And every command line that the documentation prints is one that the driver takes.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "core/files.h"
+#include "core/image_io.h"
+#include "test_paths.h"
+#include "tests/support/driver.h"
+#include "tests/support/driver_help.h"
+#include "tests/support/sanitized.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/xvfb.h"
+
+namespace crowdbench::bench {
+namespace {
+namespace fs = std::filesystem;
+
+using nlohmann::json;
+using support::Outcome;
+
+constexpr const char* kImpostor = "flat:views=sphere-8x3,texels=32,frames=2";
+constexpr const char* kCharacter = " --character mannequin:triangles=500";
+
+class CommandsGl : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+    fs::create_directories(work_);
+  }
+  // Runs in a folder of the test's own, where all share one cache of bakes.
+  Outcome run(const std::string& arguments, bool with_stderr = true) const {
+    return support::run_driver("cd '" + work_.string() + "' && " + display_ + " CROWDBENCH_CACHE_DIR=../cache",
+                               arguments, with_stderr);
+  }
+  // What it prints as JSON; it must succeed.
+  json facts(const std::string& arguments) const {
+    const Outcome outcome = run(arguments, false);
+    EXPECT_EQ(outcome.status, 0) << arguments << "\n" << run(arguments).text;
+    json parsed = json::parse(outcome.text, nullptr, false);
+    EXPECT_FALSE(parsed.is_discarded()) << arguments << "\n" << outcome.text;
+    return parsed;
+  }
+  std::string text(const std::string& file) const { return read_text(work_ / file); }
+  Image8 picture(const std::string& file) const { return decode_png(read_file(work_ / file), file); }
+
+  support::ScratchFolder folder_;
+  fs::path work_ = folder_ / "work";
+  std::string display_;
+};
+
+bool is_flat(const Image8& image) {
+  for (size_t i = 0; i < image.data.size(); ++i)
+    if (image.data[i] != image.data[i % static_cast<size_t>(image.channels)]) return false;
+  return true;
+}
+
+// In this order: some read what others wrote.
+TEST_F(CommandsGl, EachDoesWhatItIsFor) {
+  const std::string impostor = kImpostor;
+  const std::string character = kCharacter;
+  struct Trial {
+    std::string command;
+    std::function<void()> run;
+  };
+  const std::vector<Trial> trials = {
+      {"info",
+       [&] {
+         const json j = facts("info --json");
+         EXPECT_FALSE(j.at("renderer").get<std::string>().empty());
+         EXPECT_FALSE(j.at("gl_version").get<std::string>().empty());
+         EXPECT_TRUE(j.at("devices").is_array());
+         EXPECT_GE(j.at("limits").at("texture_size").get<int>(), 4096);
+         EXPECT_TRUE(j.at("gpu_timer").at("trusted").is_boolean());
+         std::set<std::string> names;
+         for (const json& r : facts("info --representations --json")) names.insert(r.at("name").get<std::string>());
+         EXPECT_TRUE(names.contains("mesh"));
+         EXPECT_TRUE(names.contains("flat"));
+       }},
+      {"inspect",
+       [&] {
+         const json j = facts("inspect mannequin:triangles=500 --out m.glb --json");
+         EXPECT_GT(j.at("clips").size(), 0U);
+         EXPECT_EQ(text("m.glb").substr(0, 4), "glTF");
+       }},
+      {"pose",
+       [&] {
+         const json j = facts("pose m.glb --clip walk --time 0.2 --vertex 0 --json");
+         EXPECT_EQ(j.at("samples").at("0").size(), 3U);
+         EXPECT_LT(j.at("bbox_min").at(1).get<double>(), j.at("bbox_max").at(1).get<double>());
+       }},
+      {"schema",
+       [&] {
+         EXPECT_TRUE(facts("schema").contains("properties"));
+         EXPECT_NE(run("schema --markdown").text.find("agents"), std::string::npos);
+         EXPECT_NE(run("schema --scores").text.find("ssim"), std::string::npos);
+         EXPECT_FALSE(facts("schema --results --json").empty());
+         const Outcome defaults = run("schema --defaults", false);
+         ASSERT_EQ(defaults.status, 0);
+         write_file(work_ / "defaults.toml", defaults.text);
+       }},
+      {"render",
+       [&] {
+         const std::string stage = "render defaults.toml --agents 8 --size 96x72" + character;
+         EXPECT_EQ(run(stage + " --out mesh.png").status, 0);
+         EXPECT_EQ(run(stage + " --representation " + impostor + " --out flat.png").status, 0);
+         EXPECT_EQ(picture("mesh.png").width, 96);
+         EXPECT_EQ(picture("mesh.png").height, 72);
+         EXPECT_FALSE(is_flat(picture("mesh.png")));
+         EXPECT_NE(picture("mesh.png").data, picture("flat.png").data);
+       }},
+      {"bake",
+       [&] {
+         const json j = facts("bake --representation " + impostor + character + " --json");
+         EXPECT_TRUE(j.at("cached").get<bool>()) << "render has made it";
+         EXPECT_GT(j.at("gpu_bytes").get<int64_t>(), 10'000);
+         EXPECT_GT(j.at("disk_bytes").get<int64_t>(), 10'000);
+       }},
+      {"compare",
+       [&] {
+         const json j = facts("compare mesh.png flat.png --maps maps --json");
+         EXPECT_EQ(j.at("width"), 96);
+         EXPECT_GT(j.at("scores").at("ssim").get<double>(), 0.5);
+         EXPECT_LT(j.at("scores").at("ssim").get<double>(), 1.0);
+         EXPECT_EQ(picture("maps/absdiff.png").width, 96);
+         EXPECT_EQ(facts("compare mesh.png mesh.png --json").at("scores").at("ssim"), 1.0);
+       }},
+      {"quality",
+       [&] {
+         const json rows =
+             facts("quality --representation " + impostor + " --height-px 40 --rows 64 --json" + character).at("rows");
+         ASSERT_GE(rows.size(), 1U);
+         for (const json& row : rows) {
+           EXPECT_GT(row.at("silhouette_iou").get<double>(), 0.6);
+           EXPECT_LE(row.at("silhouette_iou").get<double>(), 1.0);
+         }
+       }},
+      {"switch-distance",
+       [&] {
+         const json rows =
+             facts("switch-distance --representation " + impostor + " --ratio 1 --size 128x96 --json" + character)
+                 .at("rows");
+         ASSERT_EQ(rows.size(), 1U);
+         const double derived = rows[0].at("depth_m").get<double>();
+         EXPECT_GT(derived, 0.1);
+         EXPECT_NEAR(rows[0].at("measured_depth_m").get<double>() / derived, 1.0, 0.02);
+       }},
+      {"popmap",
+       [&] {
+         const json sizes =
+             facts("popmap --representation " + impostor +
+                   " --azimuth-deg 0 --elevation-deg 0 --phase 0.1 --ratio 1 --out pops --json" + character)
+                 .at("sizes");
+         ASSERT_EQ(sizes.size(), 1U);
+         EXPECT_EQ(sizes[0].at("cells"), 1);
+         EXPECT_GT(sizes[0].at("switch").size(), 0U);
+         EXPECT_FALSE(fs::is_empty(work_ / "pops"));
+       }},
+      {"ratio",
+       [&] {
+         const json j =
+             facts("ratio --of mesh --to mesh:floor=1 --agents 4 --size 64x48 --pairs 20 --json" + character);
+         EXPECT_TRUE(j.at("valid").get<bool>());
+         EXPECT_EQ(j.at("pairs"), 20);
+         const double ratio = j.at(j.at("headline").get<std::string>() + "_ratio").get<double>();
+         EXPECT_GT(ratio, 0.02);
+         EXPECT_LT(ratio, 50);
+         EXPECT_LE(j.at("interval").at(0).get<double>(), ratio);
+         EXPECT_GE(j.at("interval").at(1).get<double>(), ratio);
+       }},
+      {"bench",
+       [&] {
+         const json j =
+             facts("bench --representation " + impostor +
+                   " --agents 2,5 --occupancy 0 --size 64x48 --rounds 10 --no-floors --budget-ms 60000 --out "
+                   "r.sqlite --json" +
+                   character);
+         ASSERT_EQ(j.at("measurements").size(), 4U);
+         for (const json& row : j.at("measurements")) {
+           EXPECT_EQ(row.at("status"), "valid") << row.dump();
+           EXPECT_GT(row.at("frame_ns").get<double>(), 0);
+         }
+         EXPECT_EQ(text("r.sqlite").substr(0, 13), "SQLite format");
+       }},
+      {"report",
+       [&] {
+         const Outcome outcome =
+             run("report r.sqlite --out r.html --markdown r.md --csv r.csv --scores-csv s.csv --json-out r.json "
+                 "--google-benchmark g.json");
+         EXPECT_EQ(outcome.status, 0) << outcome.text;
+         EXPECT_NE(text("r.html").find("</html>"), std::string::npos);
+         EXPECT_NE(text("r.md").find("flat"), std::string::npos);
+         EXPECT_NE(text("r.csv").find("frame_ns"), std::string::npos);
+         EXPECT_NE(text("s.csv").find("ssim"), std::string::npos);
+         EXPECT_EQ(json::parse(text("r.json")).at("measurements").size(), 4U);
+         EXPECT_GT(json::parse(text("g.json")).at("benchmarks").size(), 0U);
+       }},
+      {"pair",
+       [&] {
+         const json j = facts("pair --a mesh --b " + impostor +
+                              " --agents 4 --size 64x48 --frames 3 --out clip.mp4 --json" + character);
+         EXPECT_EQ(j, json::parse(text("clip.json")));
+         EXPECT_FALSE(j.at("equal").get<bool>());
+         EXPECT_GT(fs::file_size(work_ / "clip.mp4"), 1000U);
+       }},
+      {"view",
+       [&] {
+         const std::string line = "view --agents 4 --size 64x48 --frames 2 --screenshot v.png" + character;
+         if (!test::Xvfb::installed()) {
+           const Outcome outcome = run(line);
+           EXPECT_EQ(outcome.status, 2) << "without a display it says so (Xvfb is not installed)";
+           return;
+         }
+         const test::Xvfb server;
+         display_ = "DISPLAY=" + server.display() + " WAYLAND_DISPLAY=";
+         const Outcome outcome = run(line);
+         display_.clear();
+         ASSERT_EQ(outcome.status, 0) << outcome.text;
+         EXPECT_FALSE(is_flat(picture("v.png")));
+       }},
+      {"demo",
+       [&] {
+         const Outcome outcome =
+             run("demo --tiny --representation flat:views=sphere-8x3,texels=64,frames=8" + character, false);
+         EXPECT_EQ(outcome.status, 0) << outcome.text;
+         EXPECT_TRUE(outcome.text.ends_with("/crowdbench-demo/report.html\n"))
+             << "the report's path, last: " << outcome.text;
+         EXPECT_NE(text("crowdbench-demo/report.html").find("</html>"), std::string::npos);
+         EXPECT_EQ(text("crowdbench-demo/results.sqlite").substr(0, 13), "SQLite format");
+         int clips = 0;
+         for (const auto& entry : fs::directory_iterator(work_ / "crowdbench-demo"))
+           clips += entry.path().extension() == ".mp4" ? 1 : 0;
+         EXPECT_GE(clips, 1);
+       }},
+  };
+  std::set<std::string> listed;
+  for (const std::string& command : support::driver_commands()) listed.insert(command);
+  std::set<std::string> tried;
+  for (const Trial& trial : trials) tried.insert(trial.command);
+  EXPECT_EQ(tried, listed) << "the table above holds every command of --help, and no other";
+  for (const Trial& trial : trials) {
+    SCOPED_TRACE(trial.command);
+    trial.run();
+    if (HasFatalFailure()) return;
+  }
+}
+
+// ---- the documentation
+
+// The words of one simple command, as a shell splits them: up to its end, or where its comment begins.
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  std::string word;
+  bool inside = false;
+  char quote = 0;
+  for (const char c : text + " ") {
+    if (quote != 0) {
+      if (c == quote)
+        quote = 0;
+      else
+        word += c;
+    } else if (c == '\'' || c == '"') {
+      quote = c;
+      inside = true;
+    } else if (c == ';' || c == '|' || c == '&' || c == '>' || c == ' ' || c == '\n' || (c == '#' && !inside)) {
+      if (inside) words.push_back(word);
+      word.clear();
+      inside = false;
+      if (c != ' ' && c != '\n') break;
+    } else {
+      word += c;
+      inside = true;
+    }
+  }
+  return words;
+}
+
+struct Printed {
+  std::string place;  // FILE:LINE
+  std::vector<std::string> words;
+};
+
+// What follows PROGRAM in the code of a Markdown file: its indented lines, and what stands between backticks.
+std::vector<Printed> printed_commands(const fs::path& file, const std::vector<std::string>& programs) {
+  std::vector<std::pair<int, std::string>> codes;
+  std::istringstream lines(read_text(file));
+  std::string line;
+  std::string open;  // the inline code that the lines before have begun
+  bool inside = false;
+  int number = 0;
+  while (std::getline(lines, line)) {
+    ++number;
+    if (!inside && line.starts_with("    ")) {
+      codes.emplace_back(number, line);
+      continue;
+    }
+    if (line.empty()) inside = false;
+    for (const char c : line + "\n") {
+      if (c == '`') {
+        if (inside) codes.emplace_back(number, open);
+        inside = !inside;
+        open.clear();
+      } else if (inside) {
+        open += c;
+      }
+    }
+  }
+  std::vector<Printed> out;
+  for (const auto& [where, code] : codes)
+    for (const std::string& program : programs)
+      for (size_t at = code.find(program + " "); at != std::string::npos; at = code.find(program + " ", at + 1)) {
+        if (at > 0 && code[at - 1] != ' ') continue;
+        out.push_back(
+            {file.filename().string() + ":" + std::to_string(where), words_of(code.substr(at + program.size() + 1))});
+      }
+  return out;
+}
+
+std::vector<fs::path> documentation() {
+  std::vector<fs::path> files;
+  const fs::path top = CROWDBENCH_SOURCE_DIR;
+  for (const char* name : {"README.md", "CONTRIBUTING.md", "CHANGELOG.md"}) files.push_back(top / name);
+  for (const char* room : {"docs", "renderers", "studies", "metrics", "reports", "bench"})
+    for (const auto& entry : fs::recursive_directory_iterator(top / room))
+      if (entry.path().extension() == ".md") files.push_back(entry.path());
+  return files;
+}
+
+// Empty where the driver takes these words; else what it would not take.
+std::string fault_of(const std::vector<std::string>& words) {
+  static std::map<std::string, support::CommandHelp> known;
+  if (known.empty())
+    for (const std::string& command : support::driver_commands()) known[command] = support::driver_help(command);
+  if (words.empty() || words[0] == "--help" || words[0] == "--version") return "";
+  const auto command = known.find(words[0]);
+  if (command == known.end()) return "there is no command '" + words[0] + "'";
+  size_t arguments = 0;
+  for (size_t i = 1; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word == "...") continue;
+    if (!word.starts_with("-")) {
+      ++arguments;
+      continue;
+    }
+    const std::string name = word == "-r" ? "representation" : word.substr(2, word.find('=') - 2);
+    const auto option = command->second.options.find(name);
+    if (option == command->second.options.end()) return words[0] + " has no option '" + word + "'";
+    if (option->second.takes_value && word.find('=') == std::string::npos && ++i == words.size())
+      return words[0] + " " + word + ": its value is missing";
+  }
+  if (arguments > command->second.arguments) return words[0] + " takes fewer arguments";
+  return "";
+}
+
+TEST(Documentation, PrintsCommandLinesThatTheDriverTakes) {
+  CROWDBENCH_SKIP_SANITIZED("Manners.OneThingHasOneNameAndOneWordingInAllCommands");
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  // The reader of command lines itself.
+  EXPECT_EQ(words_of("a 'b c' d=\"e f\"  # g"), (std::vector<std::string>{"a", "b c", "d=e f"}));
+  EXPECT_EQ(words_of("a --b c#d && e"), (std::vector<std::string>{"a", "--b", "c#d"}));
+  EXPECT_EQ(fault_of({"render", "s.toml", "--agents", "5", "--out", "x.png"}), "");
+  EXPECT_EQ(fault_of({"rendr"}), "there is no command 'rendr'");
+  EXPECT_EQ(fault_of({"bake", "polypostor", "--audit"}), "bake takes fewer arguments");
+  EXPECT_EQ(fault_of({"bake", "--frobnicate"}), "bake has no option '--frobnicate'");
+  EXPECT_EQ(fault_of({"render", "--agents"}), "render --agents: its value is missing");
+
+  size_t lines = 0;
+  for (const fs::path& file : documentation())
+    for (const Printed& printed : printed_commands(file, {"crowdbench", "$cb"})) {
+      ++lines;
+      EXPECT_EQ(fault_of(printed.words), "") << printed.place;
+    }
+  EXPECT_GT(lines, 50U) << "the documentation prints command lines";
+}
+
+TEST(Documentation, PrintsExamplesInHelpThatTheDriverTakes) {
+  CROWDBENCH_SKIP_SANITIZED("Manners.OneThingHasOneNameAndOneWordingInAllCommands");
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  for (const std::string& command : support::driver_commands()) {
+    // A line that ends with a backslash goes on.
+    const std::string help =
+        std::regex_replace(support::run_driver("", command + " --help").text, std::regex(" *\\\\\n +"), " ");
+    const size_t from = help.find("Example");
+    ASSERT_NE(from, std::string::npos) << command << " --help has an example";
+    size_t examples = 0;
+    std::istringstream lines(help.substr(from));
+    std::string line;
+    while (std::getline(lines, line)) {
+      if (!line.starts_with("  crowdbench ")) continue;
+      ++examples;
+      // An example may be followed by what it is for, apart by spaces.
+      const std::vector<std::string> words = words_of(line.substr(13, line.find("   ", 13) - 13));
+      EXPECT_EQ(fault_of(words), "") << line;
+      EXPECT_EQ(words.at(0), command);
+    }
+    EXPECT_GT(examples, 0U) << command;
+  }
+}
+
+TEST(Documentation, NamesCommandsOfRunThatThereAre) {
+  const support::Outcome usage = support::run_shell("'" CROWDBENCH_SOURCE_DIR "/run' help");
+  EXPECT_EQ(usage.status, 0);
+  size_t lines = 0;
+  for (const fs::path& file : documentation())
+    for (const Printed& printed : printed_commands(file, {"./run"})) {
+      ASSERT_FALSE(printed.words.empty()) << printed.place;
+      ++lines;
+      EXPECT_NE(usage.text.find("\n  " + printed.words[0] + " "), std::string::npos)
+          << printed.place << ": ./run " << printed.words[0];
+    }
+  EXPECT_GT(lines, 5U);
+}
+
+// Of the project's own files, what is named is there. NAME, stars and dollars stand for others.
+TEST(Documentation, NamesFilesThatThereAre) {
+  CROWDBENCH_SKIP_SANITIZED("nothing: it reads documents");
+  const fs::path top = CROWDBENCH_SOURCE_DIR;
+  std::vector<fs::path> files = documentation();
+  files.push_back(top / "run");
+  for (const char* folder : {"tools", "bench/scenarios", "cmake"})
+    for (const auto& entry : fs::directory_iterator(top / folder)) files.push_back(entry.path());
+  const std::regex path(
+      "(^|[^A-Za-z0-9_/.-])((core|store|scene|renderers|metrics|studies|reports|bench|tests|tools|docs|cmake)/"
+      "[A-Za-z0-9_./*$\\{\\}<-]+)");
+  size_t names = 0;
+  for (const fs::path& file : files) {
+    const std::string text = read_text(file);
+    for (auto it = std::sregex_iterator(text.begin(), text.end(), path); it != std::sregex_iterator(); ++it) {
+      std::string name = (*it)[2];
+      while (name.ends_with(".") || name.ends_with("/")) name.pop_back();
+      if (name.find_first_of("*${}<") != std::string::npos || name.find("NAME") != std::string::npos) continue;
+      ++names;
+      EXPECT_TRUE(fs::exists(top / name) || fs::exists(file.parent_path() / name))
+          << file.lexically_relative(top) << " names " << name;
+    }
+  }
+  EXPECT_GT(names, 30U);
+}
+
+}  // namespace
+}  // namespace crowdbench::bench

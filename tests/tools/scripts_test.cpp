@@ -1,0 +1,276 @@
+// Every script of tools/, run on tiny input: each does its work, and each check refuses what it is there to refuse.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "core/command_line.h"
+#include "core/files.h"
+#include "test_paths.h"
+#include "tests/support/driver.h"
+#include "tests/support/sanitized.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench {
+namespace {
+namespace fs = std::filesystem;
+
+using support::Outcome;
+
+const fs::path kTop = CROWDBENCH_SOURCE_DIR;
+
+// By which test each is run.
+const std::map<std::string, std::string> kScripts = {
+    {"bundle.sh", "Bundle"},
+    {"check_bundle.sh", "Bundle"},
+    {"check_format.sh", "FormatCheck"},
+    {"check_headers.sh", "HeaderCheck"},
+    {"check_shaders.sh", "ShaderCheck"},
+    {"check_tidy.sh", "TidyCheck"},
+    {"driver.mjs", "ReliefQuality"},
+    {"figures.sh", "Figures"},
+    {"gpu_check.sh", "Bundle"},
+    {"polypostor_figures.mjs", "PolypostorFigures"},
+    {"relief_quality.mjs", "ReliefQuality"},
+    {"relief_sweep.mjs", "ReliefSweep"},
+};
+
+std::string quoted(const fs::path& path) { return shell_quoted(path.string()); }
+
+class ScriptsGl : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    CROWDBENCH_SKIP_SANITIZED("the driver's own tests: scripts are for what is measured with, a release build");
+    if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  }
+  // `script` with `arguments` in the scratch folder, where bakes are kept too: both streams.
+  Outcome run(const std::string& script, const std::string& arguments) const {
+    EXPECT_EQ(kScripts.at(script), ::testing::UnitTest::GetInstance()->current_test_info()->name()) << script;
+    const std::string program = (script.ends_with(".mjs") ? "node " : "") + quoted(kTop / "tools" / script);
+    return support::run_shell("cd " + quoted(folder_.path()) +
+                              " && CROWDBENCH_CACHE_DIR=cache CROWDBENCH_DEVICE=software " + program + " " + arguments +
+                              " 2>&1");
+  }
+  // The package of the first of these programs that is missing; empty when all are there.
+  static std::string missing(const std::vector<std::pair<std::string, std::string>>& programs_and_packages) {
+    for (const auto& [program, package] : programs_and_packages)
+      if (support::run_shell("command -v " + program + " >/dev/null").status != 0)
+        return program + " is not installed (" + package + ")";
+    return "";
+  }
+  std::string text(const std::string& file) const { return read_text(folder_ / file); }
+
+  support::ScratchFolder folder_;
+  std::string build_ = quoted(program_directory().parent_path());
+  std::string driver_ = quoted(program_directory() / "crowdbench");
+};
+using Scripts = ScriptsGl;
+
+#define NEEDS(...) \
+  if (const std::string absent = missing({__VA_ARGS__}); !absent.empty()) GTEST_SKIP() << absent
+using Need = std::pair<std::string, std::string>;
+
+TEST(ScriptsTable, HoldsEveryScript) {
+  std::set<std::string> there;
+  for (const auto& entry : fs::directory_iterator(kTop / "tools")) there.insert(entry.path().filename().string());
+  std::set<std::string> stated;
+  for (const auto& [script, test] : kScripts) {
+    stated.insert(script);
+    bool found = false;
+    const ::testing::UnitTest& all = *::testing::UnitTest::GetInstance();
+    for (int s = 0; s < all.total_test_suite_count(); ++s)
+      for (int t = 0; t < all.GetTestSuite(s)->total_test_count(); ++t)
+        found = found || all.GetTestSuite(s)->GetTestInfo(t)->name() == test;
+    EXPECT_TRUE(found) << "no test " << test << " runs " << script;
+  }
+  EXPECT_EQ(stated, there);
+}
+
+// ---- figures
+
+// No cell that is empty of what it should hold, and as many tables as there are headings of columns.
+void expect_tables(const std::string& page, size_t tables) {
+  const std::regex rule("\n\\|(---\\|)+\n\\| ");
+  EXPECT_EQ(
+      static_cast<size_t>(std::distance(std::sregex_iterator(page.begin(), page.end(), rule), std::sregex_iterator())),
+      tables)
+      << page;
+  EXPECT_FALSE(std::regex_search(page, std::regex("[|/.] *(-?nan|NaN|-?inf|-?Infinity|undefined|null)\\b"))) << page;
+}
+
+TEST_F(ScriptsGl, Figures) {
+  NEEDS(Need{"awk", "mawk"});
+  const Outcome outcome = run("figures.sh", driver_ + " figures.md --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  const std::string page = text("figures.md");
+  expect_tables(page, 4);
+  // The same sections as the page of the project has, each with the commands that made it.
+  const std::regex heading("\n## [^\n]*");
+  const std::string published = read_text(kTop / "docs/figures.md");
+  for (auto it = std::sregex_iterator(published.begin(), published.end(), heading); it != std::sregex_iterator(); ++it)
+    EXPECT_NE(page.find(it->str()), std::string::npos) << it->str();
+  for (const char* command : {"ratio", "quality", "switch-distance", "popmap"})
+    EXPECT_NE(page.find(std::string("\n    crowdbench ") + command + " "), std::string::npos) << command;
+  const Outcome wrong = run("figures.sh", driver_ + " figures.md --frobnicate");
+  EXPECT_EQ(wrong.status, 2) << wrong.text;
+  const Outcome failed = run("figures.sh", "false other.md --tiny");
+  EXPECT_NE(failed.status, 0) << "a driver that fails is no figure";
+  EXPECT_FALSE(fs::exists(folder_ / "other.md"));
+}
+
+TEST_F(ScriptsGl, PolypostorFigures) {
+  NEEDS(Need{"node", "nodejs"});
+  for (const char* table : {"memory", "quality", "flicker", "characters", "speed", "bake"}) {
+    const Outcome outcome = run("polypostor_figures.mjs", driver_ + " " + table + " --tiny");
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    expect_tables("\n" + outcome.text, table == std::string("quality") ? 2 : 1);
+  }
+  EXPECT_EQ(run("polypostor_figures.mjs", driver_ + " nothing").status, 2);
+}
+
+TEST_F(ScriptsGl, ReliefQuality) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("relief_quality.mjs", driver_ + " --tiny");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  expect_tables("\n" + outcome.text, 1);
+  EXPECT_NE(outcome.text.find("| three-quarter | 0."), std::string::npos) << outcome.text;
+  EXPECT_EQ(run("relief_quality.mjs", "").status, 2);
+}
+
+TEST_F(ScriptsGl, ReliefSweep) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("relief_sweep.mjs", driver_ + " sweep --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  expect_tables(outcome.text, 1);
+  size_t cells = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "sweep")) {
+    if (entry.path().extension() != ".json") continue;
+    ++cells;
+    const nlohmann::json cell = nlohmann::json::parse(read_text(entry.path()));
+    EXPECT_GT(cell.at("iou").get<double>(), 0.5);
+    EXPECT_GT(cell.at("speed").get<double>(), 0);
+    EXPECT_EQ(cell.at("status"), "valid");
+  }
+  EXPECT_EQ(cells, 2U);
+  // Started again it measures nothing anew: a driver that cannot is not asked.
+  EXPECT_EQ(run("relief_sweep.mjs", "false sweep --tiny").status, 0);
+  EXPECT_EQ(run("relief_sweep.mjs", driver_ + " sweep --axis nothing=1").status, 2);
+}
+
+// ---- the bundle, and what it does on a machine with a GPU
+
+TEST_F(ScriptsGl, Bundle) {
+  NEEDS(Need{"patchelf", "patchelf"}, Need{"cc", "gcc"}, Need{"readelf", "binutils"});
+  const Outcome made = run("bundle.sh", "--with-tests " + build_ + " bundle.tar.gz");
+  ASSERT_EQ(made.status, 0) << made.text;
+  EXPECT_TRUE(made.text.ends_with("/bundle.tar.gz\n")) << made.text;
+  EXPECT_EQ(run("bundle.sh", folder_.path().string() + " nothing.tar.gz").status, 2) << "no driver there";
+  EXPECT_FALSE(fs::exists(folder_ / "nothing.tar.gz"));
+
+  // A rehearsal of `./run gpu-check` on software OpenGL.
+  ASSERT_EQ(
+      support::run_shell("cd " + quoted(folder_.path()) + " && tar -xzf bundle.tar.gz && mv crowdbench-* unpacked")
+          .status,
+      0);
+  const auto check = [&](const std::string& arguments) {
+    return support::run_shell("cd " + quoted(folder_.path()) + " && CROWDBENCH_DEVICE= unpacked/gpu_check " +
+                              arguments + " 2>&1");
+  };
+  const Outcome rehearsed = check("results --device software --tiny");
+  EXPECT_EQ(rehearsed.status, 0) << rehearsed.text;
+  const std::string summary = text("results/summary.txt");
+  for (const char* step : {"device", "pictures", "bench", "report", "figures"})
+    EXPECT_TRUE(std::regex_search(summary, std::regex(std::string(step) + " +[0-9]+ s  fine"))) << step << "\n"
+                                                                                                << summary;
+  EXPECT_NE(text("results/device.txt").find("drawing on "), std::string::npos);
+  const std::string pictures = text("results/pictures.txt");
+  EXPECT_NE(pictures.find("[  PASSED  ]"), std::string::npos) << pictures;
+  EXPECT_NE(pictures.find("mesh: 0.000 % of "), std::string::npos) << pictures;
+  EXPECT_NE(pictures.find("OK ] Registered/ContractGl."), std::string::npos) << "the contract's tests are among them";
+  EXPECT_EQ(read_file(folder_ / "results/pictures/mesh.png"), read_file(kTop / "tests/data/golden/mesh.png"));
+  expect_tables(text("results/figures.md"), 4);
+  EXPECT_NE(text("results/bench.txt").find("mesh"), std::string::npos);
+  EXPECT_EQ(text("results/bench.sqlite").substr(0, 13), "SQLite format");
+  EXPECT_NE(text("results/report.html").find("</html>"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "results/cache"));
+  // Nothing of an earlier check is written over, and a software rasteriser is no GPU.
+  EXPECT_EQ(check("results --device software --tiny").status, 2);
+  const Outcome software = check("full --device software");
+  EXPECT_EQ(software.status, 2);
+  EXPECT_NE(software.text.find("is a software rasteriser"), std::string::npos) << software.text;
+  // What another driver draws otherwise is found, and kept: a golden picture that is not what is drawn.
+  fs::copy_file(kTop / "tests/data/golden/rigid.png", folder_ / "unpacked/tests/data/golden/mesh.png",
+                fs::copy_options::overwrite_existing);
+  const Outcome differs = check("differs --device software --tiny");
+  EXPECT_EQ(differs.status, 1) << differs.text;
+  EXPECT_NE(text("differs/summary.txt").find("status 1"), std::string::npos);
+  EXPECT_FALSE(fs::is_empty(folder_ / "differs/pictures"));
+
+  const std::string own = ::getuid() == 0 ? "" : "--map-root-user ";
+  if (support::run_shell("unshare --mount " + own + "chroot / true 2>/dev/null").status != 0)
+    GTEST_SKIP() << "check_bundle.sh needs user namespaces or root; the rest is run";
+  const Outcome checked = run("check_bundle.sh", "bundle.tar.gz");
+  EXPECT_EQ(checked.status, 0) << checked.text;
+  EXPECT_NE(checked.text.find("check_bundle: fine"), std::string::npos) << checked.text;
+  // One library short it is found out.
+  ASSERT_EQ(support::run_shell("cd " + quoted(folder_.path()) +
+                               " && rm unpacked/lib/libfmt* && mkdir short && mv unpacked short/crowdbench-short && "
+                               "tar -C short -czf short.tar.gz crowdbench-short")
+                .status,
+            0);
+  EXPECT_NE(run("check_bundle.sh", "short.tar.gz").status, 0);
+}
+
+// ---- checks
+
+TEST_F(Scripts, FormatCheck) {
+  NEEDS(Need{"clang-format", "clang-format"});
+  write_file(folder_ / "fine.h", "#pragma once\nint f(int a);\n");
+  write_file(folder_ / "wrong.h", "#pragma once\nint  f( int a ) ;\n");
+  EXPECT_EQ(run("check_format.sh", "fine.h").status, 0);
+  const Outcome found = run("check_format.sh", "fine.h wrong.h");
+  EXPECT_NE(found.status, 0);
+  EXPECT_NE(found.text.find("wrong.h:2"), std::string::npos) << found.text;
+  EXPECT_EQ(run("check_format.sh", "--fix wrong.h").status, 0);
+  EXPECT_EQ(text("wrong.h"), text("fine.h"));
+}
+
+TEST_F(Scripts, HeaderCheck) {
+  const std::string fine = quoted(kTop / "core/random.h");
+  const Outcome passed = run("check_headers.sh", build_ + " " + fine);
+  EXPECT_EQ(passed.status, 0) << passed.text;
+  write_file(folder_ / "wrong.h", "#pragma once\nstd::string f();\n");
+  const Outcome found = run("check_headers.sh", build_ + " wrong.h " + fine);
+  EXPECT_NE(found.status, 0);
+  EXPECT_NE(found.text.find("wrong.h does not compile alone"), std::string::npos) << found.text;
+  EXPECT_EQ(run("check_headers.sh", "nowhere").status, 2);
+}
+
+// Over all variants that are drawn it is run by `./run check`; ShaderVariantsGl is that test.
+TEST_F(Scripts, ShaderCheck) {
+  NEEDS(Need{"glslangValidator", "glslang-tools"});
+  write_file(folder_ / "fine.frag", "#version 450 core\nout vec4 c;\nvoid main() { c = vec4(1); }\n");
+  write_file(folder_ / "wrong.frag", "#version 450 core\nout vec4 c;\nvoid main() { c = vec4(undeclared); }\n");
+  const Outcome passed = run("check_shaders.sh", build_ + " fine.frag");
+  EXPECT_EQ(passed.status, 0) << passed.text;
+  const Outcome found = run("check_shaders.sh", build_ + " fine.frag wrong.frag");
+  EXPECT_NE(found.status, 0);
+  EXPECT_NE(found.text.find("undeclared"), std::string::npos) << found.text;
+}
+
+TEST_F(Scripts, TidyCheck) {
+  NEEDS(Need{"clang-tidy", "clang-tidy"});
+  const Outcome passed = run("check_tidy.sh", build_ + " 1 " + quoted(kTop / "core/command_line.cpp"));
+  EXPECT_EQ(passed.status, 0) << passed.text;
+  write_file(folder_ / "wrong.cpp", "int f(int a) {\n  if (a == 1) return 2; else return 2;\n}\n");
+  const Outcome found = run("check_tidy.sh", build_ + " 1 " + quoted(folder_ / "wrong.cpp"));
+  EXPECT_NE(found.status, 0);
+  EXPECT_NE(found.text.find("bugprone-branch-clone"), std::string::npos) << found.text;
+}
+
+}  // namespace
+}  // namespace crowdbench
