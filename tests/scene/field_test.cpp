@@ -287,14 +287,14 @@ double worst_slide(const Character& character, MotionKind motion, std::optional<
 
 TEST(Feet, StayWhereTheyStandForwardsSidewaysAndBackward) {
   for (const bool in_place : {false, true})
-    for (const glm::dvec2 travel : {glm::dvec2(0, 1.2), glm::dvec2(1.2, 0), glm::dvec2(-0.8, 0), glm::dvec2(0, -0.9),
+    for (const glm::dvec2& travel : {glm::dvec2(0, 1.2), glm::dvec2(1.2, 0), glm::dvec2(-0.8, 0), glm::dvec2(0, -0.9),
                                     glm::dvec2(0.7, 0.7)}) {
       const Character c = walker(travel, in_place);
       SCOPED_TRACE(fmt::format("{} {} {}", travel.x, travel.y, in_place));
       EXPECT_NEAR(c.motion[0].ground_speed, glm::length(travel) * c.placement.scale, 0.02);
       EXPECT_EQ(c.motion[0].from_stance, in_place);
       for (const MotionKind motion : {MotionKind::treadmill, MotionKind::lanes, MotionKind::free})
-        for (const std::optional<double> heading : {std::optional<double>(90), std::optional<double>(30)})
+        for (const std::optional<double>& heading : {std::optional<double>(90), std::optional<double>(30)})
           EXPECT_LT(worst_slide(c, motion, heading), 0.02 * glm::length(travel)) << static_cast<int>(motion);
     }
 }
