@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
@@ -24,9 +26,20 @@ struct Options {
   std::string out;
   std::string height = "1.75";
   std::vector<std::string> hide;
+  std::vector<std::string> clips;
+  std::optional<double> turn;
+  std::string up = "y";
   bool no_rigid = false;
   bool json = false;
 };
+
+constexpr double kPi = 3.14159265358979323846;
+
+scene::UpAxis parse_up(const std::string& text) {
+  if (text == "y") return scene::UpAxis::y;
+  if (text == "z") return scene::UpAxis::z;
+  throw Error("--up", fmt::format("'{}' is not an axis that may point up", printable(text, 40)), "give y or z");
+}
 
 std::optional<double> parse_height(const std::string& text) {
   if (text == "as_is") return std::nullopt;
@@ -71,14 +84,32 @@ size_t count_joints(const scene::Character& c, bool rigid) {
                                            [&](const scene::Joint& j) { return j.rigid == rigid; }));
 }
 
+// A built-in character has no file: all that it has is drawn.
+size_t file_vertices(const scene::Character& c) {
+  return c.file_vertices != 0 ? c.file_vertices : c.mesh.file_vertex_count();
+}
+
+size_t file_triangles(const scene::Character& c) { return c.file_triangles != 0 ? c.file_triangles : c.triangles(); }
+
+std::string numbers_text(size_t in_file, size_t drawn) {
+  return in_file == drawn ? fmt::format("{}", drawn) : fmt::format("{} in the file, {} drawn", in_file, drawn);
+}
+
+std::string clip_text(const scene::Character& c, int clip) {
+  if (clip < 0) return "the bind pose";
+  const std::string& name = c.clips[static_cast<size_t>(clip)].name;
+  return fmt::format("clip {} '{}'", clip, printable(name.empty() ? "(unnamed)" : name, 40));
+}
+
 ordered_json to_json(const scene::Character& c) {
   const Bytes bytes = measure_bytes(c);
   const glm::dvec3 ground(c.placement.model_from_gltf[3]);
   ordered_json out = {
       {"file", c.source},
       {"name", c.name},
-      {"triangles", c.triangles()},
-      {"vertices", c.mesh.file_vertex_count()},
+      {"triangles", file_triangles(c)},
+      {"drawn_triangles", c.triangles()},
+      {"vertices", file_vertices(c)},
       {"drawn_vertices", c.mesh.positions.size()},
       {"joints", count_joints(c, false) != 0 ? count_joints(c, false) : count_joints(c, true)},
       {"rigid_meshes", count_joints(c, true)},
@@ -88,6 +119,7 @@ ordered_json to_json(const scene::Character& c) {
       {"scale", c.placement.scale},
       {"ground_y", c.placement.scale > 0 ? -ground.y / c.placement.scale : 0.0},
       {"pivot_xz", {-ground.x / c.placement.scale, -ground.z / c.placement.scale}},
+      {"height_clip", c.placement.upright_clip < 0 ? ordered_json() : ordered_json(c.placement.upright_clip)},
       {"default_clip", nullptr},
       {"clips", ordered_json::array()},
       {"primitives", c.mesh.primitives.size()},
@@ -109,6 +141,8 @@ ordered_json to_json(const scene::Character& c) {
                             {"end", clip.end},
                             {"cycle_seconds", scene::cycle_seconds(c, static_cast<int>(i))},
                             {"ground_speed", motion.ground_speed},
+                            {"ground_direction", {motion.direction.x, motion.direction.y}},
+                            {"yaw_rate_deg", motion.yaw_rate * 180 / kPi},
                             {"ground_speed_from", motion.ground_speed <= 0 ? nullptr
                                                   : motion.from_stance     ? ordered_json("stance foot")
                                                                            : ordered_json("root motion")},
@@ -129,17 +163,30 @@ ordered_json to_json(const scene::Character& c) {
   return out;
 }
 
+// "1.400 m/s by root motion, 90 degrees to its left, turning 30 degrees a second"
+std::string ground_text(const scene::ClipMotion& motion) {
+  std::string text = "-";
+  if (motion.ground_speed > 0)
+    text = fmt::format("{:.3f} m/s by {}", motion.ground_speed, motion.from_stance ? "stance foot" : "root motion");
+  const double degrees = std::atan2(motion.direction.x, motion.direction.y) * 180 / kPi;
+  if (motion.ground_speed > 0 && std::abs(degrees) > 175)
+    text += ", backward";
+  else if (motion.ground_speed > 0 && std::abs(degrees) > 5)
+    text += fmt::format(", {:.0f} degrees to its {}", std::abs(degrees), degrees > 0 ? "left" : "right");
+  if (motion.yaw_rate != 0) text += fmt::format(", turning {:.0f} degrees a second", motion.yaw_rate * 180 / kPi);
+  return text;
+}
+
 void print_text(const scene::Character& c) {
   const Bytes bytes = measure_bytes(c);
   const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<14}{}\n", key, value); };
   line("character", printable(c.source, 300));
-  line("triangles", fmt::format("{}", c.triangles()));
-  line("vertices", c.mesh.positions.size() == c.mesh.file_vertex_count()
-                       ? fmt::format("{}", c.mesh.positions.size())
-                       : fmt::format("{} ({} as drawn flat)", c.mesh.file_vertex_count(), c.mesh.positions.size()));
+  line("triangles", numbers_text(file_triangles(c), c.triangles()));
+  line("vertices", numbers_text(file_vertices(c), c.mesh.positions.size()));
   line("joints", fmt::format("{} and {} rigid meshes, {} nodes; {} influences a vertex at most", count_joints(c, false),
                              count_joints(c, true), c.skeleton.nodes.size(), c.file_max_influences));
-  line("height", fmt::format("{:.4g} m ({:.6g} m a file unit)", c.placement.height, c.placement.scale));
+  line("height", fmt::format("{:.4g} m ({:.6g} m a file unit): that of the first pose of {}", c.placement.height,
+                             c.placement.scale, clip_text(c, c.placement.upright_clip)));
   const glm::dvec3 origin = glm::dvec3(c.placement.model_from_gltf[3]) / c.placement.scale;
   line("stands at", fmt::format("x {:.4f}, ground y {:.4f}, z {:.4f} in file units", 0.0 - origin.x, 0.0 - origin.y,
                                 0.0 - origin.z));
@@ -155,9 +202,7 @@ void print_text(const scene::Character& c) {
     const scene::ClipMotion& motion = c.motion[i];
     fmt::print("{:>4}  {:<32}{:>9.3f}{:>9.3f}{:>9.3f}  {}{}\n", i,
                clip.name.empty() ? "(unnamed)" : printable(clip.name, 31), clip.duration(), clip.start, clip.end,
-               motion.ground_speed > 0 ? fmt::format("{:.3f} m/s by {}", motion.ground_speed,
-                                                     motion.from_stance ? "stance foot" : "root motion")
-                                       : "-",
+               ground_text(motion),
                static_cast<int>(i) == c.placement.default_clip ? "  (default)" : "");
   }
   if (c.clips.empty()) fmt::print("      none\n");
@@ -187,6 +232,9 @@ int inspect(const Options& options) {
   load.normalise.height = parse_height(options.height);
   load.rigid_meshes = !options.no_rigid;
   load.hide = options.hide;
+  load.normalise.clips = options.clips;
+  load.normalise.turn_deg = options.turn;
+  load.normalise.up = parse_up(options.up);
   const scene::Character character = scene::open_character(options.file, load);
   if (!options.out.empty()) scene::save_character(character, options.out);
   if (options.json)
@@ -216,6 +264,16 @@ void add_inspect(Command& app, Run& run) {
   command->add_option("--hide", options->hide, "drop the meshes at and below the node of this name (may be repeated)")
       ->take_all()
       ->expected(1);
+  command
+      ->add_option("--clip", options->clips,
+                   "a clip in use, by name or index (may be repeated): the tallest first pose gives the height")
+      ->type_name("CLIP")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--turn-deg", options->turn, "turn it about the vertical, so that it faces +Z (guessed)")
+      ->type_name("DEG")
+      ->number(-360, 360);
+  command->add_option("--up", options->up, "which axis of the file points up")->type_name("y|z")->capture_default_str();
   command->add_flag("--no-rigid", options->no_rigid, "drop the unskinned meshes of a skinned character");
   command->callback([options, &run] { run = [options] { return inspect(*options); }; });
 }

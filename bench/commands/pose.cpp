@@ -32,6 +32,8 @@ ordered_json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 int pose(const Options& options) {
   scene::LoadOptions load;
   load.normalise.height = std::nullopt;
+  load.normalise.turn_deg = 0.0;  // as in the file
+  load.undrawn = true;
   const scene::Character character = scene::open_character(options.file, load);
   // A name comes first, even the name "none".
   int clip = -1;

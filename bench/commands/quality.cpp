@@ -129,7 +129,9 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   for (const renderers::Spec& spec : parse_representations(options.representations))
     setup.representations.push_back(spec.text());
   setup.debug = options.debug;
-  setup.character = std::make_shared<const scene::Character>(scene::open_character(options.character));
+  scene::LoadOptions load;
+  if (!options.clip.empty()) load.normalise.clips = {options.clip};
+  setup.character = std::make_shared<const scene::Character>(scene::open_character(options.character, load));
   const scene::Character& character = *setup.character;
   setup.rows = options.rows;
   setup.exact_pose = options.exact_pose;
@@ -141,9 +143,7 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
 
   QualityView view;
   view.clip = options.clip.empty() ? character.placement.default_clip
-              : options.clip == "none" && !scene::find_clip(character, "none")
-                  ? -1
-                  : scene::require_clip(character, options.clip);
+                                   : scene::require_clip_or_none(character, options.clip);
   asked.clip = view.clip < 0 ? "none" : character.clips[static_cast<size_t>(view.clip)].name;
   const double start = view.clip < 0 ? 0.0 : character.clips[static_cast<size_t>(view.clip)].start;
   const std::vector<double> times =

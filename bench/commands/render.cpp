@@ -149,13 +149,13 @@ int render_single(const RenderOptions& options) {
                   "give metres above 0, or as_is for the file's own units");
     load.normalise.height = height;
   }
+  load.normalise.clips = options.clips;
+  load.normalise.turn_deg = 0.0;  // one agent stands as it is in its file; --heading-deg turns it
   const std::string source = options.scene.character.empty() ? "mannequin" : options.scene.character;
   auto character = std::make_shared<const scene::Character>(scene::open_character(source, load));
   int clip = character->placement.default_clip;
   if (!options.clips.empty())
-    clip = options.clips.front() == "none" && !scene::find_clip(*character, "none")
-               ? -1
-               : scene::require_clip(*character, options.clips.front());
+    clip = scene::require_clip_or_none(*character, options.clips.front());
 
   scene::Cast cast;
   cast.banks.push_back(

@@ -28,6 +28,9 @@ Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder, co
   for (const CharacterEntry& entry : scenario.characters) {
     LoadOptions options;
     options.normalise.height = entry.height;
+    options.normalise.turn_deg = entry.turn_deg;
+    options.normalise.up = entry.up;
+    options.normalise.clips = entry.clips;
     options.rigid_meshes = entry.rigid_meshes;
     options.hide = entry.hide;
     const bool built_in = entry.source == "mannequin" || entry.source.rfind("mannequin:", 0) == 0;

@@ -1,9 +1,10 @@
 // Character: an immutable rigged, animated mesh as every representation receives it.
 //
-// Spaces. "glTF space" is the file's own default scene after all node transforms, +Y up, no conversion. "Model space"
-// is what the crowd uses: metres, the character facing +Z, the lowest posed point of the default clip at y = 0, the
-// pivot (mean ground projection of the skin's root over the default clip) at x = z = 0. `Placement::model_from_gltf`
-// maps one to the other; with height "as_is" it is the identity.
+// Spaces. "glTF space" is the file's own default scene after all node transforms, +Y up (turned where `turn_deg` or `up`
+// ask for it). "Model space" is what the crowd uses: metres, the character facing +Z, the lowest posed point of the
+// upright clip (see Placement) at y = 0, the pivot at x = z = 0: the mean ground projection over that clip of the skin's
+// root, or of the body's centre of mass where the root lies elsewhere. `Placement::model_from_gltf` maps one to the
+// other; with height "as_is" it is the identity.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -65,8 +66,11 @@ struct Clip {
   double end = 0;    // last key
   std::vector<Channel> channels;
   bool loops = true;  // built-in clips that must not wrap set false
+  bool together = false;  // not in the file: clips that move different things, played at once
   double duration() const { return end - start; }
 };
+
+enum class UpAxis : uint8_t { y, z };
 
 // Linear-light or sRGB as stated; index -1 = none.
 struct Material {
@@ -77,6 +81,7 @@ struct Material {
   int emissive_image = -1;
   bool unlit = false;  // KHR_materials_unlit
   bool double_sided = false;
+  bool cut_out = false;  // alphaMode MASK or BLEND: where alpha is 0 nothing is drawn
   uint8_t slot = 0;  // the outfit's slot that colours it, 0..255: the material's index, 255 at most
 };
 
@@ -109,11 +114,11 @@ struct Primitive {
   int node = 0;           // the mesh's node, in `Skeleton::nodes`
   int gltf_node = 0;      // the node's index in the file
   bool flat = false;      // the file has no normals: shaded by its faces as posed. Mesh::normals has the bind pose's
-  bool mirrored = false;  // rigid mesh whose node's rest transform has a negative determinant: winding flips
+  bool mirrored = false;  // the node's rest transform has a negative determinant: clockwise is the front
 };
 
 // Structure of arrays; all of equal length (emissive_uvs and colours may be empty). Positions and normals are the
-// mesh's own (bind space). Vertex order: nodes by ascending file index, then primitives, then vertices, as `crowdbench
+// mesh's own (bind space). They hold what is drawn and nothing else. Vertex order: nodes by ascending file index, then primitives, then vertices, as `crowdbench
 // pose` reports.
 struct Mesh {
   std::vector<glm::vec3> positions;
@@ -127,7 +132,7 @@ struct Mesh {
   std::vector<Primitive> primitives;
   // Where the file's own vertices lie, in the order stated above; empty: vertex i is the file's vertex i. A primitive
   // without normals is drawn flat, so a vertex shared by faces that point apart is doubled at the end of its
-  // primitive's range: `pose` reports the file's vertices, everything that draws uses all.
+  // primitive's range. Vertices that nothing drawn names are only there with LoadOptions::undrawn.
   std::vector<uint32_t> file_vertices;
   size_t file_vertex_count() const { return file_vertices.empty() ? positions.size() : file_vertices.size(); }
 };
@@ -136,18 +141,25 @@ struct Mesh {
 struct Placement {
   glm::dmat4 model_from_gltf{1.0};  // uniform scale and translation
   double scale = 1.0;               // metres a glTF unit
-  double height = 0;                // metres: posed height at the start of the default clip, after scaling
+  double height = 0;                // metres: height of the upright clip's first pose, after scaling
   int default_clip = -1;            // -1: no clip of non-zero length
+  // Whose first pose gives the height, the ground and the pivot: of the clips in use (NormaliseOptions::clips, else the
+  // default clip) the one whose first pose is tallest; the default clip where that one lies, sits or crouches beside it.
+  int upright_clip = -1;  // -1: the bind pose
 };
 
 struct ClipMotion {
-  // Model space, metres from the first key to the last, horizontal; stripped from the pose linearly with time.
+  // How the body (the mass of what is drawn, whatever node moves it) has moved from the first key to the last, model
+  // space; stripped from the pose evenly with time. Turned by root_yaw about the vertical axis through root_axis, where
+  // it turns, else moved by root_displacement; horizontal, metres.
   glm::dvec3 root_displacement{0.0};
-  // Metres a second, along +Z: |displacement| over the duration, else the stance foot's backward speed. 0 for clips
-  // that stand, go sideways or go backwards in place.
-  double ground_speed = 0;
-  bool from_stance = false;    // ground_speed measured from the stance foot because the root stays in place
-  double closing_seconds = 0;  // appended to a loop whose last key does not repeat the first: its last key interval
+  double root_yaw = 0;           // radians, from +Z towards +X
+  glm::dvec3 root_axis{0.0};     // with root_yaw: where that axis stands
+  double ground_speed = 0;       // metres a second over the ground at the cycle's start; 0 for clips that stand
+  glm::dvec2 direction{0.0, 1.0};  // unit, (x, z): where to, as the character faces +Z
+  double yaw_rate = 0;           // radians a second by which the way over the ground turns
+  bool from_stance = false;      // the speed is that of the foot on the ground, because the body stays in place
+  double closing_seconds = 0;    // appended to a loop whose last key does not repeat the first: its last key interval
 };
 
 struct Character {
@@ -163,6 +175,9 @@ struct Character {
   Placement placement;
   std::vector<std::string> warnings;
   int file_max_influences = 0;  // before the reduction to four
+  // What the shown nodes of the file hold, seen or not; vertices that primitives share count once. 0: not from a file.
+  size_t file_vertices = 0;
+  size_t file_triangles = 0;
   size_t triangles() const { return mesh.indices.size() / 3; }
 };
 

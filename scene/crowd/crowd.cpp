@@ -51,6 +51,50 @@ constexpr double kBody = 1.0;  // metres around a pivot that a body may reach: l
 
 // A measured length enters the crowd rounded, so that the last bits of the machine's sine do not.
 double rounded(double value) { return static_cast<double>(static_cast<int64_t>(value * 65536.0 + 0.5)) / 65536.0; }
+double rounded_either_way(double value) { return value < 0 ? -rounded(-value) : rounded(value); }
+
+// How a clip moves its agent over the ground, rounded likewise. Along `across` and `ahead`, a unit vector to the
+// character's left and to where it faces.
+struct GroundMotion {
+  double speed = 0;  // metres a second at playback speed 1 and scale 1
+  double across = 0;
+  double ahead = 1;
+  double turns = 0;  // a second
+};
+
+GroundMotion ground_motion(const BankClip& clip) {
+  GroundMotion out;
+  out.speed = rounded(clip.ground_speed);
+  out.turns = rounded_either_way(clip.turns);
+  const double across = rounded_either_way(clip.direction.x);
+  const double ahead = rounded_either_way(clip.direction.y);
+  const double length = std::sqrt(across * across + ahead * ahead);
+  if (length > 0) {
+    out.across = across / length;
+    out.ahead = ahead / length;
+  }
+  return out;
+}
+
+struct Way {
+  double x = 0;
+  double z = 0;
+};
+
+// Where an agent of this heading goes: a unit vector of the ground.
+Way way_of(const GroundMotion& motion, double sine, double cosine) {
+  return {motion.across * cosine + motion.ahead * sine, motion.ahead * cosine - motion.across * sine};
+}
+
+// Where one gets who goes so many metres that way while it turns: along an arc.
+Way turned_way(const Way& way, double metres, double turns) {
+  if (turns == 0) return {metres * way.x, metres * way.z};
+  const SinCos turn = sincos_turns(turns);
+  const double radius = metres / (6.283185307179586 * turns);
+  const double ahead = radius * turn.sin;
+  const double aside = radius * (1.0 - turn.cos);  // towards +X of who goes along +Z
+  return {ahead * way.x + aside * way.z, ahead * way.z - aside * way.x};
+}
 
 double floor_exact(double x) {
   const auto whole = static_cast<double>(static_cast<int64_t>(x));
@@ -264,7 +308,7 @@ std::vector<Place> place_frustum(const Scenario& scenario, const ViewGround& gro
 struct Moving {
   uint16_t character;
   uint16_t clip;
-  double speed;  // metres a second at playback speed 1 and scale 1
+  GroundMotion ground;
 };
 
 std::vector<Moving> moving_clips(const Cast& cast) {
@@ -273,10 +317,12 @@ std::vector<Moving> moving_clips(const Cast& cast) {
     const size_t before = moving.size();
     const auto& clips = cast.banks[c]->clips();
     for (size_t k = 0; k < clips.size(); ++k)
-      if (const double speed = rounded(clips[k].ground_speed); speed > 0.05 && clips[k].seconds > 0)
-        moving.push_back({static_cast<uint16_t>(c), static_cast<uint16_t>(k), speed});
+      if (const GroundMotion ground = ground_motion(clips[k]);
+          ground.speed > 0.05 && ground.turns == 0 && clips[k].seconds > 0)
+        moving.push_back({static_cast<uint16_t>(c), static_cast<uint16_t>(k), ground});
     if (moving.size() == before)
-      throw Error("crowd.motion", "`lanes` needs walkers, and no clip in use of " + cast.characters[c]->name + " moves",
+      throw Error("crowd.motion",
+                  "`lanes` needs walkers, and no clip in use of " + cast.characters[c]->name + " goes straight on",
                   "add a walking clip to its `clips`, or use motion `treadmill`");
   }
   return moving;
@@ -354,18 +400,24 @@ void fill_lanes(const Scenario& scenario, const Cast& cast, const Lanes& lanes, 
     crowd.heading_sin[i] = way * lanes.axis.sin;
     crowd.heading_cos[i] = way * lanes.axis.cos;
     if (!walk) continue;
-    // One ground speed a lane; each agent takes its character's nearest clip and plays it as fast as that needs.
+    // One ground speed a lane; each agent takes its character's nearest clip, plays it as fast as that needs, and faces
+    // so that the clip takes it along the lane: who walks sideways or backward looks across the lane or back.
     const Moving& leader = moving[random_below(scenario.seed, lane, kLaneClip, moving.size())];
     const double target =
-        leader.speed * (1.0 + settings.speed_variation * signed_unit(scenario.seed, lane, kLaneSpeed));
+        leader.ground.speed * (1.0 + settings.speed_variation * signed_unit(scenario.seed, lane, kLaneSpeed));
     const Moving* best = nullptr;
     for (const Moving& clip : moving) {
       if (clip.character != crowd.character[i]) continue;
-      if (best == nullptr || std::abs(clip.speed - target) < std::abs(best->speed - target)) best = &clip;
+      if (best == nullptr || std::abs(clip.ground.speed - target) < std::abs(best->ground.speed - target)) best = &clip;
     }
     assert(best != nullptr);
     crowd.bank_clip[i] = best->clip;
-    crowd.speed[i] = target / (best->speed * crowd.scale[i]);
+    crowd.speed[i] = target / (best->ground.speed * crowd.scale[i]);
+    if (best->ground.across == 0 && best->ground.ahead > 0) continue;
+    const double sine = crowd.heading_sin[i];
+    const double cosine = crowd.heading_cos[i];
+    crowd.heading_sin[i] = sine * best->ground.ahead - cosine * best->ground.across;
+    crowd.heading_cos[i] = cosine * best->ground.ahead + sine * best->ground.across;
   }
 }
 
@@ -471,7 +523,7 @@ Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd,
     glm::dvec3 middle;
     double radius;
     std::vector<double> cycles;  // a second, by clip; 0 for a still pose
-    std::vector<double> ground_speed;
+    std::vector<GroundMotion> ground;
   };
   std::vector<Kind> kinds;
   for (const auto& bank : cast.banks) {
@@ -480,7 +532,7 @@ Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd,
     Kind kind{bank.get(), (low + high) * 0.5, glm::length(high - low) * 0.5, {}, {}};
     for (const BankClip& clip : bank->clips()) {
       kind.cycles.push_back(clip.seconds > 0 ? 1.0 / clip.seconds : 0.0);
-      kind.ground_speed.push_back(rounded(clip.ground_speed));
+      kind.ground.push_back(ground_motion(clip));
     }
     kinds.push_back(std::move(kind));
   }
@@ -491,22 +543,32 @@ Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd,
     if (i % kStepsBetweenChecks == 0) throw_if_interrupted();
     const Kind& kind = kinds[crowd.character[i]];
     const uint16_t clip = crowd.bank_clip[i];
-    const double sine = crowd.heading_sin[i];
-    const double cosine = crowd.heading_cos[i];
+    double sine = crowd.heading_sin[i];
+    double cosine = crowd.heading_cos[i];
     const double scale = crowd.scale[i];
     double x = crowd.x[i];
     double z = crowd.z[i];
     if (crowd.motion != MotionKind::treadmill) {
-      const double way = kind.ground_speed[clip] * crowd.speed[i] * scale * seconds;
+      const GroundMotion& ground_of = kind.ground[clip];
+      const double played_seconds = crowd.speed[i] * seconds;
+      const double metres = ground_of.speed * crowd.speed[i] * scale * seconds;
+      const Way way = way_of(ground_of, sine, cosine);
       if (crowd.motion == MotionKind::lanes) {
-        // Along the heading; across it nothing changes.
-        const double along = (x - crowd.wrap_x) * sine + (z - crowd.wrap_z) * cosine;
-        const double step = wrap(along + way, crowd.period) - along;
-        x += step * sine;
-        z += step * cosine;
+        // Along the lane; across it nothing changes.
+        const double along = (x - crowd.wrap_x) * way.x + (z - crowd.wrap_z) * way.z;
+        const double step = wrap(along + metres, crowd.period) - along;
+        x += step * way.x;
+        z += step * way.z;
       } else {
-        x = crowd.wrap_x + wrap(x - crowd.wrap_x + way * sine, crowd.period);
-        z = crowd.wrap_z + wrap(z - crowd.wrap_z + way * cosine, crowd.period);
+        const Way gone = turned_way(way, metres, ground_of.turns * played_seconds);
+        x = crowd.wrap_x + wrap(x - crowd.wrap_x + gone.x, crowd.period);
+        z = crowd.wrap_z + wrap(z - crowd.wrap_z + gone.z, crowd.period);
+        if (ground_of.turns != 0) {
+          const SinCos turn = sincos_turns(ground_of.turns * played_seconds);
+          const double before = sine;
+          sine = before * turn.cos + cosine * turn.sin;
+          cosine = cosine * turn.cos - before * turn.sin;
+        }
       }
     }
     const glm::dvec3 at{x - camera.eye.x, ground, z - camera.eye.z};

@@ -19,7 +19,7 @@ struct GltfLimits {
   size_t nodes = 65536;
   size_t joints = 1024;          // palette entries: the joints of all used skins and the rigid meshes
   size_t primitives = 65536;     // over all nodes: a mesh on two nodes counts twice
-  size_t vertices = 2'000'000;   // likewise, with those added for flat normals
+  size_t vertices = 2'000'000;   // likewise: those that triangles name, with those added for flat normals
   size_t triangles = 4'000'000;  // likewise
   size_t keys = 10'000'000;      // scalars over all animation channels
   size_t clips = 4096;
@@ -37,6 +37,9 @@ struct LoadOptions {
   NormaliseOptions normalise;
   bool rigid_meshes = true;       // false: drop the unskinned meshes of a file that has a skin (a held sword)
   std::vector<std::string> hide;  // node names whose meshes (theirs and their descendants') are dropped
+  // Keep what nothing shows (vertices that no triangle names, triangles without area or fully transparent), in the
+  // file's order: for looking at the file itself.
+  bool undrawn = false;
   GltfLimits limits;
 };
 

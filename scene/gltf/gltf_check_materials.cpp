@@ -118,6 +118,7 @@ void check_materials(GltfCheck& check, const GltfData& data) {
     if (const std::string* mode = check.text_or_none(material, path, "alphaMode")) {
       if (*mode != "OPAQUE" && *mode != "MASK" && *mode != "BLEND")
         check.fail(path + "/alphaMode", fmt::format("is {}, not OPAQUE, MASK or BLEND", printable(*mode, 20)));
+      clean["alphaMode"] = *mode;
       if (*mode != "OPAQUE") check.warn(fmt::format("{}: alphaMode {} is drawn opaque", path, *mode));
     }
     json extensions = json::object();

@@ -1,5 +1,6 @@
 // What a glTF document says of skins, nodes and scenes, and how much the scene that is shown adds up to.
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -81,10 +82,7 @@ class NodeCheck {
     const bool turned = copy("rotation", 4);
     if (matrix && (moved || scaled || turned))
       check_.fail(path, "has both a matrix and a translation, rotation or scale");
-    if (matrix) {
-      const json& m = clean["matrix"];
-      if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0) check_.fail(path + "/matrix", "is not affine");
-    }
+    if (matrix) snap_last_row(clean["matrix"], path + "/matrix");
     if (turned) {
       double square = 0;
       for (const json& c : clean["rotation"]) square += c.get<double>() * c.get<double>();
@@ -113,6 +111,22 @@ class NodeCheck {
     node_skin_.push_back(mesh && skin ? *skin : -1);
     if (mesh && skin) check_skinned(*mesh, path);
     check_.keep("nodes", std::move(clean));
+  }
+
+  // Exporters that multiply matrices leave rounding in the last row; the specification wants exactly (0, 0, 0, 1).
+  void snap_last_row(json& m, const std::string& path) {
+    constexpr double kRounding = 1e-6;
+    bool exact = true;
+    for (const size_t i : {3U, 7U, 11U, 15U}) {
+      const double wanted = i == 15 ? 1.0 : 0.0;
+      const double off = std::abs(m[i].get<double>() - wanted);
+      if (off > kRounding)
+        check_.fail(path, fmt::format("is not affine: element {} is {:.9g}, not {}", i, m[i].get<double>(), wanted),
+                    "the last row must be (0, 0, 0, 1): export the node with translation, rotation and scale");
+      exact = exact && off == 0;
+      m[i] = wanted;
+    }
+    if (!exact) check_.warn_once(path, "its last row is (0, 0, 0, 1) but for rounding and is snapped");
   }
 
   void check_skinned(int mesh, const std::string& path) {

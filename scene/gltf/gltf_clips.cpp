@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "core/error.h"
 
 namespace crowdbench::scene {
 namespace {
+
+constexpr double kSameTime = 1e-4;  // seconds: keys are floats
 
 // warned: that one had to be.
 void normalise_rotation(GltfAsset& asset, double* q, const AccessorView& view, size_t i, bool& warned) {
@@ -60,7 +64,9 @@ Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, con
   out.times.reserve(input.count);
   for (size_t i = 0; i < input.count; ++i) {
     const double t = asset.finite(input, i, 0);
-    if (t < 0) asset.fail(input.path, fmt::format("key {} is at {} s, before 0", i, t));
+    if (t < -asset.limits.clip_seconds)
+      asset.fail(input.path, fmt::format("key {} is at {} s, the limit is {} before 0", i, t, asset.limits.clip_seconds),
+                 "move the keys in the animation program");
     if (t > asset.limits.clip_seconds)
       asset.fail(input.path, fmt::format("key {} is at {} s, the limit is {}", i, t, asset.limits.clip_seconds));
     if (i > 0 && t <= out.times.back())
@@ -80,6 +86,67 @@ Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, con
   return out;
 }
 
+// Some exporters count time from another moment than the clip's begin; the specification wants no key before 0.
+void shift_to_zero(GltfAsset& asset, Clip& clip, size_t index) {
+  if (clip.channels.empty() || clip.start >= 0) return;
+  const double shift = -clip.start;
+  for (Channel& channel : clip.channels)
+    for (double& time : channel.times) time += shift;
+  asset.warn(fmt::format("/animations/{}: begins at {:.6g} s, before 0; all its keys are {:.6g} s later", index,
+                         clip.start, shift));
+  clip.start = 0;
+  clip.end += shift;
+}
+
+// The clips of that length, or none where two of them move the same.
+std::vector<size_t> apart(const std::vector<Clip>& clips, double start, double end) {
+  std::vector<size_t> found;
+  std::set<std::pair<int, Target>> moved;
+  for (size_t i = 0; i < clips.size(); ++i) {
+    const Clip& clip = clips[i];
+    if (clip.channels.empty() || std::abs(clip.start - start) > kSameTime || std::abs(clip.end - end) > kSameTime)
+      continue;
+    for (const Channel& channel : clip.channels)
+      if (!moved.emplace(channel.node, channel.target).second) return {};
+    found.push_back(i);
+  }
+  return found;
+}
+
+// Some exporters write one animation a channel. Clips of one length of which no two move the same play at once.
+void offer_together(GltfAsset& asset) {
+  auto& clips = asset.character.clips;
+  const size_t own = clips.size();
+  std::vector<bool> seen(own, false);
+  for (size_t i = 0; i < own && clips.size() < asset.limits.clips; ++i) {
+    if (seen[i] || clips[i].duration() <= 0) continue;
+    const std::vector<size_t> together = apart(clips, clips[i].start, clips[i].end);
+    for (size_t j = i; j < own; ++j)
+      if (std::abs(clips[j].start - clips[i].start) <= kSameTime && std::abs(clips[j].end - clips[i].end) <= kSameTime)
+        seen[j] = true;
+    if (together.size() < 2) continue;
+    Clip all;
+    all.name = "together";
+    all.together = true;
+    all.start = clips[i].start;
+    all.end = clips[i].end;
+    std::string names;
+    for (const size_t k : together) {
+      all.channels.insert(all.channels.end(), clips[k].channels.begin(), clips[k].channels.end());
+      all.end = std::max(all.end, clips[k].end);
+      all.start = std::min(all.start, clips[k].start);
+      if (names.size() < 200)
+        names += fmt::format("{}{}", names.empty() ? "" : ", ",
+                             clips[k].name.empty() ? fmt::format("{}", k) : printable(clips[k].name, 40));
+      else if (!names.ends_with("..."))
+        names += ", ...";
+    }
+    asset.warn(fmt::format("{} clips are equally long and move different things ({}); clip {} '{}' plays them at once",
+                           together.size(), names, clips.size(), all.name));
+    clips.push_back(std::move(all));
+  }
+}
+
 }  // namespace
 
 void read_clips(GltfAsset& asset) {
@@ -94,21 +161,23 @@ void read_clips(GltfAsset& asset) {
     Clip clip;
     clip.name = in.name;
     clip.start = asset.limits.magnitude;
-    clip.end = 0;
+    clip.end = -asset.limits.magnitude;
     for (const tinygltf::AnimationChannel& channel : in.channels)
       clip.channels.push_back(read_channel(asset, in, channel, fmt::format("/animations/{}", a), warned));
     for (const Channel& channel : clip.channels) {
       clip.start = std::min(clip.start, channel.times.front());
       clip.end = std::max(clip.end, channel.times.back());
     }
+    shift_to_zero(asset, clip, a);
     if (clip.channels.empty()) {
-      clip.start = 0;
+      clip.start = clip.end = 0;
       asset.warn(fmt::format("/animations/{}: moves nothing", a));
     } else if (clip.end == clip.start) {
       still.push_back(clip.name.empty() ? fmt::format("{}", a) : printable(clip.name, 40));
     }
     asset.character.clips.push_back(std::move(clip));
   }
+  offer_together(asset);
   if (still.empty()) return;
   const size_t listed = std::min<size_t>(still.size(), 8);
   asset.warn(fmt::format("{} clips have zero length: {}{}", still.size(),

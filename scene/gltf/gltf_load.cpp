@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
+#include <set>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -18,6 +20,7 @@
 #include "scene/gltf/gltf_weights.h"
 #include "scene/pose/normalise.h"
 #include "scene/pose/reach.h"
+#include "scene/pose/visible.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -35,6 +38,7 @@ class Loader {
     read_meshes();
     find_root();
     read_clips(asset_);
+    leave_out_invisible();
     finish();
   }
 
@@ -152,7 +156,8 @@ class Loader {
       throw Error(asset_.source.where(), reason,
                   model_.meshes.empty() ? "it holds no mesh" : "see its scene and its meshes");
     }
-    if (mesh.file_vertices.size() == mesh.positions.size()) mesh.file_vertices.clear();
+    for (const int accessor : position_accessors_)
+      character_.file_vertices += plan_.accessors[index_of(accessor)].count;
     if (zero_normals_ > 0) asset_.warn(fmt::format("{} normals of length zero point up instead", zero_normals_));
     weights_.report();
   }
@@ -195,14 +200,25 @@ class Loader {
       joint.name = model_.nodes[index_of(in.joints[j])].name;
       if (binds) {
         for (int e = 0; e < 16; ++e) joint.inverse_bind[e / 4][e % 4] = asset_.finite(*binds, j, e);
-        const glm::dmat4& m = joint.inverse_bind;
-        if (std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0) > 1e-3)
-          asset_.fail(binds->path, fmt::format("inverse bind matrix {} is not affine", j));
-        for (int c = 0; c < 4; ++c) joint.inverse_bind[c][3] = c == 3 ? 1.0 : 0.0;
+        snap_last_row(joint.inverse_bind, binds->path, j);
       }
       joints.push_back(std::move(joint));
     }
     return palette;
+  }
+
+  // Exporters round; the specification wants exactly (0, 0, 0, 1).
+  void snap_last_row(glm::dmat4& m, const std::string& path, size_t j) {
+    const double off = std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0);
+    if (off > 1e-3)
+      asset_.fail(path, fmt::format("inverse bind matrix {} is not affine: its last row is ({:.6g}, {:.6g}, {:.6g}, {:.6g})",
+                                    j, m[0][3], m[1][3], m[2][3], m[3][3]),
+                  "its last row must be (0, 0, 0, 1); export the skin again");
+    if (off > 0 && !warned_row_)
+      asset_.warn(fmt::format("{}: the last row of inverse bind matrix {} is off (0, 0, 0, 1) by {:.2g} and is snapped",
+                              path, j, off));
+    warned_row_ = warned_row_ || off > 0;
+    for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1.0 : 0.0;
   }
 
   Palette rigid_palette(size_t node) {
@@ -218,47 +234,77 @@ class Loader {
   void read_primitive(const tinygltf::Primitive& in, const std::string& path, size_t node, const Palette& palette) {
     const auto position = in.attributes.find("POSITION");
     if (in.mode < TINYGLTF_MODE_TRIANGLES || position == in.attributes.end()) return;
+    position_accessors_.insert(position->second);
     Mesh& mesh = character_.mesh;
     const AccessorView positions = asset_.view_of(position->second);
-    const size_t count = positions.count;
     Primitive out;
     out.first_vertex = static_cast<uint32_t>(mesh.positions.size());
     out.first_index = static_cast<uint32_t>(mesh.indices.size());
     out.material = in.material >= 0 ? in.material : materials_->default_material();
     out.node = node_of_[node];
     out.gltf_node = static_cast<int>(node);
-    out.mirrored = palette.rigid && is_mirrored(out.node);
-    for (size_t i = 0; i < count; ++i) {
-      mesh.positions.push_back(asset_.finite3(positions, i));
-      mesh.file_vertices.push_back(out.first_vertex + static_cast<uint32_t>(i));
+    out.mirrored = is_mirrored(out.node);
+    read_indices(in, path, positions.count);
+    const std::vector<uint32_t> used = number_used(out, positions.count);
+    if (mesh.positions.size() + used.size() > limits_.vertices)
+      asset_.fail(path, fmt::format("brings the vertices to {}, the limit is {}", mesh.positions.size() + used.size(),
+                                    limits_.vertices),
+                  "simplify the mesh");
+    for (const uint32_t v : used) {
+      mesh.file_vertices.push_back(static_cast<uint32_t>(mesh.positions.size()));
+      mesh.positions.push_back(asset_.finite3(positions, v));
     }
     const UvSource& base = materials_->base_uv(out.material);
-    read_uvs(in, path, base, character_.materials[index_of(out.material)].base_colour_image >= 0, count, mesh.uvs);
-    if (has_emissive_uvs_) read_uvs(in, path, materials_->emissive_uv(out.material), false, count, mesh.emissive_uvs);
-    if (has_colours_) read_colours(in, count);
+    read_uvs(in, path, base, character_.materials[index_of(out.material)].base_colour_image >= 0, used, mesh.uvs);
+    if (has_emissive_uvs_) read_uvs(in, path, materials_->emissive_uv(out.material), false, used, mesh.emissive_uvs);
+    if (has_colours_) read_colours(in, used);
     if (palette.rigid) {
-      mesh.joints.insert(mesh.joints.end(), count, glm::u16vec4(static_cast<uint16_t>(palette.first), 0, 0, 0));
-      mesh.weights.insert(mesh.weights.end(), count, glm::vec4(1.0F, 0.0F, 0.0F, 0.0F));
+      mesh.joints.insert(mesh.joints.end(), used.size(),
+                         glm::u16vec4(static_cast<uint16_t>(palette.first), 0, 0, 0));
+      mesh.weights.insert(mesh.weights.end(), used.size(), glm::vec4(1.0F, 0.0F, 0.0F, 0.0F));
       character_.file_max_influences = std::max(character_.file_max_influences, 1);
     } else {
-      weights_.read(in, count, palette.first, palette.count);
+      weights_.read(in, used, palette.first, palette.count);
     }
-    read_indices(in, path, out.first_vertex, count);
     out.index_count = static_cast<uint32_t>(mesh.indices.size()) - out.first_index;
     if (const auto normal = in.attributes.find("NORMAL"); normal != in.attributes.end())
-      read_normals(asset_.view_of(normal->second));
+      read_normals(asset_.view_of(normal->second), used);
     else
       draw_flat(out, path);
     out.vertex_count = static_cast<uint32_t>(mesh.positions.size()) - out.first_vertex;
     mesh.primitives.push_back(out);
   }
 
-  void read_uvs(const tinygltf::Primitive& in, const std::string& path, const UvSource& uv, bool needed, size_t count,
-                std::vector<glm::vec2>& out) {
+  // The file's vertices that the primitive's triangles name, ascending; its indices then count through these. A buffer
+  // may hold many vertices that others use, or nobody.
+  std::vector<uint32_t> number_used(const Primitive& out, size_t count) {
+    auto& indices = character_.mesh.indices;
+    std::vector<uint32_t> used;
+    if (options_.undrawn) {
+      used.resize(std::min(count, limits_.vertices + 1));
+      std::iota(used.begin(), used.end(), 0U);
+    } else {
+      used.assign(indices.begin() + out.first_index, indices.end());
+      std::sort(used.begin(), used.end());
+      used.erase(std::unique(used.begin(), used.end()), used.end());
+    }
+    // Mostly all are used, and every index is its own place.
+    const bool all = used.size() == count;
+    for (size_t i = out.first_index; i < indices.size(); ++i) {
+      if (!all && !options_.undrawn)
+        indices[i] =
+            static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), indices[i]) - used.begin());
+      indices[i] += out.first_vertex;
+    }
+    return used;
+  }
+
+  void read_uvs(const tinygltf::Primitive& in, const std::string& path, const UvSource& uv, bool needed,
+                const std::vector<uint32_t>& vertices, std::vector<glm::vec2>& out) {
     const auto found = in.attributes.find(fmt::format("TEXCOORD_{}", uv.set));
     if (found == in.attributes.end()) {
       if (needed) asset_.warn(fmt::format("{}: is textured but has no TEXCOORD_{}", path, uv.set));
-      out.insert(out.end(), count, glm::vec2(0.0F));
+      out.insert(out.end(), vertices.size(), glm::vec2(0.0F));
       return;
     }
     const AccessorView view = asset_.view_of(found->second);
@@ -266,7 +312,7 @@ class Loader {
     // signs for v pointing up.
     const double c = std::cos(uv.rotation);
     const double s = std::sin(uv.rotation);
-    for (size_t i = 0; i < count; ++i) {
+    for (const uint32_t i : vertices) {
       const double u = asset_.finite(view, i, 0) * uv.scale.x;
       const double v = asset_.finite(view, i, 1) * uv.scale.y;
       out.emplace_back(static_cast<float>(uv.offset.x + c * u + s * v),
@@ -274,15 +320,15 @@ class Loader {
     }
   }
 
-  void read_colours(const tinygltf::Primitive& in, size_t count) {
+  void read_colours(const tinygltf::Primitive& in, const std::vector<uint32_t>& vertices) {
     auto& colours = character_.mesh.colours;
     const auto found = in.attributes.find("COLOR_0");
     if (found == in.attributes.end()) {
-      colours.insert(colours.end(), count, glm::vec4(1.0F));
+      colours.insert(colours.end(), vertices.size(), glm::vec4(1.0F));
       return;
     }
     const AccessorView view = asset_.view_of(found->second);
-    for (size_t i = 0; i < count; ++i) {
+    for (const uint32_t i : vertices) {
       glm::vec4 colour(1.0F);
       for (int c = 0; c < view.components; ++c)
         colour[c] = static_cast<float>(std::clamp(asset_.finite(view, i, c), 0.0, 1.0));
@@ -290,8 +336,8 @@ class Loader {
     }
   }
 
-  void read_normals(const AccessorView& view) {
-    for (size_t i = 0; i < view.count; ++i) {
+  void read_normals(const AccessorView& view, const std::vector<uint32_t>& vertices) {
+    for (const uint32_t i : vertices) {
       const glm::vec3 n = asset_.finite3(view, i);
       const float length = glm::length(n);
       if (length < 1e-6F) ++zero_normals_;
@@ -299,7 +345,8 @@ class Loader {
     }
   }
 
-  void read_indices(const tinygltf::Primitive& in, const std::string& path, uint32_t first_vertex, size_t vertices) {
+  // The corners of its triangles, as the file numbers its `vertices`.
+  void read_indices(const tinygltf::Primitive& in, const std::string& path, size_t vertices) {
     std::optional<AccessorView> view;
     if (in.indices >= 0) view = asset_.view_of(in.indices);
     const size_t corners = view ? view->count : vertices;
@@ -307,7 +354,7 @@ class Loader {
       const size_t index = view ? view->unsigned_at(i) : i;
       if (index >= vertices)
         asset_.fail(view->path, fmt::format("index {} is {}, but {} has {} vertices", i, index, path, vertices));
-      return first_vertex + static_cast<uint32_t>(index);
+      return static_cast<uint32_t>(index);
     };
     auto& indices = character_.mesh.indices;
     if (in.mode == TINYGLTF_MODE_TRIANGLES) {
@@ -359,6 +406,17 @@ class Loader {
     if (common < 0) asset_.warn("the joints of the skin have no common root; the first joint counts as the root");
   }
 
+  void leave_out_invisible() {
+    Mesh& mesh = character_.mesh;
+    character_.file_triangles = character_.triangles();
+    if (!options_.undrawn) {
+      if (const size_t gone = drop_invisible(character_); gone > 0)
+        asset_.warn(fmt::format("{} of {} triangles cannot be seen (without area or fully transparent) and are left out",
+                                gone, character_.file_triangles));
+    }
+    if (mesh.file_vertices.size() == mesh.positions.size()) mesh.file_vertices.clear();
+  }
+
   void finish() {
     if (const auto node = node_beyond_reach(character_, limits_.reach)) {
       const auto file_index = std::find(node_of_.begin(), node_of_.end(), static_cast<int>(*node)) - node_of_.begin();
@@ -386,10 +444,12 @@ class Loader {
   std::vector<bool> hidden_;  // by file index
   bool has_colours_ = false;
   bool has_emissive_uvs_ = false;
+  std::set<int> position_accessors_;  // of what is shown
   std::map<int, int> skin_first_;
   int first_skin_ = -1;
   size_t zero_normals_ = 0;
   bool warned_flat_ = false;
+  bool warned_row_ = false;
 };
 
 }  // namespace
@@ -399,11 +459,10 @@ Character load_character(const std::vector<uint8_t>& bytes, const std::string& w
   GltfSource source(bytes, printable(where, 300), folder, options.limits);
   GltfPlan plan = validate_gltf(source, options.limits);
   GltfAsset asset(source, std::move(plan), options);
+  asset.character.name = std::filesystem::path(where).stem().string();
+  asset.character.source = where;
   Loader(asset).run();
-  Character character = std::move(asset.character);
-  character.name = std::filesystem::path(where).stem().string();
-  character.source = where;
-  return character;
+  return std::move(asset.character);
 }
 
 Character load_character(const std::filesystem::path& path, const LoadOptions& options) {

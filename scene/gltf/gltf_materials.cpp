@@ -47,6 +47,7 @@ GltfMaterials::GltfMaterials(GltfAsset& asset, const std::vector<bool>& used) : 
     out.name = in.name;
     out.slot = static_cast<uint8_t>(std::min<size_t>(i, 255));
     out.double_sided = in.doubleSided;
+    out.cut_out = in.alphaMode == "MASK" || in.alphaMode == "BLEND";
     out.unlit = in.extensions.count("KHR_materials_unlit") != 0;
     const auto& pbr = in.pbrMetallicRoughness;
     for (int c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)

@@ -30,7 +30,8 @@ double GltfWeights::gather(const AccessorView& joints, const AccessorView& weigh
   return weight;
 }
 
-void GltfWeights::read(const tinygltf::Primitive& in, size_t count, int first_joint, int palette_size) {
+void GltfWeights::read(const tinygltf::Primitive& in, const std::vector<uint32_t>& vertices, int first_joint,
+                       int palette_size) {
   std::vector<AccessorView> joints;
   std::vector<AccessorView> weights;
   for (int set = 0; set < asset_.limits.influence_sets; ++set) {
@@ -43,7 +44,7 @@ void GltfWeights::read(const tinygltf::Primitive& in, size_t count, int first_jo
     if (weights.back().type != kF32) weights.back().normalized = true;
   }
   std::vector<Influence> all;
-  for (size_t v = 0; v < count; ++v) {
+  for (const uint32_t v : vertices) {
     all.clear();
     double sum = 0;
     for (size_t set = 0; set < joints.size(); ++set)

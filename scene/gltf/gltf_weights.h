@@ -17,11 +17,11 @@ class GltfWeights {
   // asset must outlive this.
   explicit GltfWeights(GltfAsset& asset) : asset_(asset) {}
 
-  // Adds to Mesh::joints and weights what the primitive says of its `count` vertices: the kInfluences largest, whose
+  // Adds to Mesh::joints and weights what the primitive says of these of its vertices: the kInfluences largest, whose
   // sum is 1 again. first: where its skin's joints begin in the
   // character's palette; joints: how many it has. Throws Error on a joint that the skin lacks
   // and on weights that are negative or not finite.
-  void read(const tinygltf::Primitive& primitive, size_t count, int first, int joints);
+  void read(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices, int first, int joints);
   // Warns of what had to be changed.
   void report();
 

@@ -1,4 +1,4 @@
-// How a loaded or built character is finished: loops closed, root motion measured, default clip chosen, placed on the
+// How a loaded or built character is finished: turned, loops closed, travel measured, default clip chosen, placed on the
 // ground, hashed.
 #include "scene/pose/normalise.h"
 
@@ -14,6 +14,8 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "scene/character/character.h"
+#include "scene/pose/body.h"
+#include "scene/pose/facing.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
@@ -22,6 +24,14 @@ namespace {
 constexpr double kSameTranslation = 1e-3;  // of the height: a loop's ends that differ by less need no closing
 constexpr double kSameRotation = 5e-3;     // radians, likewise
 constexpr double kRootMotion = 0.1;        // of the height: a smaller net displacement is sway, not travel
+constexpr double kRootTurn = 0.05;         // radians: likewise for a net turn
+// A travel or a turn ends in the pose in which it began: what remains is at most this part of the displacement, or of
+// the height. A fall or a rise moves the mass as far but is no travel.
+constexpr double kLeftOfTravel = 0.5;
+constexpr double kLeftOfHeight = 0.1;
+constexpr double kStraight = 0.087;  // sine of 5 degrees: a stance foot's direction this near to an axis is along it
+constexpr double kStanceAgrees = 0.6;  // of a clip's intervals: that many of them go where their median goes
+constexpr double kUpright = 0.75;  // of the default clip's first pose: clips in use that are lower do not stand upright
 constexpr double kSoleBand = 0.05;         // of the height above the lowest point: these vertices can touch the ground
 constexpr double kContact = 0.04;          // of the height above the clip's lowest sole point: in contact
 constexpr double kStillFoot = 0.02;        // of the height a second: a foot that moves more slowly stands still
@@ -29,12 +39,15 @@ constexpr double kMovingFeet = 0.05;       // of the height: a clip that moves a
 constexpr size_t kMaxSoles = 48;
 constexpr int kMotionSamples = 24;  // poses of each clip, for its ground speed
 constexpr double kBoundsRate = 30.0;
+constexpr double kPi = 3.14159265358979323846;
 
-bool holds_walk(const std::string& name) {
+// A word in lower case, in a name of any case.
+bool holds(const std::string& name, const char* word) {
   std::string lower = name;
   std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower.find("walk") != std::string::npos;
+  return lower.find(word) != std::string::npos;
 }
+bool holds_walk(const std::string& name) { return holds(name, "walk"); }
 
 // The node whose travel is the character's: the skin's root, or without a skin the first joint's topmost ancestor.
 int travelling_node(const Skeleton& skeleton) {
@@ -120,15 +133,19 @@ double last_interval(const Clip& clip) {
 
 glm::dvec3 horizontal(const glm::dvec3& v) { return {v.x, 0.0, v.z}; }
 
-// Whether two poses agree, the second moved back by `displacement` (glTF space)?
-bool same_pose(const Skeleton& skeleton, const std::vector<glm::dmat4>& a, const std::vector<glm::dmat4>& b,
-               const glm::dvec3& displacement, double height) {
-  for (const Joint& joint : skeleton.joints) {
-    const auto n = static_cast<size_t>(joint.node);
-    if (glm::length(glm::dvec3(b[n][3] - a[n][3]) - displacement) > kSameTranslation * height) return false;
+// Whether two poses agree, the second one's travel undone (glTF space)? Joints that carry nothing have no say: a root
+// may stand still while the body travels.
+bool same_pose(const Skeleton& skeleton, const Body& body, const std::vector<glm::dmat4>& a,
+               const std::vector<glm::dmat4>& b, const ClipMotion& motion, double height) {
+  const glm::dmat4 undone = travel_undone(motion, 1.0);
+  for (size_t j = 0; j < skeleton.joints.size(); ++j) {
+    if (!body.carried_by(j) && !skeleton.joints[j].rigid) continue;
+    const auto n = static_cast<size_t>(skeleton.joints[j].node);
+    const glm::dmat4 back = undone * b[n];
+    if (glm::length(glm::dvec3(back[3] - a[n][3])) > kSameTranslation * height) return false;
     for (int axis = 0; axis < 3; ++axis) {
       const double length = std::max(glm::length(glm::dvec3(a[n][axis])), 1e-30);
-      if (glm::length(glm::dvec3(a[n][axis] - b[n][axis])) > kSameRotation * length) return false;
+      if (glm::length(glm::dvec3(a[n][axis] - back[axis])) > kSameRotation * length) return false;
     }
   }
   return true;
@@ -153,140 +170,317 @@ struct Measured {
   bool moves_feet = false;
 };
 
-// Root travel, loop closing and stance speed of one clip, in glTF units; `height` is the bind pose's, same units.
-Measured measure(const Character& character, int index, int root, const std::vector<uint32_t>& soles, double height) {
-  Measured out;
-  const Clip& clip = character.clips[static_cast<size_t>(index)];
-  const double duration = clip.duration();
-  if (duration <= 0.0) return out;
-  const auto first = node_matrices(character, index, clip.start);
-  const auto last = node_matrices(character, index, clip.end);
-  if (root >= 0) {
-    const glm::dvec3 travel =
-        horizontal(glm::dvec3(last[static_cast<size_t>(root)][3] - first[static_cast<size_t>(root)][3]));
-    if (glm::length(travel) > kRootMotion * height) out.motion.root_displacement = travel;
+// What all clips of a character are measured with; lengths in glTF units.
+struct Measures {
+  const Character& character;
+  const Body& body;
+  const std::vector<uint32_t>& soles;
+  double height;  // of the bind pose
+};
+
+// The axis of the turn that takes `centre` to centre + displacement.
+glm::dvec3 turning_axis(const glm::dvec3& centre, const glm::dvec3& displacement, double yaw) {
+  const double c = 1.0 - std::cos(yaw);
+  const double s = std::sin(yaw);
+  const double det = c * c + s * s;
+  const glm::dvec3 offset{(c * displacement.x + s * displacement.z) / det, 0.0,
+                          (c * displacement.z - s * displacement.x) / det};
+  return horizontal(centre) + offset;
+}
+
+// The turn of the whole clip: a fit knows it only up to full turns. A clip that ends as it began has none to strip.
+double whole_turn(const Measures& of, const std::vector<std::vector<glm::dmat4>>& poses, double net) {
+  double sum = 0;
+  for (size_t i = 0; i + 1 < poses.size(); ++i) sum += fit_on_ground(of.body, poses[i], poses[i + 1]).yaw;
+  return net + 2 * kPi * std::nearbyint((sum - net) / (2 * kPi));
+}
+
+// How the body travels over the ground from the first pose to the last, evenly spaced.
+void measure_travel(const Measures& of, const std::vector<std::vector<glm::dmat4>>& poses, double duration,
+                    ClipMotion& motion) {
+  const GroundFit fit = fit_on_ground(of.body, poses.front(), poses.back());
+  const double far = glm::length(fit.displacement);
+  const double allowed = std::max(kLeftOfTravel * far, kLeftOfHeight * of.height);
+  const bool turns = std::abs(fit.yaw) > kRootTurn && fit.left < 0.5 * fit.left_unturned && fit.left <= allowed;
+  const bool travels = far > kRootMotion * of.height && (turns ? fit.left : fit.left_unturned) <= allowed;
+  if (!turns && !travels) return;
+  for (int axis = 0; axis < 3; ++axis) motion.root_displacement[axis] = settled(fit.displacement[axis], of.height);
+  glm::dvec3 velocity = motion.root_displacement / duration;
+  if (turns) {
+    motion.root_yaw = settled(whole_turn(of, poses, fit.yaw), 1.0);
+    motion.root_axis = turning_axis(of.body.centre(poses.front()), motion.root_displacement, motion.root_yaw);
+    for (int axis = 0; axis < 3; ++axis) motion.root_axis[axis] = settled(motion.root_axis[axis], of.height);
+    motion.yaw_rate = motion.root_yaw / duration;
+    velocity = motion.yaw_rate * glm::dvec3(-motion.root_axis.z, 0.0, motion.root_axis.x);
   }
-  if (clip.loops && !same_pose(character.skeleton, first, last, out.motion.root_displacement, height)) {
-    out.motion.closing_seconds = last_interval(clip);
-  }
-  // Sole vertices over the clip: does any move, and how fast do those on the ground go backwards?
-  std::vector<std::vector<glm::dvec3>> tracks;
-  tracks.reserve(kMotionSamples + 1);
-  double lowest = std::numeric_limits<double>::max();
-  for (int i = 0; i <= kMotionSamples; ++i) {
-    const auto palette = joint_matrices(character, index, clip.start + duration * i / kMotionSamples);
-    std::vector<glm::dvec3> points;
-    points.reserve(soles.size());
-    for (const uint32_t v : soles) {
-      points.push_back(skin_one(character.mesh, v, palette));
-      lowest = std::min(lowest, points.back().y);
-    }
-    tracks.push_back(std::move(points));
-  }
-  for (size_t v = 0; v < soles.size(); ++v) {
-    for (const auto& points : tracks) {
-      if (glm::length(points[v] - tracks[0][v]) > kMovingFeet * height) out.moves_feet = true;
-    }
-  }
-  // The point that stays lowest over an interval bears the weight; it counts while it is near the ground.
-  std::vector<double> backward;
-  for (size_t i = 0; i < kMotionSamples; ++i) {
+  const double speed = glm::length(velocity);
+  if (speed <= kStillFoot * of.height) return;
+  motion.ground_speed = speed;
+  motion.direction = {settled(velocity.x / speed, 1.0), settled(velocity.z / speed, 1.0)};
+}
+
+// Along an axis where it nearly is.
+glm::dvec2 straightened(glm::dvec2 v) {
+  const double length = glm::length(v);
+  for (int axis = 0; axis < 2; ++axis)
+    if (std::abs(v[axis]) < kStraight * length) return axis == 0 ? glm::dvec2(0.0, v.y) : glm::dvec2(v.x, 0.0);
+  return v;
+}
+
+// The speed of a clip that stays in place: the point that stays lowest over an interval bears the weight, and goes
+// backwards as fast as the body would go forwards. tracks: the soles over the clip, by pose.
+void measure_stance(const std::vector<std::vector<glm::dvec3>>& tracks, double lowest, double height, double duration,
+                    ClipMotion& motion) {
+  std::vector<double> x;
+  std::vector<double> z;
+  for (size_t i = 0; i + 1 < tracks.size(); ++i) {
     double best = lowest + kContact * height;
-    std::optional<double> speed;
-    for (size_t v = 0; v < soles.size(); ++v) {
+    std::optional<glm::dvec3> moved;
+    for (size_t v = 0; v < tracks[i].size(); ++v) {
       const glm::dvec3& a = tracks[i][v];
       const glm::dvec3& b = tracks[i + 1][v];
       if (std::max(a.y, b.y) > best) continue;
       best = std::max(a.y, b.y);
-      speed = (a.z - b.z) * kMotionSamples / duration;
+      moved = a - b;
     }
-    if (speed) backward.push_back(*speed);
+    if (!moved) continue;
+    x.push_back(moved->x * kMotionSamples / duration);
+    z.push_back(moved->z * kMotionSamples / duration);
   }
-  if (out.motion.root_displacement != glm::dvec3(0.0)) {
-    out.motion.ground_speed = glm::length(out.motion.root_displacement) / duration;
-  } else if (!backward.empty()) {
-    const double speed = median(backward);
-    out.motion.from_stance = true;
-    out.motion.ground_speed = speed > kStillFoot * height ? speed : 0.0;
+  if (x.empty()) return;
+  motion.from_stance = true;
+  auto sorted_x = x;
+  auto sorted_z = z;
+  const glm::dvec2 velocity = straightened({median(sorted_x), median(sorted_z)});
+  const double speed = glm::length(velocity);
+  if (speed <= kStillFoot * height) return;
+  size_t agree = 0;
+  for (size_t i = 0; i < x.size(); ++i)
+    if (glm::dot(glm::dvec2(x[i], z[i]), velocity) > 0.5 * speed * speed) ++agree;
+  // Feet shift and turn in clips that go nowhere; forwards, where people walk, the median is trusted.
+  const bool forwards = velocity.x == 0 && velocity.y > 0;
+  if (!forwards && static_cast<double>(agree) < kStanceAgrees * static_cast<double>(x.size())) return;
+  motion.ground_speed = speed;
+  motion.direction = {settled(velocity.x / speed, 1.0), settled(velocity.y / speed, 1.0)};
+}
+
+// Travel, loop closing and ground speed of one clip.
+Measured measure(const Measures& of, int index) {
+  Measured out;
+  const Character& character = of.character;
+  const Clip& clip = character.clips[static_cast<size_t>(index)];
+  const double duration = clip.duration();
+  if (duration <= 0.0) return out;
+  std::vector<std::vector<glm::dmat4>> poses;
+  std::vector<std::vector<glm::dvec3>> tracks;
+  double lowest = std::numeric_limits<double>::max();
+  for (int i = 0; i <= kMotionSamples; ++i) {
+    const double at = i == kMotionSamples ? clip.end : clip.start + duration * i / kMotionSamples;
+    poses.push_back(joint_matrices(character, index, at));
+    std::vector<glm::dvec3>& points = tracks.emplace_back();
+    for (const uint32_t v : of.soles) {
+      points.push_back(skin_one(character.mesh, v, poses.back()));
+      lowest = std::min(lowest, points.back().y);
+    }
   }
+  measure_travel(of, poses, duration, out.motion);
+  if (clip.loops) {
+    const auto first = node_matrices(character, index, clip.start);
+    const auto last = node_matrices(character, index, clip.end);
+    if (!same_pose(character.skeleton, of.body, first, last, out.motion, of.height))
+      out.motion.closing_seconds = last_interval(clip);
+  }
+  for (size_t v = 0; v < of.soles.size(); ++v)
+    for (const auto& points : tracks)
+      if (glm::length(points[v] - tracks[0][v]) > kMovingFeet * of.height) out.moves_feet = true;
+  if (out.motion.root_displacement == glm::dvec3(0.0) && out.motion.root_yaw == 0)
+    measure_stance(tracks, lowest, of.height, duration, out.motion);
   return out;
 }
 
-}  // namespace
+// Does that clip play clips of which each moves one node?
+bool in_one_piece(const Character& character, int together) {
+  const Clip& all = character.clips[static_cast<size_t>(together)];
+  return std::ranges::none_of(character.clips, [&](const Clip& clip) {
+    return !clip.together && clip.duration() > 0 && std::abs(clip.duration() - all.duration()) < 1e-3 &&
+           std::ranges::any_of(clip.channels, [&](const Channel& c) { return c.node != clip.channels.front().node; });
+  });
+}
 
-void normalise(Character& character, const NormaliseOptions& options) {
-  assert(!character.mesh.positions.empty());
-  const Mesh& mesh = character.mesh;
-  const auto bind = joint_matrices(character, -1, 0.0);
-  const double bind_height = std::max(posed_heights(mesh, bind).size(), 1e-30);
-  const int root = travelling_node(character.skeleton);
-  const auto soles = find_soles(character, bind);
-
-  std::vector<Measured> measured;
-  measured.reserve(character.clips.size());
-  for (size_t i = 0; i < character.clips.size(); ++i) {
-    measured.push_back(measure(character, static_cast<int>(i), root, soles, bind_height));
-  }
+int choose_default_clip(const Character& character, const std::vector<Measured>& measured) {
   int chosen = -1;
   int moving = -1;
   int walking = -1;
+  int together = -1;
   for (int i = static_cast<int>(character.clips.size()) - 1; i >= 0; --i) {
     const Clip& clip = character.clips[static_cast<size_t>(i)];
     if (clip.duration() <= 0.0) continue;
     chosen = i;
+    if (clip.together) together = i;
     if (measured[static_cast<size_t>(i)].moves_feet) moving = i;
     if (holds_walk(clip.name)) walking = i;
   }
-  if (moving >= 0) chosen = moving;
-  if (walking >= 0) chosen = walking;
+  // Each of the clips that it plays is a piece of a movement.
+  if (together >= 0 && (walking < 0 || in_one_piece(character, together))) return together;
+  return walking >= 0 ? walking : moving >= 0 ? moving : chosen;
+}
 
-  // Posed in glTF space first: placement and motion are found there, then scaled.
-  Placement placement;
-  placement.default_clip = chosen;
-  character.placement = {};
-  character.placement.default_clip = chosen;
-  character.motion.clear();
-  for (const Measured& m : measured) character.motion.push_back(m.motion);
+double first_height(const Character& character, int clip) {
+  return posed_heights(character.mesh, model_matrices(character, clip, 0.0)).size();
+}
 
-  const double cycle = chosen < 0 ? 0.0 : cycle_seconds(character, chosen);
-  const int samples = cycle > 0.0 ? std::clamp(static_cast<int>(std::ceil(cycle * kBoundsRate)), 2, 150) : 1;
+// Placement::upright_clip.
+int choose_upright_clip(const Character& character, const std::vector<std::string>& in_use) {
+  const int standard = character.placement.default_clip;
+  int tallest = standard;
+  double most = -1;
+  for (const std::string& name : in_use) {
+    const int clip = require_clip_or_none(character, name);
+    const double height = first_height(character, clip);
+    if (height <= most) continue;
+    most = height;
+    tallest = clip;
+  }
+  return !in_use.empty() && most < kUpright * first_height(character, standard) ? standard : tallest;
+}
+
+// Where a character stands, in glTF units.
+struct Stand {
+  double height = 0;
   double lowest = std::numeric_limits<double>::max();
-  double height = 0.0;
   glm::dvec3 pivot{0.0};
+};
+
+Stand measure_stand(const Character& character, const Body& body, double bind_height) {
+  const int clip = character.placement.upright_clip;
+  const double cycle = clip < 0 ? 0.0 : cycle_seconds(character, clip);
+  const int samples = cycle > 0.0 ? std::clamp(static_cast<int>(std::ceil(cycle * kBoundsRate)), 2, 150) : 1;
+  const int root = travelling_node(character.skeleton);
+  Stand out;
+  glm::dvec3 root_middle{0.0};
+  glm::dvec3 body_middle{0.0};
   for (int i = 0; i < samples; ++i) {
     const double phase = static_cast<double>(i) / samples;
-    const Range range = posed_heights(mesh, model_matrices(character, chosen, phase));
-    if (i == 0) height = range.size();
-    lowest = std::min(lowest, range.low);
-    if (root >= 0) {
-      glm::dvec3 at{0.0};
-      if (chosen < 0) {
-        at = glm::dvec3(node_matrices(character, -1, 0.0)[static_cast<size_t>(root)][3]);
-      } else {
-        const Clip& clip = character.clips[static_cast<size_t>(chosen)];
-        const double progress = std::min(phase * cycle / clip.duration(), 1.0);
-        at = glm::dvec3(node_matrices(character, chosen,
-                                      clip.start + progress * clip.duration())[static_cast<size_t>(root)][3]) -
-             character.motion[static_cast<size_t>(chosen)].root_displacement * progress;
-      }
-      pivot += at / static_cast<double>(samples);
+    const auto palette = model_matrices(character, clip, phase);
+    const Range range = posed_heights(character.mesh, palette);
+    if (i == 0) out.height = range.size();
+    out.lowest = std::min(out.lowest, range.low);
+    body_middle += body.centre(palette) / static_cast<double>(samples);
+    if (root < 0) continue;
+    glm::dvec4 at(0.0);
+    if (cycle <= 0) {
+      at = node_matrices(character, clip, clip < 0 ? 0.0 : character.clips[static_cast<size_t>(clip)].start)[static_cast<size_t>(root)][3];
+    } else {
+      const Clip& curves = character.clips[static_cast<size_t>(clip)];
+      const double progress = std::min(phase * cycle / curves.duration(), 1.0);
+      at = travel_undone(character.motion[static_cast<size_t>(clip)], progress) *
+           node_matrices(character, clip, curves.start + progress * curves.duration())[static_cast<size_t>(root)][3];
     }
+    root_middle += glm::dvec3(at) / static_cast<double>(samples);
   }
-  lowest = settled(lowest, bind_height);
-  for (int axis = 0; axis < 3; ++axis) pivot[axis] = settled(pivot[axis], bind_height);
-  height = settled(height, bind_height);
+  // A root that stands apart from the body, or stays behind it, is not where the character is.
+  out.pivot = root >= 0 && glm::length(horizontal(root_middle - body_middle)) <= kRootMotion * bind_height
+                  ? root_middle
+                  : body_middle;
+  out.height = settled(out.height, bind_height);
+  out.lowest = settled(out.lowest, bind_height);
+  for (int axis = 0; axis < 3; ++axis) out.pivot[axis] = settled(out.pivot[axis], bind_height);
+  return out;
+}
+
+// Puts a node that turns everything on top of the hierarchy.
+void add_turning_node(Character& character, const glm::dquat& rotation) {
+  Skeleton& skeleton = character.skeleton;
+  Node top;
+  top.name = "turned";
+  top.rotation = rotation;
+  for (Node& node : skeleton.nodes) ++node.parent;  // -1, a root, becomes 0
+  skeleton.nodes.insert(skeleton.nodes.begin(), top);
+  for (Joint& joint : skeleton.joints) ++joint.node;
+  if (skeleton.root_node >= 0) ++skeleton.root_node;
+  for (Primitive& primitive : character.mesh.primitives) ++primitive.node;
+  for (Clip& clip : character.clips)
+    for (Channel& channel : clip.channels) ++channel.node;
+}
+
+void orient(Character& character, const NormaliseOptions& options) {
+  glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
+  if (options.turn_deg) rotation = glm::angleAxis(*options.turn_deg * kPi / 180, glm::dvec3(0.0, 1.0, 0.0));
+  if (options.up == UpAxis::z) rotation = rotation * glm::angleAxis(-kPi / 2, glm::dvec3(1.0, 0.0, 0.0));
+  if (rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) add_turning_node(character, rotation);
+}
+
+// Does the character walk along -Z? What it looks like decides whether that is forwards: VRM 0.x files face that way.
+bool turn_was_guessed(Character& character, const std::vector<uint32_t>& soles) {
+  const int clip = character.placement.default_clip;
+  if (clip < 0) return false;
+  const ClipMotion& motion = character.motion[static_cast<size_t>(clip)];
+  const std::string& name = character.clips[static_cast<size_t>(clip)].name;
+  if (!(motion.ground_speed > 0) || motion.direction.y > -0.7 || holds(name, "back")) return false;
+  const std::string what = fmt::format("clip {} '{}' travels along -Z", clip, printable(name, 60));
+  switch (compute_facing(character, soles)) {
+    case Facing::minus_z:
+      add_turning_node(character, glm::dquat(0.0, 0.0, 1.0, 0.0));
+      character.warnings.push_back(what + ", where feet and face point too (as in VRM 0.x): turned by 180 degrees to "
+                                          "face +Z; turn_deg = 0 leaves it as it is");
+      return true;
+    case Facing::unclear:
+      character.warnings.push_back(what + "; if that is forwards, turn_deg = 180 makes the character face +Z");
+      break;
+    case Facing::plus_z: break;
+  }
+  return false;
+}
+
+}  // namespace
+
+int require_clip_or_none(const Character& character, const std::string& name_or_index) {
+  return name_or_index == "none" && !find_clip(character, name_or_index) ? -1 : require_clip(character, name_or_index);
+}
+
+void normalise(Character& character, const NormaliseOptions& options) {
+  assert(!character.mesh.positions.empty());
+  orient(character, options);
+  const Mesh& mesh = character.mesh;
+  const auto bind = joint_matrices(character, -1, 0.0);
+  const double bind_height = std::max(posed_heights(mesh, bind).size(), 1e-30);
+  const Body body(character);
+  const auto soles = find_soles(character, bind);
+
+  // Posed in glTF space first: placement and motion are found there, then scaled.
+  std::vector<Measured> measured;
+  measured.reserve(character.clips.size());
+  for (size_t i = 0; i < character.clips.size(); ++i)
+    measured.push_back(measure({character, body, soles, bind_height}, static_cast<int>(i)));
+  character.placement = {};
+  character.placement.default_clip = choose_default_clip(character, measured);
+  character.motion.clear();
+  for (const Measured& m : measured) character.motion.push_back(m.motion);
+  if (!options.turn_deg && turn_was_guessed(character, soles)) {
+    NormaliseOptions decided = options;
+    decided.turn_deg = 0.0;
+    decided.up = UpAxis::y;  // turned already
+    normalise(character, decided);
+    return;
+  }
+
+  Placement placement = character.placement;
+  placement.upright_clip = choose_upright_clip(character, options.clips);
+  character.placement.upright_clip = placement.upright_clip;
+  const Stand stand = measure_stand(character, body, bind_height);
   for (ClipMotion& motion : character.motion) motion.ground_speed = settled(motion.ground_speed, bind_height);
-  placement.height = height;
+  placement.height = stand.height;
   if (options.height) {
-    placement.scale = height > 0.0 ? *options.height / height : 1.0;
-    placement.height = height * placement.scale;
+    placement.scale = stand.height > 0.0 ? *options.height / stand.height : 1.0;
+    placement.height = stand.height * placement.scale;
     placement.model_from_gltf = glm::dmat4(placement.scale);
-    placement.model_from_gltf[3] =
-        glm::dvec4(-pivot.x * placement.scale, -lowest * placement.scale, -pivot.z * placement.scale, 1.0);
+    placement.model_from_gltf[3] = glm::dvec4(-stand.pivot.x * placement.scale, -stand.lowest * placement.scale,
+                                              -stand.pivot.z * placement.scale, 1.0);
   }
   character.placement = placement;
   for (ClipMotion& motion : character.motion) {
     motion.root_displacement *= placement.scale;
+    motion.root_axis = glm::dvec3(placement.model_from_gltf * glm::dvec4(motion.root_axis, 1.0));
     motion.ground_speed *= placement.scale;
   }
   character.content_hash = compute_content_hash(character);
@@ -349,6 +543,9 @@ std::string compute_content_hash(const Character& character) {
   for (const ClipMotion& motion : character.motion) {
     for (int i = 0; i < 3; ++i) hash.value(motion.root_displacement[i]);
     hash.value(motion.ground_speed).value(motion.closing_seconds);
+    // Only where they are not the usual ones, so that the hashes of most characters are those of earlier versions.
+    if (motion.direction != glm::dvec2(0.0, 1.0)) hash.value(motion.direction.x).value(motion.direction.y);
+    if (motion.root_yaw != 0) hash.value(motion.root_yaw).value(motion.root_axis.x).value(motion.root_axis.z);
   }
   return hash.hex();
 }

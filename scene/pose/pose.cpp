@@ -155,29 +155,43 @@ std::vector<glm::dmat4> joint_matrices(const Character& character, int clip, dou
   return palette_of(character.skeleton, node_matrices(character, clip, time));
 }
 
+glm::dmat4 travel_undone(const ClipMotion& motion, double progress) {
+  glm::dmat4 out(1.0);
+  if (motion.root_yaw == 0) {
+    out[3] -= glm::dvec4(motion.root_displacement * progress, 0.0);
+    return out;
+  }
+  const double sine = std::sin(-motion.root_yaw * progress);
+  const double cosine = std::cos(-motion.root_yaw * progress);
+  out[0] = {cosine, 0.0, -sine, 0.0};
+  out[2] = {sine, 0.0, cosine, 0.0};
+  const glm::dvec4 axis(motion.root_axis, 0.0);
+  out[3] += axis - out * axis;
+  return out;
+}
+
 std::vector<glm::dmat4> model_matrices(const Character& character, int clip, double phase) {
   std::vector<glm::dmat4> palette;
-  glm::dvec3 strip{0.0};
+  glm::dmat4 place = character.placement.model_from_gltf;
   const double cycle = clip < 0 ? 0.0 : cycle_seconds(character, clip);
   if (cycle <= 0.0) {
     palette = joint_matrices(character, clip, clip < 0 ? 0.0 : character.clips[static_cast<size_t>(clip)].start);
   } else {
     const Clip& curves = character.clips[static_cast<size_t>(clip)];
-    const ClipMotion& motion = character.motion[static_cast<size_t>(clip)];
+    double progress = 0;
     const double seconds = std::clamp(phase, 0.0, 1.0) * cycle;
     if (seconds <= curves.duration()) {
       palette = joint_matrices(character, clip, curves.start + seconds);
-      strip = motion.root_displacement * (seconds / curves.duration());
+      progress = seconds / curves.duration();
     } else {
       const double t = (seconds - curves.duration()) / (cycle - curves.duration());
       const LocalPose pose =
           blend(local_pose(character, clip, curves.end), local_pose(character, clip, curves.start), t);
       palette = palette_of(character.skeleton, world_matrices(character.skeleton, pose));
-      strip = motion.root_displacement * (1.0 - t);
+      progress = 1.0 - t;
     }
+    place = travel_undone(character.motion[static_cast<size_t>(clip)], progress) * place;
   }
-  glm::dmat4 place = character.placement.model_from_gltf;
-  place[3] -= glm::dvec4(strip, 0.0);
   for (glm::dmat4& matrix : palette) matrix = place * matrix;
   return palette;
 }

@@ -26,7 +26,10 @@ BankClip describe(const Character& character, int clip) {
   out.clip = clip;
   if (clip < 0) return out;
   out.seconds = cycle_seconds(character, clip);
-  out.ground_speed = character.motion[static_cast<size_t>(clip)].ground_speed;
+  const ClipMotion& motion = character.motion[static_cast<size_t>(clip)];
+  out.ground_speed = motion.ground_speed;
+  out.direction = motion.direction;
+  out.turns = motion.yaw_rate / 6.283185307179586;
   return out;
 }
 

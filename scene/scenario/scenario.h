@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/character/character.h"
 #include "scene/frame/camera.h"
 #include "scene/frame/light.h"
 
@@ -19,6 +20,8 @@ enum class Stage : uint8_t { plaza, view, frustum };
 struct CharacterEntry {
   std::string source = "mannequin";     // as open_character takes it; relative to the scenario's folder
   std::optional<double> height = 1.75;  // metres; nullopt = "as_is"
+  std::optional<double> turn_deg;       // about +Y, so that it faces +Z; nullopt: guessed (NormaliseOptions::turn_deg)
+  UpAxis up = UpAxis::y;                // of the file
   std::vector<std::string> clips;       // names or indices in use; empty: the default clip
   std::vector<std::string> hide;
   bool rigid_meshes = true;

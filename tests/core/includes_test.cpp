@@ -46,7 +46,7 @@ const std::map<std::string, Doors>& inner_doors() {
         {"gltf", {"character", "pose"}},
         {"mannequin", {"character", "pose"}},
         {"frame", {"character", "pose"}},
-        {"scenario", {"frame"}},
+        {"scenario", {"character", "frame"}},
         {"cast", {"character", "pose", "gltf", "mannequin", "scenario"}},
         {"crowd", {"character", "pose", "frame", "scenario", "cast"}}}},
       {"renderers",

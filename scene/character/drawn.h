@@ -1,0 +1,16 @@
+// What of a mesh can be seen. The rest has no say: not in a character's height, ground, bounds or bakes.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "scene/character/character.h"
+
+namespace crowdbench::scene {
+
+// Removes the triangles for which `seen` is false (three vertices each, and the primitive they are of), then the
+// vertices that no triangle names and the primitives without triangles. Returns how many triangles it removed. Where
+// none would be left it removes nothing.
+size_t keep_drawn(Mesh& mesh,
+                  const std::function<bool(const uint32_t* corners, const Primitive& primitive)>& seen);
+
+}  // namespace crowdbench::scene

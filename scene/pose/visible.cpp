@@ -1,0 +1,80 @@
+#include "scene/pose/visible.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "scene/character/drawn.h"
+#include "scene/pose/pose.h"
+
+namespace crowdbench::scene {
+namespace {
+
+// Of the figure's size: a triangle whose height over its longest side is less shows in no picture.
+constexpr double kThin = 1e-7;
+
+bool transparent(const Character& character, const Material& material) {
+  if (!material.cut_out) return false;
+  if (material.base_colour.a <= 0) return true;
+  if (material.base_colour_image < 0) return false;
+  const Image8& image = character.images[static_cast<size_t>(material.base_colour_image)].image;
+  if (image.channels != 4) return false;
+  for (size_t i = 3; i < image.data.size(); i += 4)
+    if (image.data[i] != 0) return false;
+  return true;
+}
+
+glm::dvec3 posed(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>& palette) {
+  glm::dvec4 sum(0.0);
+  for (int i = 0; i < kInfluences; ++i)
+    if (const double weight = mesh.weights[v][i]; weight != 0)
+      sum += weight * (palette[mesh.joints[v][i]] * glm::dvec4(mesh.positions[v], 1.0));
+  return glm::dvec3(sum);
+}
+
+// Whether the triangle has area, for its size and that of the figure as posed.
+bool has_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double size) {
+  const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+  return longest > kThin * size && glm::length(glm::cross(b - a, c - a)) > kThin * size * longest;
+}
+
+double size_of(const std::vector<glm::dvec3>& points) {
+  glm::dvec3 low = points.front();
+  glm::dvec3 high = points.front();
+  for (const glm::dvec3& p : points) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  return glm::length(high - low);
+}
+
+}  // namespace
+
+size_t drop_invisible(Character& character) {
+  const Mesh& mesh = character.mesh;
+  std::vector<bool> clear;
+  for (const Material& m : character.materials) clear.push_back(transparent(character, m));
+  const auto bind = skin_positions(mesh, joint_matrices(character, -1, 0.0));
+  const double bind_size = size_of(bind);
+  // Few triangles ask for more than the bind pose; the clips' poses are worked out for the first of them.
+  std::vector<std::vector<glm::dmat4>> poses;
+  const auto pose_clips = [&] {
+    for (size_t clip = 0; clip < character.clips.size(); ++clip)
+      for (const double part : {0.0, 0.5, 1.0})
+        poses.push_back(joint_matrices(character, static_cast<int>(clip),
+                                       character.clips[clip].start + part * character.clips[clip].duration()));
+  };
+  const auto has_area_in_a_clip = [&](const uint32_t* t) {
+    if (poses.empty()) pose_clips();
+    return std::ranges::any_of(poses, [&](const auto& palette) {
+      return has_area(posed(mesh, t[0], palette), posed(mesh, t[1], palette), posed(mesh, t[2], palette), bind_size);
+    });
+  };
+  return keep_drawn(character.mesh, [&](const uint32_t* t, const Primitive& primitive) {
+    if (clear[static_cast<size_t>(primitive.material)]) return false;
+    if (has_area(bind[t[0]], bind[t[1]], bind[t[2]], bind_size)) return true;
+    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && has_area_in_a_clip(t);
+  });
+}
+
+}  // namespace crowdbench::scene

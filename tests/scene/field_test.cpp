@@ -1,0 +1,422 @@
+// Files as people have them: what is not drawn, where travel is animated, which way a character faces, mirrored nodes,
+// the height of the clip in use, one animation a channel, values that are off by rounding.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "scene/crowd/crowd.h"
+#include "scene/pose/pose.h"
+#include "tests/scene/gltf_builder.h"
+
+namespace crowdbench::scene {
+namespace {
+
+using test::bending_card;
+using test::Builder;
+using test::load;
+
+bool warned(const Character& c, const std::string& of) {
+  return std::ranges::any_of(c.warnings, [&](const std::string& w) { return w.find(of) != std::string::npos; });
+}
+
+nlohmann::json& primitive(Builder& b) { return b.doc["meshes"][0]["primitives"][0]; }
+nlohmann::json& attributes(Builder& b) { return primitive(b)["attributes"]; }
+
+double posed_height(const Character& c, int clip) {
+  double low = 1e9;
+  double high = -1e9;
+  for (const glm::dvec3& p : skin_positions(c.mesh, model_matrices(c, clip, 0.0))) {
+    low = std::min(low, p.y);
+    high = std::max(high, p.y);
+  }
+  return high - low;
+}
+
+// A channel of the first clip: "translation" or "rotation" of a node over one second.
+void move(Builder& b, int animation, int node, const char* path, const std::vector<float>& times,
+          const std::vector<float>& values) {
+  const int input = b.accessor<float>(times, "SCALAR");
+  const int output = b.accessor<float>(values, path == std::string("rotation") ? "VEC4" : "VEC3");
+  auto& clip = b.doc["animations"][static_cast<size_t>(animation)];
+  clip["samplers"].push_back({{"input", input}, {"output", output}});
+  clip["channels"].push_back(
+      {{"sampler", clip["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+}
+
+// The card with one clip "walk" of no channels yet.
+Builder walking_card() {
+  Builder b = bending_card();
+  b.doc["animations"] = {{{"name", "walk"}, {"samplers", nlohmann::json::array()}, {"channels", nlohmann::json::array()}}};
+  return b;
+}
+
+// --- what is not drawn has no say
+
+TEST(Undrawn, AVertexThatNoIndexNamesCountsForNothing) {
+  Builder b = bending_card();
+  attributes(b)["POSITION"] = b.accessor<float>({0, 0, 0, 1, 0, 0, 1, 2, 0, 0, 2, 0, 0, 20, 0}, "VEC3");
+  attributes(b)["NORMAL"] = b.accessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  attributes(b)["TEXCOORD_0"] = b.accessor<float>({0, 1, 1, 1, 1, 0, 0, 0, 0, 0}, "VEC2");
+  attributes(b)["JOINTS_0"] = b.accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0}, "VEC4");
+  attributes(b)["WEIGHTS_0"] = b.accessor<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  const Character c = load(b, LoadOptions{});
+  EXPECT_NEAR(c.placement.scale, 1.75 / 2, 1e-9);
+  EXPECT_EQ(c.mesh.positions.size(), 4U);
+  EXPECT_EQ(c.file_vertices, 5U);
+  LoadOptions all = test::as_is();
+  all.undrawn = true;
+  EXPECT_EQ(load(b, all).mesh.positions.size(), 5U);
+}
+
+TEST(Undrawn, CollapsedAndTransparentTrianglesCountForNothing) {
+  for (const bool transparent : {false, true}) {
+    Builder b = bending_card();
+    nlohmann::json far = primitive(b);
+    far["attributes"]["POSITION"] = transparent
+                                        ? b.accessor<float>({0, 20, 0, 1, 20, 0, 1, 22, 0, 0, 22, 0}, "VEC3")
+                                        : b.accessor<float>({0, 20, 0, 0, 20, 0, 0, 20, 0, 0, 20, 0}, "VEC3");
+    if (transparent) {
+      far["material"] = 1;
+      b.doc["materials"].push_back(
+          {{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0}}}}});
+    }
+    b.doc["meshes"][0]["primitives"].push_back(far);
+    const Character c = load(b, LoadOptions{});
+    EXPECT_NEAR(c.placement.scale, 1.75 / 2, 1e-9) << transparent;
+    EXPECT_EQ(c.triangles(), 2U) << transparent;
+    EXPECT_EQ(c.file_triangles, 4U);
+    EXPECT_TRUE(warned(c, "2 of 4 triangles cannot be seen"));
+  }
+}
+
+TEST(Undrawn, ANodeScaledToNothingCountsForNothing) {
+  Builder b = bending_card();
+  b.doc["meshes"].push_back(b.doc["meshes"][0]);
+  b.doc["nodes"].push_back({{"mesh", 1}, {"translation", {0, 30, 0}}, {"scale", {0, 0, 0}}});
+  b.doc["scenes"][0]["nodes"].push_back(3);
+  EXPECT_NEAR(load(b, LoadOptions{}).placement.scale, 1.75 / 2, 1e-9);
+}
+
+TEST(Undrawn, SharedVerticesCountOnceAndAreLimitedByWhatIsNamed) {
+  Builder b = bending_card();
+  auto& primitives = b.doc["meshes"][0]["primitives"];
+  nlohmann::json half = primitives[0];
+  primitives[0]["indices"] = b.accessor<uint16_t>({0, 1, 2}, "SCALAR");
+  half["indices"] = b.accessor<uint16_t>({0, 2, 3}, "SCALAR");
+  primitives.push_back(half);
+  LoadOptions options = test::as_is();
+  options.limits.vertices = 6;  // 8 if every primitive had the whole buffer
+  const Character c = load(b, options);
+  EXPECT_EQ(c.file_vertices, 4U);
+  EXPECT_EQ(c.mesh.positions.size(), 6U);
+  EXPECT_EQ(c.mesh.primitives[1].first_vertex, 3U);
+  options.limits.vertices = 5;
+  EXPECT_THROW(load(b, options), Error);
+}
+
+// --- root motion is what the body does
+
+void expect_travel(const Character& c, double x, double z) {
+  EXPECT_NEAR(c.motion[0].ground_speed, std::hypot(x, z), 1e-6);
+  EXPECT_NEAR(c.motion[0].direction.x * c.motion[0].ground_speed, x, 1e-6);
+  EXPECT_NEAR(c.motion[0].direction.y * c.motion[0].ground_speed, z, 1e-6);
+  EXPECT_FALSE(c.motion[0].from_stance);
+  EXPECT_EQ(c.motion[0].closing_seconds, 0.0);
+  const auto first = skin_positions(c.mesh, model_matrices(c, 0, 0.0));
+  const auto last = skin_positions(c.mesh, model_matrices(c, 0, 1.0));
+  for (size_t v = 0; v < first.size(); ++v) EXPECT_LT(glm::length(last[v] - first[v]), 1e-6);
+}
+
+TEST(RootMotion, BelowASkeletonThatStandsStill) {
+  Builder b = walking_card();
+  b.doc["nodes"].push_back({{"name", "armature"}, {"children", {0, 1}}});
+  b.doc["scenes"][0]["nodes"] = {3};
+  b.doc["skins"][0]["skeleton"] = 3;
+  move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, 1});
+  expect_travel(load(b), 0, 1);
+}
+
+TEST(RootMotion, BelowARootJointThatStandsStill) {
+  Builder b = walking_card();
+  b.doc["nodes"].push_back({{"name", "root"}, {"children", {1}}});
+  b.doc["scenes"][0]["nodes"] = {0, 3};
+  b.doc["skins"][0] = {{"joints", {3, 1, 2}}};
+  attributes(b)["JOINTS_0"] = b.accessor<uint8_t>({1, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0}, "VEC4");
+  b.doc["nodes"][2]["translation"] = {0, 0, 0};
+  move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, -1.5F});
+  expect_travel(load(b), 0, -1.5);
+}
+
+TEST(RootMotion, SplitOverSeveralNodesAndSideways) {
+  Builder b = walking_card();
+  b.doc["nodes"].push_back({{"name", "armature"}, {"children", {1}}});
+  b.doc["scenes"][0]["nodes"] = {0, 3};
+  move(b, 0, 3, "translation", {0, 1}, {0, 0, 0, -0.5F, 0, 0});
+  move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, -0.5F, 0, 0.25F});
+  expect_travel(load(b), -1, 0.25);
+}
+
+TEST(RootMotion, ATurnIsStrippedAndKeptAsARate) {
+  // A quarter turn to the left in a second while the hips go round an arc of radius 2 about (2, 0).
+  Builder b = walking_card();
+  const auto h = static_cast<float>(std::sqrt(0.5));
+  std::vector<float> times;
+  std::vector<float> places;
+  std::vector<float> turns;
+  for (int i = 0; i <= 16; ++i) {
+    const double angle = std::acos(-1.0) / 2 * i / 16;
+    times.push_back(static_cast<float>(i) / 16);
+    for (const double v : {2 - 2 * std::cos(angle), 0.0, 2 * std::sin(angle)}) places.push_back(static_cast<float>(v));
+    for (const double v : {0.0, std::sin(angle / 2), 0.0, std::cos(angle / 2)}) turns.push_back(static_cast<float>(v));
+  }
+  EXPECT_NEAR(turns.back(), h, 1e-6);
+  move(b, 0, 1, "translation", times, places);
+  move(b, 0, 1, "rotation", times, turns);
+  const Character c = load(b);
+  EXPECT_NEAR(c.motion[0].yaw_rate, std::acos(-1.0) / 2, 1e-5);
+  EXPECT_NEAR(c.motion[0].ground_speed, std::acos(-1.0), 1e-4);
+  EXPECT_NEAR(c.motion[0].direction.y, 1.0, 1e-4);
+  EXPECT_EQ(c.motion[0].closing_seconds, 0.0);
+  // The whole of this clip is that motion: nothing is left of it in the pose.
+  const auto first = skin_positions(c.mesh, model_matrices(c, 0, 0.0));
+  for (const double phase : {0.25, 0.5, 1.0}) {
+    const auto then = skin_positions(c.mesh, model_matrices(c, 0, phase));
+    for (size_t v = 0; v < first.size(); ++v) EXPECT_LT(glm::length(then[v] - first[v]), 1e-3) << phase;
+  }
+}
+
+TEST(RootMotion, AFallIsNoTravel) {
+  // The card tips over about its lower edge: its mass moves by 1, but it does not end as it began.
+  Builder b = walking_card();
+  const auto h = static_cast<float>(std::sqrt(0.5));
+  move(b, 0, 1, "rotation", {0, 1}, {0, 0, 0, 1, h, 0, 0, h});
+  EXPECT_EQ(load(b).motion[0].root_displacement, glm::dvec3(0.0));
+}
+
+// --- agents go where their clip goes, and their feet stay where they are set down
+
+// A walker whose left foot (x < 0) stands on the ground for the first half of the cycle and the right one for the
+// second, while the body goes by `travel` (x, z) in one second; `in_place`: the same on a treadmill.
+Character walker(glm::dvec2 travel, bool in_place) {
+  Builder b = walking_card();
+  // Two cards: joint 0 "hips" holds the left, joint 1 "arm" the right.
+  attributes(b)["POSITION"] = b.accessor<float>(
+      {-0.3F, 0, 0, -0.1F, 0, 0, -0.2F, 1.8F, 0, 0.1F, 0, 0, 0.3F, 0, 0, 0.2F, 1.8F, 0}, "VEC3");
+  attributes(b) = {{"POSITION", attributes(b)["POSITION"]}};
+  attributes(b)["JOINTS_0"] =
+      b.accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  attributes(b)["WEIGHTS_0"] = b.accessor<float>(
+      {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  primitive(b)["indices"] = b.accessor<uint16_t>({0, 1, 2, 3, 4, 5}, "SCALAR");
+  primitive(b).erase("material");
+  b.doc["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "left"}}, {{"name", "right"}}};
+  b.doc["skins"] = {{{"joints", {1, 2}}}};
+  b.doc["scenes"][0]["nodes"] = {0, 1, 2};
+  const auto x = static_cast<float>(travel.x);
+  const auto z = static_cast<float>(travel.y);
+  const float s = in_place ? 1.0F : 0.0F;  // what a treadmill takes back by each time
+  const auto at = [&](float gone, float time, float lift) {
+    return std::vector<float>{x * (gone - s * time), lift, z * (gone - s * time)};
+  };
+  const auto keys = [&](std::initializer_list<std::vector<float>> all) {
+    std::vector<float> out;
+    for (const auto& k : all) out.insert(out.end(), k.begin(), k.end());
+    return out;
+  };
+  move(b, 0, 1, "translation", {0, 0.5F, 0.75F, 1},
+       keys({at(0, 0, 0), at(0, 0.5F, 0), at(0.5F, 0.75F, 0.2F), at(1, 1, 0)}));
+  move(b, 0, 2, "translation", {0, 0.25F, 0.5F, 1},
+       keys({at(-0.5F, 0, 0), at(0, 0.25F, 0.2F), at(0.5F, 0.5F, 0), at(0.5F, 1, 0)}));
+  return load(b, LoadOptions{});
+}
+
+struct Foot {
+  double slid = 0;  // metres over the ground while it stands, over a second
+  glm::dvec2 gone{0.0};
+};
+
+// How far the standing feet of the only agent slide in two cycles; belt: the ground's own speed.
+double worst_slide(const Character& character, MotionKind motion, std::optional<double> heading) {
+  Cast cast;
+  cast.characters = {std::make_shared<const Character>(character)};
+  cast.banks = {std::make_shared<const PoseBank>(character, std::vector<int>{0}, 60.0)};
+  cast.shares = {1.0};
+  Scenario scenario;
+  scenario.crowd.agents = 1;
+  scenario.crowd.motion = motion;
+  scenario.crowd.heading_deg = heading;
+  scenario.crowd.scale_variation = 0;
+  scenario.crowd.speed_variation = 0;
+  scenario.tick_rate = 60;
+  const Crowd crowd = make_crowd(scenario, cast, stage_view(scenario));
+  const BankClip& clip = cast.banks[0]->clips()[0];
+  std::vector<std::vector<glm::dvec3>> feet;  // by tick and vertex, world axes
+  for (uint64_t tick = 0; tick < 60; ++tick) {
+    const Frame frame = make_frame(scenario, cast, crowd, scenario.camera.at(0), tick, false);
+    const FrameAgent& agent = frame.agents[0][0];
+    const auto palette = cast.banks[0]->palette(agent.pose);
+    glm::dvec2 belt(0.0);
+    if (motion == MotionKind::treadmill) {
+      const double s = crowd.heading_sin[0];
+      const double c = crowd.heading_cos[0];
+      const glm::dvec2 way(clip.direction.x * c + clip.direction.y * s, clip.direction.y * c - clip.direction.x * s);
+      belt = way * clip.ground_speed * (static_cast<double>(tick) / 60);
+    }
+    std::vector<glm::dvec3>& points = feet.emplace_back();
+    for (const size_t v : {size_t{0}, size_t{3}}) {
+      const Mat3x4& m = palette[character.mesh.joints[v][0]];
+      const glm::vec4 p(character.mesh.positions[v], 1.0F);
+      const glm::dvec3 local(glm::dot(m.rows[0], p), glm::dot(m.rows[1], p), glm::dot(m.rows[2], p));
+      const double s = agent.heading.x;
+      const double c = agent.heading.y;
+      points.push_back(glm::dvec3(agent.position) + frame.origin +
+                       glm::dvec3(local.x * c + local.z * s + belt.x, local.y, local.z * c - local.x * s + belt.y));
+    }
+  }
+  double worst = 0;
+  for (size_t t = 0; t + 1 < feet.size(); ++t)
+    for (size_t v = 0; v < 2; ++v) {
+      const glm::dvec3 d = feet[t + 1][v] - feet[t][v];
+      if (feet[t][v].y > 1e-3 || feet[t + 1][v].y > 1e-3 || std::hypot(d.x, d.z) > 1) continue;  // wraps
+      worst = std::max(worst, std::hypot(d.x, d.z) * 60);
+    }
+  return worst;
+}
+
+TEST(Feet, StayWhereTheyStandForwardsSidewaysAndBackward) {
+  for (const bool in_place : {false, true})
+    for (const glm::dvec2& travel : {glm::dvec2(0, 1.2), glm::dvec2(1.2, 0), glm::dvec2(-0.8, 0), glm::dvec2(0, -0.9),
+                                    glm::dvec2(0.7, 0.7)}) {
+      const Character c = walker(travel, in_place);
+      SCOPED_TRACE(fmt::format("{} {} {}", travel.x, travel.y, in_place));
+      EXPECT_NEAR(c.motion[0].ground_speed, glm::length(travel) * c.placement.scale, 0.02);
+      EXPECT_EQ(c.motion[0].from_stance, in_place);
+      for (const MotionKind motion : {MotionKind::treadmill, MotionKind::lanes, MotionKind::free})
+        for (const std::optional<double>& heading : {std::optional<double>(90), std::optional<double>(30)})
+          EXPECT_LT(worst_slide(c, motion, heading), 0.02 * glm::length(travel)) << static_cast<int>(motion);
+    }
+}
+
+TEST(Feet, AnAgentFacesItsHeadingAndGoesWhereTheClipGoes) {
+  Cast cast;
+  cast.characters = {std::make_shared<const Character>(walker({0, -1}, false))};
+  cast.banks = {std::make_shared<const PoseBank>(*cast.characters[0], std::vector<int>{0})};
+  cast.shares = {1.0};
+  Scenario scenario;
+  scenario.crowd.agents = 1;
+  scenario.crowd.motion = MotionKind::free;
+  scenario.crowd.heading_deg = 90;
+  scenario.crowd.speed_variation = 0;
+  scenario.crowd.scale_variation = 0;
+  const Crowd crowd = make_crowd(scenario, cast, stage_view(scenario));
+  const Frame before = make_frame(scenario, cast, crowd, scenario.camera.at(0), 0, false);
+  const Frame after = make_frame(scenario, cast, crowd, scenario.camera.at(0), 6, false);
+  EXPECT_NEAR(after.agents[0][0].heading.x, 1.0, 1e-6);
+  EXPECT_LT(after.agents[0][0].position.x - before.agents[0][0].position.x, -0.1);  // backward
+}
+
+// --- which way it faces
+
+TEST(Facing, TurnDegAndUpTurnTheCharacter) {
+  Builder b = bending_card();
+  LoadOptions options;
+  options.normalise.turn_deg = 90;
+  const Character c = load(b, options);
+  const auto drawn = skin_positions(c.mesh, model_matrices(c, -1, 0));
+  EXPECT_NEAR(drawn[1].z - drawn[0].z, -0.875, 1e-6);  // +X goes to -Z
+  EXPECT_NEAR(skin_normals(c.mesh, model_matrices(c, -1, 0))[0].x, 1.0, 1e-6);
+
+  Builder lying = bending_card();
+  lying.doc["nodes"].push_back({{"children", {0, 1}}, {"rotation", {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}});  // y to z
+  lying.doc["scenes"][0]["nodes"] = {3};
+  LoadOptions up;
+  up.normalise.up = UpAxis::z;
+  const Character z = load(lying, up);
+  EXPECT_NEAR(z.placement.scale, 0.875, 1e-6);
+  EXPECT_NEAR(skin_positions(z.mesh, model_matrices(z, -1, 0))[2].y, 1.75, 1e-6);
+}
+
+// --- mirrored nodes
+
+TEST(Mirrored, ASkinnedMeshBelowAMirroringNodeTurnsItsWinding) {
+  for (const std::vector<double>& scale : {std::vector<double>{-1, 1, 1}, {1, 1, -1}, {-1, -1, 1}}) {
+    Builder b = bending_card();
+    b.doc["nodes"].push_back({{"children", {0, 1}}, {"scale", scale}});
+    b.doc["scenes"][0]["nodes"] = {3};
+    EXPECT_EQ(load(b).mesh.primitives[0].mirrored, scale[0] * scale[1] * scale[2] < 0);
+  }
+}
+
+// --- height is that of the clips in use
+
+TEST(Height, IsThatOfTheClipInUse) {
+  // "Crouch_Walk" comes first and folds the upper half down; "Walk" stands.
+  Builder b = walking_card();
+  b.doc["animations"][0]["name"] = "Crouch_Walk";
+  move(b, 0, 2, "translation", {0, 1}, {0, 0.2F, 0, 0, 0.2F, 0});
+  b.doc["animations"].push_back({{"name", "Walk"}});
+  move(b, 1, 2, "translation", {0, 1}, {0, 1, 0, 0, 1, 0});
+  const Character plain = load(b, LoadOptions{});
+  EXPECT_EQ(plain.placement.default_clip, 0);
+  EXPECT_NEAR(posed_height(plain, 0), 1.75, 1e-6);
+  LoadOptions options;
+  options.normalise.clips = {"Walk"};
+  const Character walk = load(b, options);
+  EXPECT_EQ(walk.placement.upright_clip, 1);
+  EXPECT_NEAR(posed_height(walk, 1), 1.75, 1e-6);
+  options.normalise.clips = {"Crouch_Walk", "Walk"};
+  EXPECT_EQ(load(b, options).placement.upright_clip, 1);
+  options.normalise.clips = {"run"};
+  EXPECT_THROW(load(b, options), Error);
+}
+
+// --- clips
+
+TEST(Together, OneAnimationAChannelPlaysAtOnce) {
+  Builder b = walking_card();
+  b.doc["animations"][0].erase("name");
+  move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, 2});
+  b.doc["animations"].push_back(nlohmann::json::object());
+  move(b, 1, 2, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0});
+  const Character c = load(b);
+  ASSERT_EQ(c.clips.size(), 3U);
+  EXPECT_EQ(c.clips[2].name, "together");
+  EXPECT_EQ(c.clips[2].channels.size(), 2U);
+  EXPECT_EQ(c.placement.default_clip, 2);
+  EXPECT_TRUE(warned(c, "plays them at once"));
+  // Two that move the same are alternatives, and so are clips of other lengths.
+  move(b, 1, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, 1});
+  EXPECT_EQ(load(b).clips.size(), 2U);
+}
+
+TEST(Strictness, KeysBeforeZeroAreShifted) {
+  Builder b = walking_card();
+  move(b, 0, 1, "translation", {-0.5F, 0.5F}, {0, 0, 0, 0, 0, 2});
+  move(b, 0, 2, "translation", {0, 0.5F}, {0, 1, 0, 0, 1.5F, 0});
+  const Character c = load(b);
+  EXPECT_EQ(c.clips[0].start, 0.0);
+  EXPECT_EQ(c.clips[0].end, 1.0);
+  EXPECT_EQ(c.clips[0].channels[1].times.front(), 0.5);
+  EXPECT_TRUE(warned(c, "begins at -0.5 s, before 0"));
+}
+
+TEST(Strictness, AMatrixThatIsOffByRoundingIsSnapped) {
+  Builder b = bending_card();
+  b.doc["nodes"].push_back({{"children", {0, 1}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 1e-7, 0, 0, 1, 0, 0, 0, 0, 0.9999999}}});
+  b.doc["scenes"][0]["nodes"] = {3};
+  const Character c = load(b);
+  EXPECT_EQ(c.skeleton.nodes[0].matrix, glm::dmat4(1.0));
+  EXPECT_TRUE(warned(c, "is snapped"));
+  b.doc["nodes"][3]["matrix"][15] = 0.9;
+  try {
+    load(b);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_FALSE(error.advice.empty());
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::scene
