@@ -177,9 +177,11 @@ std::string limits_text() {
   return fmt::format(
       "\nLimits (a file beyond them is refused): {} MiB of files, {} MiB of JSON with {} values and {} levels, {} "
       "nodes,\n{} joints, {} primitives, {} vertices, {} triangles, {} animation numbers, {} clips of {} s,\n{} "
-      "influences a vertex, pictures of {} a side and {} MiB decoded in all",
+      "influences a vertex, pictures of {} a side and {} MiB decoded in all, compressed meshes of {} MiB decoded in "
+      "all",
       l.file_bytes >> 20, l.json_bytes >> 20, l.json_values, l.json_depth, l.nodes, l.joints, l.primitives, l.vertices,
-      l.triangles, l.keys, l.clips, l.clip_seconds, l.influence_sets * 4, l.image_side, l.image_bytes >> 20);
+      l.triangles, l.keys, l.clips, l.clip_seconds, l.influence_sets * 4, l.image_side, l.image_bytes >> 20,
+      l.decoded_bytes >> 20);
 }
 
 int inspect(const Options& options) {

@@ -93,6 +93,26 @@ std::vector<double> colour_factor(GltfCheck& check, const json& value, const std
   return factor;
 }
 
+// Of the older KHR_materials_pbrSpecularGlossiness the diffuse colour is what the base colour is today; a material that
+// has both shows the newer.
+json base_colour(GltfCheck& check, const json& material, const std::string& path) {
+  json clean = json::object();
+  const auto read = [&](const json& from, const std::string& at, const char* factor_key, const char* texture_key) {
+    if (const json* factor = check.member(from, factor_key))
+      clean["baseColorFactor"] = colour_factor(check, *factor, at + "/" + factor_key, 4);
+    if (auto texture = texture_info(check, from, at, texture_key)) clean["baseColorTexture"] = *texture;
+  };
+  const json* older = check.extension(material, path, "KHR_materials_pbrSpecularGlossiness");
+  if (const json* pbr = check.member(material, "pbrMetallicRoughness")) {
+    const std::string at = path + "/pbrMetallicRoughness";
+    check.require_object(*pbr, at);
+    read(*pbr, at, "baseColorFactor", "baseColorTexture");
+  } else if (older) {
+    read(*older, path + "/extensions/KHR_materials_pbrSpecularGlossiness", "diffuseFactor", "diffuseTexture");
+  }
+  return clean;
+}
+
 }  // namespace
 
 void check_materials(GltfCheck& check, const GltfData& data) {
@@ -102,15 +122,7 @@ void check_materials(GltfCheck& check, const GltfData& data) {
   check.each("materials", [&](const json& material, const std::string& path) {
     json clean = json::object();
     check.copy_name(material, path, clean);
-    json pbr_clean = json::object();
-    if (const json* pbr = check.member(material, "pbrMetallicRoughness")) {
-      const std::string at = path + "/pbrMetallicRoughness";
-      check.require_object(*pbr, at);
-      if (const json* factor = check.member(*pbr, "baseColorFactor"))
-        pbr_clean["baseColorFactor"] = colour_factor(check, *factor, at + "/baseColorFactor", 4);
-      if (auto texture = texture_info(check, *pbr, at, "baseColorTexture")) pbr_clean["baseColorTexture"] = *texture;
-    }
-    clean["pbrMetallicRoughness"] = std::move(pbr_clean);
+    clean["pbrMetallicRoughness"] = base_colour(check, material, path);
     if (const json* factor = check.member(material, "emissiveFactor"))
       clean["emissiveFactor"] = colour_factor(check, *factor, path + "/emissiveFactor", 3);
     if (auto texture = texture_info(check, material, path, "emissiveTexture")) clean["emissiveTexture"] = *texture;
@@ -129,9 +141,6 @@ void check_materials(GltfCheck& check, const GltfData& data) {
       if (v < 0) check.fail(at + "/emissiveStrength", fmt::format("is {}, must not be negative", v));
       extensions["KHR_materials_emissive_strength"] = {{"emissiveStrength", v}};
     }
-    if (check.extension(material, path, "KHR_materials_pbrSpecularGlossiness") &&
-        !check.member(material, "pbrMetallicRoughness"))
-      check.warn(fmt::format("{}: KHR_materials_pbrSpecularGlossiness is ignored, so the material is white", path));
     clean["extensions"] = std::move(extensions);
     check.keep("materials", std::move(clean));
   });
