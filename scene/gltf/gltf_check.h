@@ -29,6 +29,7 @@ class GltfCheck : public GltfDocument {
 
   // Before compressed data is decoded: all of it together keeps GltfLimits::decoded_bytes, else Error.
   void spend_decoded(uint64_t bytes, const std::string& path);
+  uint64_t decoded_left() const { return decoded_left_; }
 
   GltfSource& source;
   const GltfLimits& limits;

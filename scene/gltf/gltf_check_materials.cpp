@@ -52,7 +52,11 @@ void check_samplers(GltfCheck& check) {
 void check_textures(GltfCheck& check) {
   check.each("textures", [&](const json& texture, const std::string& path) {
     json clean = json::object();
-    if (const auto source = check.index_or_none(texture, path, "source", "images")) {
+    auto source = check.index_or_none(texture, path, "source", "images");
+    if (const json* webp = check.extension(texture, path, "EXT_texture_webp"))
+      if (const auto better = check.index_or_none(*webp, path + "/extensions/EXT_texture_webp", "source", "images"))
+        source = better;
+    if (source) {
       const GltfImage& image = check.plan.images[static_cast<size_t>(*source)];
       if (image.uri.empty() && image.bytes.empty()) check.fail(image.path, "has neither a uri nor a bufferView");
       clean["source"] = *source;
@@ -93,6 +97,23 @@ std::vector<double> colour_factor(GltfCheck& check, const json& value, const std
   return factor;
 }
 
+// BLEND becomes a mask: figures that are drawn in any order, and stored as surfaces, cannot be blended.
+void check_alpha(GltfCheck& check, const json& material, const std::string& path, json& clean) {
+  const std::string* mode = check.text_or_none(material, path, "alphaMode");
+  if (mode && *mode != "OPAQUE" && *mode != "MASK" && *mode != "BLEND")
+    check.fail(path + "/alphaMode", fmt::format("is {}, not OPAQUE, MASK or BLEND", printable(*mode, 20)));
+  const json* given = check.member(material, "alphaCutoff");
+  double cutoff = given ? check.number(*given, path + "/alphaCutoff") : 0.5;
+  if (cutoff < 0) check.fail(path + "/alphaCutoff", fmt::format("is {}, must not be negative", cutoff));
+  if (!mode || *mode == "OPAQUE") return;
+  if (*mode == "BLEND") {
+    check.warn_once(path, "alphaMode BLEND is drawn as MASK at 0.5");
+    cutoff = 0.5;
+  }
+  clean["alphaMode"] = "MASK";
+  clean["alphaCutoff"] = cutoff;
+}
+
 // Of the older KHR_materials_pbrSpecularGlossiness the diffuse colour is what the base colour is today; a material that
 // has both shows the newer.
 json base_colour(GltfCheck& check, const json& material, const std::string& path) {
@@ -127,11 +148,7 @@ void check_materials(GltfCheck& check, const GltfData& data) {
       clean["emissiveFactor"] = colour_factor(check, *factor, path + "/emissiveFactor", 3);
     if (auto texture = texture_info(check, material, path, "emissiveTexture")) clean["emissiveTexture"] = *texture;
     clean["doubleSided"] = check.boolean_or(material, path, "doubleSided", false);
-    if (const std::string* mode = check.text_or_none(material, path, "alphaMode")) {
-      if (*mode != "OPAQUE" && *mode != "MASK" && *mode != "BLEND")
-        check.fail(path + "/alphaMode", fmt::format("is {}, not OPAQUE, MASK or BLEND", printable(*mode, 20)));
-      if (*mode != "OPAQUE") check.warn(fmt::format("{}: alphaMode {} is drawn opaque", path, *mode));
-    }
+    check_alpha(check, material, path, clean);
     json extensions = json::object();
     if (check.extension(material, path, "KHR_materials_unlit")) extensions["KHR_materials_unlit"] = json::object();
     if (const json* strength = check.extension(material, path, "KHR_materials_emissive_strength")) {

@@ -15,9 +15,14 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 6> kRead = {
-    "KHR_mesh_quantization", "KHR_texture_transform",           "EXT_meshopt_compression",
-    "KHR_materials_unlit",   "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness"};
+constexpr std::array<std::string_view, 8> kRead = {"KHR_mesh_quantization",
+                                                   "KHR_texture_transform",
+                                                   "EXT_meshopt_compression",
+                                                   "KHR_draco_mesh_compression",
+                                                   "EXT_texture_webp",
+                                                   "KHR_materials_unlit",
+                                                   "KHR_materials_emissive_strength",
+                                                   "KHR_materials_pbrSpecularGlossiness"};
 
 // They change nothing that is drawn here, so that even a file that requires them is drawn as it should be: lights are
 // the scenario's, materials are a base colour and light given off.

@@ -1,9 +1,11 @@
 // Extensions of glTF: what is read, what is ignored, what is refused. Compressed data comes from the libraries' own
 // encoders; what it must load as is the same card uncompressed.
+#include <draco/compression/encode.h>
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "core/error.h"
@@ -229,6 +231,172 @@ TEST(GltfMeshopt, MutatedBytesNeverDoMoreThanThrow) {
     }
   }
   EXPECT_GT(loaded, 100U);
+}
+
+// --- KHR_draco_mesh_compression ---
+
+struct DracoCard {
+  std::vector<uint8_t> bytes;
+  json attributes;  // ids by name
+};
+
+// A grid of side x side quads over the card, as Draco's encoder writes it.
+DracoCard draco_card(bool sequential, int side = 1) {
+  const int row = side + 1;
+  draco::Mesh mesh;
+  mesh.set_num_points(static_cast<uint32_t>(row * row));
+  DracoCard out;
+  const auto add = [&](const char* name, draco::GeometryAttribute::Type type, draco::DataType data, int components,
+                       const auto& value_of) {
+    draco::GeometryAttribute attribute;
+    attribute.Init(type, nullptr, int8_t(components), data, false, components * draco::DataTypeLength(data), 0);
+    const int id = mesh.AddAttribute(attribute, true, mesh.num_points());
+    for (int i = 0; i < row * row; ++i) {
+      const auto value = value_of(float(i % row) / float(side), float(i / row) / float(side));
+      mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(uint32_t(i)), value.data());
+    }
+    out.attributes[name] = mesh.attribute(id)->unique_id();
+  };
+  using Attribute = draco::GeometryAttribute;
+  add("POSITION", Attribute::POSITION, draco::DT_FLOAT32, 3, [](float u, float v) {
+    return std::array<float, 3>{u, 2 * v, 0};
+  });
+  add("NORMAL", Attribute::NORMAL, draco::DT_FLOAT32, 3, [](float, float) { return std::array<float, 3>{0, 0, 1}; });
+  add("TEXCOORD_0", Attribute::TEX_COORD, draco::DT_FLOAT32, 2, [](float u, float v) {
+    return std::array<float, 2>{u, 1 - v};
+  });
+  add("JOINTS_0", Attribute::GENERIC, draco::DT_UINT8, 4, [](float, float v) {
+    return std::array<uint8_t, 4>{uint8_t(v > 0.5F), 0, 0, 0};
+  });
+  add("WEIGHTS_0", Attribute::GENERIC, draco::DT_FLOAT32, 4, [](float, float) {
+    return std::array<float, 4>{1, 0, 0, 0};
+  });
+  for (int i = 0; i < side * side; ++i) {
+    const auto a = uint32_t(i / side * row + i % side);
+    const auto up = uint32_t(row);
+    mesh.AddFace({draco::PointIndex(a), draco::PointIndex(a + 1), draco::PointIndex(a + up + 1)});
+    mesh.AddFace({draco::PointIndex(a), draco::PointIndex(a + up + 1), draco::PointIndex(a + up)});
+  }
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(sequential ? draco::MESH_SEQUENTIAL_ENCODING : draco::MESH_EDGEBREAKER_ENCODING);
+  encoder.SetAttributeQuantization(Attribute::POSITION, 14);
+  draco::EncoderBuffer buffer;
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(mesh, &buffer).ok());
+  out.bytes.assign(buffer.data(), buffer.data() + buffer.size());
+  return out;
+}
+
+Builder with_draco(const DracoCard& card, size_t points = 4, size_t corners = 6) {
+  Builder b = bending_card();
+  const int view = b.view(card.bytes.data(), card.bytes.size());
+  json& p = primitive(b);
+  p["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", view}, {"attributes", card.attributes}};
+  for (const auto& [name, accessor] : p["attributes"].items()) {
+    b.doc["accessors"][accessor.get<size_t>()].erase("bufferView");
+    b.doc["accessors"][accessor.get<size_t>()]["count"] = points;
+  }
+  b.doc["accessors"][p["indices"].get<size_t>()].erase("bufferView");
+  b.doc["accessors"][p["indices"].get<size_t>()]["count"] = corners;
+  b.doc["extensionsUsed"] = b.doc["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  return b;
+}
+
+class GltfDraco : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Methods, GltfDraco, testing::Bool(),
+                         [](const auto& test) { return test.param ? "Sequential" : "Edgebreaker"; });
+
+TEST_P(GltfDraco, CompressedCardIsTheCard) {
+  Builder b = with_draco(draco_card(GetParam()));
+  const Character c = load(b);
+  EXPECT_TRUE(c.warnings.empty()) << c.warnings[0];
+  ASSERT_EQ(c.mesh.positions.size(), 4U);
+  ASSERT_EQ(c.triangles(), 2U);
+  // The encoder may turn vertices and triangles around: each is where its texture coordinate says, on its joint.
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(c.mesh.positions[i].x, c.mesh.uvs[i].x, 1e-3);
+    EXPECT_NEAR(c.mesh.positions[i].y, 2 * (1 - c.mesh.uvs[i].y), 1e-3);
+    EXPECT_EQ(c.mesh.joints[i].x, c.mesh.uvs[i].y < 0.5F ? 1 : 0);
+    EXPECT_NEAR(c.mesh.normals[i].z, 1.0F, 1e-3);
+  }
+  double area = 0;
+  for (size_t t = 0; t < 6; t += 3) {
+    const glm::vec3 a = c.mesh.positions[c.mesh.indices[t]];
+    area += glm::cross(c.mesh.positions[c.mesh.indices[t + 1]] - a, c.mesh.positions[c.mesh.indices[t + 2]] - a).z / 2;
+  }
+  EXPECT_NEAR(area, 2.0, 1e-3);  // both counter-clockwise
+}
+
+TEST_P(GltfDraco, ABombEndsAtTheLimit) {
+  const DracoCard card = draco_card(GetParam(), 40);  // 1681 vertices, 3200 triangles
+  Builder b = with_draco(card, 1681, 9600);
+  EXPECT_EQ(load(b).triangles(), 3200U);
+  LoadOptions options = as_is();
+  options.limits.triangles = 3199;
+  EXPECT_NE(error_of(b.glb(), options).find("3200 triangles, more than the limits"), std::string::npos);
+  options = as_is();
+  options.limits.decoded_bytes = 50000;
+  const std::string error = error_of(b.glb(), options);
+  EXPECT_NE(error.find("more than the 50000 that are left"), std::string::npos) << error;
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+}
+
+TEST_P(GltfDraco, MutatedBytesNeverDoMoreThanThrow) {
+  const DracoCard card = draco_card(GetParam(), 4);
+  size_t loaded = 0;
+  for (uint64_t run = 0; run < 2000; ++run) {
+    DracoCard changed = card;
+    for (uint64_t c = 0; c <= random_below(3, run, 0, 3); ++c)
+      changed.bytes[random_below(3, run, 2 * c + 1, card.bytes.size())] =
+          static_cast<uint8_t>(random_bits(3, run, 2 * c + 2));
+    try {
+      Builder b = with_draco(changed, 25, 96);
+      load(b);
+      ++loaded;
+    } catch (const Error&) {
+    }
+  }
+  EXPECT_GT(loaded, 20U);
+}
+
+TEST(GltfDracoMembers, AreChecked) {
+  const DracoCard card = draco_card(false);
+  const auto refused = [&](const char* pointer, const json& value) {
+    Builder b = with_draco(card);
+    b.doc[json::json_pointer(std::string("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression") + pointer)] =
+        value;
+    return error_of(b.glb());
+  };
+  EXPECT_NE(refused("/bufferView", 99).find("bufferView: is 99"), std::string::npos);
+  EXPECT_NE(refused("/bufferView", 0).find("is not Draco data"), std::string::npos);
+  EXPECT_NE(refused("/attributes/POSITION", 77).find("is 77, which is no attribute"), std::string::npos);
+  EXPECT_NE(refused("/attributes/TANGENT", 0).find("is not an attribute of the primitive"), std::string::npos);
+}
+
+// --- EXT_texture_webp ---
+
+// One red pixel, lossless, as OpenImageIO writes it.
+std::vector<uint8_t> red_webp() {
+  return {0x52, 0x49, 0x46, 0x46, 0x16, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50, 0x56, 0x50, 0x38,
+          0x4c, 0x0a, 0x00, 0x00, 0x00, 0x2f, 0x00, 0x00, 0x00, 0x00, 0xc8, 0xfe, 0x47, 0xff, 0x03};
+}
+
+TEST(GltfWebp, IsPreferredToItsFallback) {
+  Builder b = bending_card();
+  const std::vector<uint8_t> webp = red_webp();
+  b.doc["images"].push_back({{"bufferView", b.view(webp.data(), webp.size())}, {"mimeType", "image/webp"}});
+  b.doc["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 1;
+  b.doc["extensionsUsed"] = {"EXT_texture_webp"};
+  const Character c = load(b);
+  EXPECT_TRUE(c.warnings.empty());
+  ASSERT_EQ(c.images.size(), 1U);
+  ASSERT_EQ(c.images[0].image.data.size(), 4U);
+  const std::vector<uint8_t> red = {255, 1, 0, 255};  // the encoder has its own idea of green
+  EXPECT_EQ(c.images[0].image.data, red);
+  b.doc["textures"][0].erase("source");
+  b.doc["extensionsRequired"] = {"EXT_texture_webp"};
+  EXPECT_EQ(load(b).images.size(), 1U);
+  b.doc["bufferViews"].back()["byteLength"] = 26;
+  EXPECT_FALSE(error_of(b.glb()).empty());
 }
 
 }  // namespace
