@@ -96,4 +96,16 @@ AnyImage read_image(const std::filesystem::path& path) {
   return image;
 }
 
+AnyImage read_image(std::span<const uint8_t> bytes, const std::string& extension, const std::string& where,
+                    int64_t pixels) {
+  const auto read =
+      reinterpret_cast<oiio::ReadMemory>(module_symbol("oiio", oiio::kReadMemory, "reading pictures other than PNG"));
+  const oiio::Limits limits{kMaxImageSide, std::min(pixels, kMaxImagePixels)};
+  oiio::Fault fault{};
+  AnyImage image;
+  if (read(bytes.data(), bytes.size(), ("picture." + extension).c_str(), &limits, allocate, &image, &fault) != 0)
+    throw Error(where, fault.wrong, fault.advice);
+  return image;
+}
+
 }  // namespace crowdbench

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -36,5 +37,8 @@ void write_exr(const std::filesystem::path& path, const ImageU32& image, const I
 // (associated) in float ones. Sample values as stored. Limits: 16384 a side, 2^27 pixels, 4 channels. Throws Error.
 using AnyImage = std::variant<Image8, Image16, ImageF, ImageU32>;
 AnyImage read_image(const std::filesystem::path& path);
+// The same from memory. extension: of the format ("webp"); where: the source, for errors; pixels: the most.
+AnyImage read_image(std::span<const uint8_t> bytes, const std::string& extension, const std::string& where,
+                    int64_t pixels);
 
 }  // namespace crowdbench

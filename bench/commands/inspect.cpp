@@ -157,7 +157,8 @@ ordered_json to_json(const scene::Character& c) {
          {"emissive", {m.emissive.r, m.emissive.g, m.emissive.b}},
          {"emissive_texture", m.emissive_image < 0 ? ordered_json() : ordered_json(m.emissive_image)},
          {"unlit", m.unlit},
-         {"double_sided", m.double_sided}});
+         {"double_sided", m.double_sided},
+         {"alpha_cutoff", m.alpha_cutoff}});
   for (const scene::Texture& t : c.images)
     out["textures"].push_back({{"width", t.image.width}, {"height", t.image.height}});
   return out;
@@ -209,10 +210,11 @@ void print_text(const scene::Character& c) {
   fmt::print("\n{:>4}  {:<32}{:<28}{}\n", "slot", "material", "base colour (linear)", "texture");
   for (const scene::Material& m : c.materials)
     fmt::print(
-        "{:>4}  {:<32}{:<28}{}{}{}\n", m.slot, m.name.empty() ? "(unnamed)" : printable(m.name, 31),
+        "{:>4}  {:<32}{:<28}{}{}{}{}\n", m.slot, m.name.empty() ? "(unnamed)" : printable(m.name, 31),
         fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", m.base_colour.r, m.base_colour.g, m.base_colour.b, m.base_colour.a),
         m.base_colour_image < 0 ? "-" : fmt::format("{}", m.base_colour_image), m.unlit ? ", unlit" : "",
-        m.double_sided ? ", double-sided" : "");
+        m.double_sided ? ", double-sided" : "",
+        m.alpha_cutoff > 0 ? fmt::format(", masked at {:.3g}", m.alpha_cutoff) : "");
   if (!c.warnings.empty()) fmt::print("\n");
   for (const std::string& warning : c.warnings) fmt::print("warning: {}\n", printable(warning, 400));
 }
@@ -222,9 +224,11 @@ std::string limits_text() {
   return fmt::format(
       "\nLimits (a file beyond them is refused): {} MiB of files, {} MiB of JSON with {} values and {} levels, {} "
       "nodes,\n{} joints, {} primitives, {} vertices, {} triangles, {} animation numbers, {} clips of {} s,\n{} "
-      "influences a vertex, pictures of {} a side and {} MiB decoded in all",
+      "influences a vertex, pictures of {} a side and {} MiB decoded in all, compressed meshes of {} MiB decoded in "
+      "all",
       l.file_bytes >> 20, l.json_bytes >> 20, l.json_values, l.json_depth, l.nodes, l.joints, l.primitives, l.vertices,
-      l.triangles, l.keys, l.clips, l.clip_seconds, l.influence_sets * 4, l.image_side, l.image_bytes >> 20);
+      l.triangles, l.keys, l.clips, l.clip_seconds, l.influence_sets * 4, l.image_side, l.image_bytes >> 20,
+      l.decoded_bytes >> 20);
 }
 
 int inspect(const Options& options) {

@@ -31,9 +31,14 @@ struct Header {
 // caller's, or null to stop.
 using Allocate = void* (*)(void* context, const Header& header);
 
-// Both return 0, or 1 with *fault filled.
+// All return 0, or 1 with *fault filled.
 using ReadPicture = int (*)(const char* path, const Limits* limits, Allocate allocate, void* context, Fault* fault);
 inline constexpr const char* kReadPicture = "crowdbench_oiio_read";
+
+// The same of bytes in memory; name: its extension says the format.
+using ReadMemory = int (*)(const void* bytes, size_t size, const char* name, const Limits* limits, Allocate allocate,
+                           void* context, Fault* fault);
+inline constexpr const char* kReadMemory = "crowdbench_oiio_read_memory";
 
 // channel_name: of a one-channel picture; others are R, G, B, A. keys and values: `count` pairs of text attributes.
 using WriteExr = int (*)(const char* path, const Header* header, const void* samples, const char* channel_name,

@@ -7,8 +7,8 @@
 #include "renderers/shaders/output.glsl"
 #endif
 
-// Two texels a material: linear base colour and, as bits, slot | flags << 8 | layer << 16; linear emissive colour and
-// the layer of its image.
+// CB_MATERIAL_TEXELS a material: linear base colour and, as bits, slot | flags << 8 | layer << 16; linear emissive colour and
+// the layer of its image; the least alpha that counts as there.
 layout(binding = CB_TEXTURE_MATERIALS) uniform samplerBuffer materials;
 #ifdef CB_TEXTURES
 layout(binding = CB_TEXTURE_BASE_COLOUR) uniform sampler2DArray base_colour_images;
@@ -24,7 +24,7 @@ layout(location = 2) flat in uint v_outfit_material;
 layout(location = 5) flat in uint v_id;
 #endif
 #ifdef CB_COLOURS
-layout(location = 3) in vec3 v_colour;
+layout(location = 3) in vec4 v_colour;
 #endif
 #ifdef CB_EMISSIVE_UVS
 layout(location = 4) in vec2 v_emissive_uv;
@@ -34,7 +34,7 @@ layout(location = 6) in vec4 v_place_flat;
 #endif
 
 void main() {
-  int material = int(v_outfit_material >> 16u) * 2;
+  int material = int(v_outfit_material >> 16u) * CB_MATERIAL_TEXELS;
   vec4 texel0 = texelFetch(materials, material);
   uint bits = floatBitsToUint(texel0.w);
   uint slot = bits & 0xffu;
@@ -49,11 +49,11 @@ void main() {
   vec2 uv = vec2(v_normal_u.w, v_v);
 #ifdef CB_TEXTURES
   // Sampled outside the branch: derivatives must not depend on a neighbour's material.
-  vec3 texel = texture(base_colour_images, vec3(uv, float(bits >> 16u))).rgb;
-  if ((flags & CB_MATERIAL_TEXTURE) != 0u) albedo *= texel;
+  vec4 texel = texture(base_colour_images, vec3(uv, float(bits >> 16u)));
+  if ((flags & CB_MATERIAL_TEXTURE) != 0u) albedo *= texel.rgb;
 #endif
 #ifdef CB_COLOURS
-  albedo *= v_colour;
+  albedo *= v_colour.rgb;
 #endif
 #ifdef CB_EMISSIVE_TEXTURES
 #ifdef CB_EMISSIVE_UVS
@@ -64,6 +64,16 @@ void main() {
   vec3 glow = texture(emissive_images, vec3(emissive_uv, texel1.w)).rgb;
   if ((flags & CB_MATERIAL_EMISSIVE_TEXTURE) != 0u) emissive *= glow;
 #endif
+#ifdef CB_MASKED
+  float alpha = 1.0;
+#ifdef CB_TEXTURES
+  if ((flags & CB_MATERIAL_TEXTURE) != 0u) alpha *= texel.a;
+#endif
+#ifdef CB_COLOURS
+  alpha *= v_colour.a;
+#endif
+  bool absent = alpha < texelFetch(materials, material + 2).x;
+#endif
   vec3 normal = v_normal_u.xyz;
 #ifdef CB_DOUBLE_SIDED
   if (!gl_FrontFacing) normal = -normal;
@@ -72,6 +82,9 @@ void main() {
   // The face as it is posed, its side towards the eye. A face of no extent keeps what was interpolated.
   vec3 face = cross(dFdx(v_place_flat.xyz), dFdy(v_place_flat.xyz));
   if (v_place_flat.w > 0.5 && dot(face, face) > 0.0) normal = face;
+#endif
+#ifdef CB_MASKED
+  if (absent) discard;  // after the last derivative
 #endif
 #ifdef CB_CAPTURE
   write_capture(albedo, normal, slot, (flags & CB_MATERIAL_UNLIT) != 0u, emissive);

@@ -13,7 +13,7 @@ layout(location = CB_LOCATION_JOINTS) uniform uint joints;
 #endif
 #ifdef CB_COLOURS
 layout(location = CB_ATTRIBUTE_COLOUR) in vec4 in_colour;
-layout(location = 3) out vec3 v_colour;
+layout(location = 3) out vec4 v_colour;
 #endif
 #ifdef CB_EMISSIVE_UVS
 layout(location = CB_ATTRIBUTE_EMISSIVE_UV) in vec2 in_emissive_uv;
@@ -69,7 +69,7 @@ void main() {
   v_id = identity.y;
 #endif
 #ifdef CB_COLOURS
-  v_colour = in_colour.rgb;
+  v_colour = in_colour;
 #endif
 #ifdef CB_EMISSIVE_UVS
   v_emissive_uv = in_emissive_uv;

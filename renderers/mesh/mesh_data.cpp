@@ -9,6 +9,8 @@
 #include <map>
 #include <tuple>
 
+#include "scene/character/alpha_coverage.h"
+
 namespace crowdbench::renderers {
 namespace {
 
@@ -25,8 +27,13 @@ struct Placed {
 std::vector<Placed> place_images(const scene::Character& character, std::vector<MeshTextureArray>& arrays) {
   std::vector<Placed> placed(character.images.size());
   std::map<ArrayKey, int> found;
-  const auto place = [&](int image) {
-    if (image < 0 || placed[static_cast<size_t>(image)].array >= 0) return;
+  const auto place = [&](int image, float cutoff) {
+    if (image < 0) return;
+    if (const Placed& known = placed[static_cast<size_t>(image)]; known.array >= 0) {
+      float& used = arrays[static_cast<size_t>(known.array)].cutoffs[static_cast<size_t>(known.layer)];
+      used = std::max(used, cutoff);
+      return;
+    }
     const scene::Texture& texture = character.images[static_cast<size_t>(image)];
     if (texture.image.empty()) return;
     const auto [it, fresh] = found.try_emplace(key_of(texture), static_cast<int>(arrays.size()));
@@ -41,10 +48,11 @@ std::vector<Placed> place_images(const scene::Character& character, std::vector<
     auto& images = arrays[static_cast<size_t>(it->second)].images;
     placed[static_cast<size_t>(image)] = {it->second, static_cast<int>(images.size())};
     images.push_back(image);
+    arrays[static_cast<size_t>(it->second)].cutoffs.push_back(cutoff);
   };
   for (const scene::Material& m : character.materials) {
-    place(m.base_colour_image);
-    place(m.emissive_image);
+    place(m.base_colour_image, scene::alpha_threshold(m));
+    place(m.emissive_image, 0);
   }
   return placed;
 }
@@ -96,12 +104,13 @@ MeshData make_mesh_data(const scene::Character& character) {
   // Which groups are needed: materials with images fix their arrays; those without join any group of their culling.
   struct Want {
     int base, emissive;
-    bool double_sided;
+    bool double_sided, masked;
     auto operator<=>(const Want&) const = default;
   };
   const auto want_of = [&](const scene::Primitive& p) {
     const scene::Material& m = character.materials[static_cast<size_t>(p.material)];
-    return Want{placed_of(m.base_colour_image).array, placed_of(m.emissive_image).array, m.double_sided};
+    return Want{placed_of(m.base_colour_image).array, placed_of(m.emissive_image).array, m.double_sided,
+                m.alpha_cutoff > 0};
   };
   std::vector<Want> wants;
   std::vector<std::vector<uint32_t>> group_indices;
@@ -110,7 +119,8 @@ MeshData make_mesh_data(const scene::Character& character) {
       Want& have = wants[g];
       const bool base_fits = want.base < 0 || have.base < 0 || want.base == have.base;
       const bool emissive_fits = want.emissive < 0 || have.emissive < 0 || want.emissive == have.emissive;
-      if (have.double_sided != want.double_sided || !base_fits || !emissive_fits) continue;
+      if (have.double_sided != want.double_sided || have.masked != want.masked || !base_fits || !emissive_fits)
+        continue;
       have.base = std::max(have.base, want.base);
       have.emissive = std::max(have.emissive, want.emissive);
       return g;
@@ -149,6 +159,7 @@ MeshData make_mesh_data(const scene::Character& character) {
     group.base_array = wants[g].base;
     group.emissive_array = wants[g].emissive;
     group.double_sided = wants[g].double_sided;
+    group.masked = wants[g].masked;
     data.groups.push_back(group);
     data.indices.insert(data.indices.end(), indices.begin(), indices.end());
   }

@@ -25,20 +25,23 @@ struct MeshExtras {
   std::vector<glm::vec2> emissive_uvs;
 };
 
-// Triangles that one draw call can take: same texture arrays, same culling.
+// Triangles that one draw call can take: same texture arrays, same culling, masked or not: the test costs the others
+// nothing.
 struct MeshGroup {
   uint32_t first_index = 0;
   uint32_t index_count = 0;
   int base_array = -1;  // into MeshData::arrays; -1: none of its materials has a base-colour image
   int emissive_array = -1;
   bool double_sided = false;
+  bool masked = false;  // a material of it has a cutoff
 };
 
 // Images of one size and one way of sampling: one array texture.
 struct MeshTextureArray {
   int width = 0, height = 0;
-  scene::Texture sampling;  // wrap and filter flags; its image is empty
-  std::vector<int> images;  // into Character::images, one a layer
+  scene::Texture sampling;     // wrap and filter flags; its image is empty
+  std::vector<int> images;     // into Character::images, one a layer
+  std::vector<float> cutoffs;  // one a layer: the alpha at which it is tested; 0: it is not
 };
 
 struct MeshData {

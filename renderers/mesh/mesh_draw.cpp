@@ -2,19 +2,25 @@
 
 #include <epoxy/gl.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "renderers/shaders/bindings.shared.h"
+#include "scene/character/alpha_coverage.h"
 
 namespace crowdbench::renderers {
 namespace {
 
-// Two texels of mesh.frag's `materials`.
+// CB_MATERIAL_TEXELS of mesh.frag's `materials`.
 struct MaterialRecord {
   float base_colour[3];
   uint32_t part_flags_layer;
   float emissive[3];
   float emissive_layer;
+  float alpha_threshold;
+  float unused[3];
 };
+static_assert(sizeof(MaterialRecord) == CB_MATERIAL_TEXELS * 4 * sizeof(float));
 
 // A material's index shares 32 bits with the outfit's, and is kept exactly in a float.
 constexpr size_t kMaxMaterials = 4096;
@@ -48,6 +54,25 @@ std::vector<PosedVertex> pose_vertices(const MeshData& data, const scene::Charac
       out.push_back({{v.position[0], v.position[1], v.position[2]}, v.material, v.normal});
   }
   return out;
+}
+
+// Averaged alpha leaves thin strands below the cutoff: every level of a masked layer covers as much as the first.
+void keep_coverage(const gl::Texture& texture, const MeshTextureArray& array) {
+  if (*std::max_element(array.cutoffs.begin(), array.cutoffs.end()) <= 0) return;
+  std::vector<double> wanted;
+  for (int level = 0; level < texture.levels(); ++level) {
+    const size_t texels = static_cast<size_t>(std::max(texture.width() >> level, 1)) *
+                          static_cast<size_t>(std::max(texture.height() >> level, 1));
+    std::vector<uint8_t> rgba(texels * 4 * array.images.size());
+    texture.read(level, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data(), rgba.size());
+    for (size_t layer = 0; layer < array.images.size(); ++layer) {
+      const std::span<uint8_t> own = std::span(rgba).subspan(layer * texels * 4, texels * 4);
+      if (level == 0) wanted.push_back(scene::alpha_coverage(own, array.cutoffs[layer]));
+      if (level == 0 || array.cutoffs[layer] <= 0) continue;
+      scene::scale_alpha_to(own, array.cutoffs[layer], wanted[layer]);
+      texture.write(level, static_cast<int>(layer), GL_RGBA, GL_UNSIGNED_BYTE, own.data());
+    }
+  }
 }
 
 }  // namespace
@@ -128,7 +153,9 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
     materials.push_back({{base.r, base.g, base.b},
                          material.slot | flags << 8U | static_cast<uint32_t>(data.material_layer[m]) << 16U,
                          {glow.r, glow.g, glow.b},
-                         static_cast<float>(data.material_emissive_layer[m])});
+                         static_cast<float>(data.material_emissive_layer[m]),
+                         scene::alpha_threshold(material),
+                         {}});
   }
   out.materials = gl::Buffer(context, materials);
   out.material_texels = gl::Texture::make_buffer(context, GL_RGBA32F, out.materials);
@@ -140,6 +167,7 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
       texture.write(0, static_cast<int>(layer), GL_RGBA, GL_UNSIGNED_BYTE,
                     character.images[static_cast<size_t>(array.images[layer])].image.data.data());
     texture.generate_mipmaps();
+    keep_coverage(texture, array);
     out.textures.push_back(std::move(texture));
     gl::SamplerOptions sampling;
     sampling.wrap_s = wrap_mode(array.sampling.repeat_u, array.sampling.mirrored_u);
@@ -181,6 +209,7 @@ const gl::Program& MeshDraw::program(const Variant& v) {
     define(v.emissive_textures, "CB_EMISSIVE_TEXTURES");
     define(v.double_sided, "CB_DOUBLE_SIDED");
     define(v.flat, "CB_FLAT_NORMALS");
+    define(v.masked, "CB_MASKED");
     found =
         programs_.emplace(v, gl::Program(context_, {"renderers/mesh/mesh.vert", "renderers/mesh/mesh.frag"}, defines))
             .first;
@@ -201,7 +230,7 @@ void MeshDraw::draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffe
     const int emissive_array = mesh.has_emissive ? group.emissive_array : -1;
     const gl::Program& p = program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
                                     mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0,
-                                    emissive_array >= 0, group.double_sided, mesh.has_flat});
+                                    emissive_array >= 0, group.double_sided, mesh.has_flat, group.masked});
     p.use();
     if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
     const auto bind_array = [&](int array, unsigned unit) {

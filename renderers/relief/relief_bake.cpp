@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "core/colour.h"
@@ -15,6 +16,7 @@
 #include "core/progress.h"
 #include "renderers/bake/emission.h"
 #include "renderers/impostor/tiles/half_plane.h"
+#include "scene/character/alpha_coverage.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::renderers {
@@ -22,24 +24,27 @@ namespace {
 
 using scene::Character;
 
-// A texture as linear light in a box-filtered pyramid: a texel of a relief map may cover many texels of the skin.
+// A texture as linear light and alpha in a box-filtered pyramid: a texel of a relief map may cover many texels of the
+// skin. Every level covers as much at `threshold` as the first.
 class LinearPyramid {
  public:
-  explicit LinearPyramid(const scene::Texture& texture) : texture_(texture) {
+  LinearPyramid(const scene::Texture& texture, float threshold) : texture_(texture) {
     std::array<float, 256> decode{};
     for (int i = 0; i < 256; ++i) decode[static_cast<size_t>(i)] = static_cast<float>(srgb_to_linear(i / 255.0));
     const Image8& image = texture.image;
-    Level base{image.width, image.height, std::vector<glm::vec3>(image.pixels())};
+    Level base{image.width, image.height, std::vector<glm::vec4>(image.pixels()), 1};
     for (size_t i = 0; i < base.texels.size(); ++i) {
       const uint8_t* p = image.data.data() + i * static_cast<size_t>(image.channels);
-      base.texels[i] = {decode[p[0]], decode[p[1]], decode[p[2]]};
+      base.texels[i] = {decode[p[0]], decode[p[1]], decode[p[2]],
+                        image.channels == 4 ? static_cast<float>(p[3]) / 255.0F : 1.0F};
     }
     levels_.push_back(std::move(base));
     while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(halved(levels_.back()));
+    if (threshold > 0) keep_coverage(threshold);
   }
 
   // footprint: texels of level 0 that one sample spans.
-  glm::vec3 sample(const glm::dvec2& uv, double footprint) const {
+  glm::vec4 sample(const glm::dvec2& uv, double footprint) const {
     const double wanted = footprint > 1.0 ? std::log2(footprint) : 0.0;
     const auto level = std::min(static_cast<size_t>(wanted + 0.5), levels_.size() - 1);
     const Level& l = levels_[level];
@@ -54,7 +59,10 @@ class LinearPyramid {
       const int yi = wrap(j, l.height, texture_.repeat_v, texture_.mirrored_v);
       return l.texels[static_cast<size_t>(yi) * static_cast<size_t>(l.width) + static_cast<size_t>(xi)];
     };
-    return glm::mix(glm::mix(at(x0, y0), at(x0 + 1, y0), fx), glm::mix(at(x0, y0 + 1), at(x0 + 1, y0 + 1), fx), fy);
+    glm::vec4 texel =
+        glm::mix(glm::mix(at(x0, y0), at(x0 + 1, y0), fx), glm::mix(at(x0, y0 + 1), at(x0 + 1, y0 + 1), fx), fy);
+    texel.a *= l.alpha_scale;
+    return texel;
   }
   int width() const { return levels_[0].width; }
   int height() const { return levels_[0].height; }
@@ -63,8 +71,24 @@ class LinearPyramid {
   struct Level {
     int width;
     int height;
-    std::vector<glm::vec3> texels;
+    std::vector<glm::vec4> texels;
+    float alpha_scale = 1;
   };
+
+  // As the mesh's mip levels (scene/character/alpha_coverage.h).
+  void keep_coverage(float threshold) {
+    const auto there = [&](const glm::vec4& texel) { return texel.a >= threshold; };
+    const std::vector<glm::vec4>& base = levels_[0].texels;
+    const double wanted = static_cast<double>(std::count_if(base.begin(), base.end(), there)) / double(base.size());
+    for (size_t l = 1; l < levels_.size(); ++l) {
+      std::vector<float> alpha;
+      for (const glm::vec4& texel : levels_[l].texels) alpha.push_back(texel.a);
+      const auto count = static_cast<size_t>(wanted * static_cast<double>(alpha.size()) + 0.5);
+      if (count == 0) continue;
+      std::nth_element(alpha.begin(), alpha.begin() + long(count) - 1, alpha.end(), std::greater<>());
+      if (const float least = alpha[count - 1]; least > 0) levels_[l].alpha_scale = threshold / least * (1 + 1e-6F);
+    }
+  }
 
   static int wrap(double i, int n, bool repeat, bool mirrored) {
     if (!repeat) return static_cast<int>(std::clamp(i, 0.0, n - 1.0));
@@ -75,7 +99,7 @@ class LinearPyramid {
   }
 
   static Level halved(const Level& from) {
-    Level to{std::max(1, from.width / 2), std::max(1, from.height / 2), {}};
+    Level to{std::max(1, from.width / 2), std::max(1, from.height / 2), {}, 1};
     to.texels.resize(static_cast<size_t>(to.width) * static_cast<size_t>(to.height));
     for (int y = 0; y < to.height; ++y) {
       for (int x = 0; x < to.width; ++x) {
@@ -154,7 +178,7 @@ struct SurfacePoint {
 
 // An image at a point, filtered over what one texel of the map covers of it: the ratio of the triangle's areas in the
 // two planes. corners: of the triangle, in texels of the map.
-glm::dvec3 sampled(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
+glm::dvec4 sampled(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
                    const std::array<glm::dvec3, 3>& corners) {
   const glm::dvec2 t0(uvs[point.v[0]]);
   const glm::dvec2 size(image.width(), image.height());
@@ -165,7 +189,24 @@ glm::dvec3 sampled(const LinearPyramid& image, const std::vector<glm::vec2>& uvs
   const glm::dvec3 p2 = corners[2] - corners[0];
   const double map_area = std::abs(p1.x * p2.y - p1.y * p2.x);
   const double footprint = std::sqrt(skin_area / std::max(map_area, 1e-9));
-  return glm::dvec3(image.sample(point.mixed<glm::dvec2>(uvs), std::min(footprint, 64.0)));
+  return glm::dvec4(image.sample(point.mixed<glm::dvec2>(uvs), std::min(footprint, 64.0)));
+}
+
+const scene::Material& material_of(const Source& source, uint32_t triangle) {
+  return source.character.materials[static_cast<size_t>(source.material_of_triangle[triangle])];
+}
+
+// Whether a mask leaves the surface there. corners: of its triangle, in texels of the map.
+bool is_there(const Source& source, const Winner& winner, const std::array<glm::dvec3, 3>& corners) {
+  const scene::Material& material = material_of(source, winner.triangle);
+  const float threshold = scene::alpha_threshold(material);
+  if (threshold <= 0) return true;
+  const scene::Mesh& mesh = source.character.mesh;
+  const SurfacePoint point(mesh, winner);
+  double alpha = mesh.colours.empty() ? 1.0 : point.mixed<glm::dvec4>(mesh.colours).a;
+  if (material.base_colour_image >= 0 && !mesh.uvs.empty())
+    alpha *= sampled(source.pyramids[static_cast<size_t>(material.base_colour_image)], mesh.uvs, point, corners).a;
+  return alpha >= threshold;
 }
 
 // The unit normal in bind space, toward the face where the material has two sides: a back face seen through an opening
@@ -184,10 +225,9 @@ void shade(const Source& source, const BoxSpace& space, const Winner& winner, co
            const std::array<glm::dvec3, 3>& corners, const FaceTexel& texel) {
   const scene::Mesh& mesh = source.character.mesh;
   const SurfacePoint point(mesh, winner);
-  const scene::Material& material =
-      source.character.materials[static_cast<size_t>(source.material_of_triangle[winner.triangle])];
+  const scene::Material& material = material_of(source, winner.triangle);
   const auto image = [&](int index, const std::vector<glm::vec2>& uvs) {
-    return sampled(source.pyramids[static_cast<size_t>(index)], uvs, point, corners);
+    return glm::dvec3(sampled(source.pyramids[static_cast<size_t>(index)], uvs, point, corners));
   };
   glm::dvec3 albedo = glm::dvec3(material.base_colour);
   if (!mesh.colours.empty()) albedo *= point.mixed<glm::dvec3>(mesh.colours);
@@ -404,7 +444,8 @@ void close_gaps(AxisMaps& maps) {
 constexpr double kOutside = 1e-9;
 
 // Adds triangle t to every texel that it reaches into. One that is seen edge-on still has depths.
-void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector<Touched>& touched) {
+void touch(const Source& source, const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n,
+           std::vector<Touched>& touched) {
   const auto range = [&](int axis) {
     const auto [low, high] = std::minmax({p[0][axis], p[1][axis], p[2][axis]});
     const auto last = static_cast<long>(n) - 1;
@@ -423,16 +464,17 @@ void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector
       const glm::dvec3 square_low(i, j, -kOutside);
       const Polygon polygon = clipped(p, square_low, square_low + glm::dvec3(1.0, 1.0, 1.0 + 2 * kOutside));
       if (polygon.count == 0) continue;
-      Touched& texel = touched[static_cast<size_t>(j) * n + static_cast<size_t>(i)];
       glm::dvec3 middle(0.0);
-      for (size_t k = 0; k < polygon.count; ++k) {
-        texel.low = std::min(texel.low, polygon.corners[k].z);
-        texel.high = std::max(texel.high, polygon.corners[k].z);
-        middle += polygon.corners[k] / static_cast<double>(polygon.count);
-      }
+      for (size_t k = 0; k < polygon.count; ++k) middle += polygon.corners[k] / static_cast<double>(polygon.count);
       const glm::dvec3 from = middle - p[0];
       const Winner here{t, glm::dot(glm::cross(from, e2), across) / square,
                         glm::dot(glm::cross(e1, from), across) / square, middle.z};
+      if (!is_there(source, here, p)) continue;
+      Touched& texel = touched[static_cast<size_t>(j) * n + static_cast<size_t>(i)];
+      for (size_t k = 0; k < polygon.count; ++k) {
+        texel.low = std::min(texel.low, polygon.corners[k].z);
+        texel.high = std::max(texel.high, polygon.corners[k].z);
+      }
       if (texel.front.triangle == UINT32_MAX || here.depth < texel.front.depth) texel.front = here;
       if (texel.back.triangle == UINT32_MAX || here.depth > texel.back.depth) texel.back = here;
     }
@@ -440,7 +482,7 @@ void touch(const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n, std::vector
 }
 
 // Makes triangle t the winner of every texel whose centre it covers nearest or farthest.
-void compete(const std::array<glm::dvec3, 3>& p, uint32_t t, AxisMaps& maps) {
+void compete(const Source& source, const std::array<glm::dvec3, 3>& p, uint32_t t, AxisMaps& maps) {
   const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
   if (std::abs(area) < 1e-12) return;
   const auto first = [](double a, double b, double c) {
@@ -459,6 +501,7 @@ void compete(const std::array<glm::dvec3, 3>& p, uint32_t t, AxisMaps& maps) {
       const double plane = p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z);
       if (plane < -kOutside || plane > 1.0 + kOutside) continue;
       const double depth = std::clamp(plane, 0.0, 1.0);
+      if (!is_there(source, {t, b1, b2, depth}, p)) continue;
       const size_t texel = static_cast<size_t>(j) * maps.n + static_cast<size_t>(i);
       Winner& front = maps.winners[0][texel];
       Winner& back = maps.winners[1][texel];
@@ -559,8 +602,8 @@ void capture_box(const Source& source, const Capture& capture, ReliefBox& box, R
     AxisMaps maps(static_cast<size_t>(box.texels));
     for (const uint32_t t : capture.piece.triangles) {
       const std::array<glm::dvec3, 3> p = in_texels(source, space, axis, maps.n, t);
-      touch(p, t, maps.n, maps.touched);
-      compete(p, t, maps);
+      touch(source, p, t, maps.n, maps.touched);
+      compete(source, p, t, maps);
     }
     close_gaps(maps);
     store_depths(maps, box, axis, model);
@@ -638,7 +681,13 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
       material_of_triangle[i] = primitive.material;
   std::vector<LinearPyramid> pyramids;
   pyramids.reserve(character.images.size());
-  for (const scene::Texture& texture : character.images) pyramids.emplace_back(texture);
+  std::vector<float> thresholds(character.images.size(), 0.0F);
+  for (const scene::Material& m : character.materials)
+    if (m.base_colour_image >= 0) {
+      float& own = thresholds[static_cast<size_t>(m.base_colour_image)];
+      own = std::max(own, scene::alpha_threshold(m));
+    }
+  for (size_t i = 0; i < character.images.size(); ++i) pyramids.emplace_back(character.images[i], thresholds[i]);
 
   ReliefModel model;
   model.emission_peak = emission_peak(character);

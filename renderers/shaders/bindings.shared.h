@@ -50,4 +50,6 @@
 #define CB_MATERIAL_TEXTURE 2u
 #define CB_MATERIAL_EMISSIVE_TEXTURE 4u
 
+#define CB_MATERIAL_TEXELS 3  // of a material in CB_TEXTURE_MATERIALS
+
 #endif

@@ -81,7 +81,8 @@ struct Material {
   int emissive_image = -1;
   bool unlit = false;  // KHR_materials_unlit
   bool double_sided = false;
-  bool cut_out = false;  // alphaMode MASK or BLEND: where alpha is 0 nothing is drawn
+  // A surface is there where its alpha (factor x image x vertex colour) is at least this; 0: everywhere.
+  float alpha_cutoff = 0;
   uint8_t slot = 0;  // the outfit's slot that colours it, 0..255: the material's index, 255 at most
 };
 

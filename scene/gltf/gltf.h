@@ -12,7 +12,8 @@ namespace crowdbench::scene {
 // What is refused before memory is spent on it; together they keep a load below 1 GiB whatever the file claims.
 // `inspect --help` prints these.
 struct GltfLimits {
-  size_t file_bytes = size_t{192} << 20;  // all files of the asset together, data uris included
+  size_t file_bytes = size_t{192} << 20;     // all files of the asset together, data uris included
+  size_t decoded_bytes = size_t{256} << 20;  // of compressed meshes and animations, all
   size_t json_bytes = size_t{64} << 20;
   size_t json_values = 1'000'000;  // objects, arrays, numbers, strings
   int json_depth = 64;

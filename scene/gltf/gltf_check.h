@@ -27,6 +27,10 @@ class GltfCheck : public GltfDocument {
   // Warns "path: what", of only the first place where `what` holds. what: a literal.
   void warn_once(const std::string& path, std::string_view what);
 
+  // Before compressed data is decoded: all of it together keeps GltfLimits::decoded_bytes, else Error.
+  void spend_decoded(uint64_t bytes, const std::string& path);
+  uint64_t decoded_left() const { return decoded_left_; }
+
   GltfSource& source;
   const GltfLimits& limits;
   GltfPlan plan;
@@ -36,6 +40,7 @@ class GltfCheck : public GltfDocument {
 
  private:
   std::set<std::string_view> warned_;
+  uint64_t decoded_left_;
 };
 inline constexpr std::string_view kMorphTargets = "morph targets are ignored";
 

@@ -52,7 +52,11 @@ void check_samplers(GltfCheck& check) {
 void check_textures(GltfCheck& check) {
   check.each("textures", [&](const json& texture, const std::string& path) {
     json clean = json::object();
-    if (const auto source = check.index_or_none(texture, path, "source", "images")) {
+    auto source = check.index_or_none(texture, path, "source", "images");
+    if (const json* webp = check.extension(texture, path, "EXT_texture_webp"))
+      if (const auto better = check.index_or_none(*webp, path + "/extensions/EXT_texture_webp", "source", "images"))
+        source = better;
+    if (source) {
       const GltfImage& image = check.plan.images[static_cast<size_t>(*source)];
       if (image.uri.empty() && image.bytes.empty()) check.fail(image.path, "has neither a uri nor a bufferView");
       clean["source"] = *source;
@@ -93,6 +97,43 @@ std::vector<double> colour_factor(GltfCheck& check, const json& value, const std
   return factor;
 }
 
+// BLEND becomes a mask: figures that are drawn in any order, and stored as surfaces, cannot be blended.
+void check_alpha(GltfCheck& check, const json& material, const std::string& path, json& clean) {
+  const std::string* mode = check.text_or_none(material, path, "alphaMode");
+  if (mode && *mode != "OPAQUE" && *mode != "MASK" && *mode != "BLEND")
+    check.fail(path + "/alphaMode", fmt::format("is {}, not OPAQUE, MASK or BLEND", printable(*mode, 20)));
+  const json* given = check.member(material, "alphaCutoff");
+  double cutoff = given ? check.number(*given, path + "/alphaCutoff") : 0.5;
+  if (cutoff < 0) check.fail(path + "/alphaCutoff", fmt::format("is {}, must not be negative", cutoff));
+  if (!mode || *mode == "OPAQUE") return;
+  if (*mode == "BLEND") {
+    check.warn_once(path, "alphaMode BLEND is drawn as MASK at 0.5");
+    cutoff = 0.5;
+  }
+  clean["alphaMode"] = "MASK";
+  clean["alphaCutoff"] = cutoff;
+}
+
+// Of the older KHR_materials_pbrSpecularGlossiness the diffuse colour is what the base colour is today; a material that
+// has both shows the newer.
+json base_colour(GltfCheck& check, const json& material, const std::string& path) {
+  json clean = json::object();
+  const auto read = [&](const json& from, const std::string& at, const char* factor_key, const char* texture_key) {
+    if (const json* factor = check.member(from, factor_key))
+      clean["baseColorFactor"] = colour_factor(check, *factor, at + "/" + factor_key, 4);
+    if (auto texture = texture_info(check, from, at, texture_key)) clean["baseColorTexture"] = *texture;
+  };
+  const json* older = check.extension(material, path, "KHR_materials_pbrSpecularGlossiness");
+  if (const json* pbr = check.member(material, "pbrMetallicRoughness")) {
+    const std::string at = path + "/pbrMetallicRoughness";
+    check.require_object(*pbr, at);
+    read(*pbr, at, "baseColorFactor", "baseColorTexture");
+  } else if (older) {
+    read(*older, path + "/extensions/KHR_materials_pbrSpecularGlossiness", "diffuseFactor", "diffuseTexture");
+  }
+  return clean;
+}
+
 }  // namespace
 
 void check_materials(GltfCheck& check, const GltfData& data) {
@@ -102,25 +143,12 @@ void check_materials(GltfCheck& check, const GltfData& data) {
   check.each("materials", [&](const json& material, const std::string& path) {
     json clean = json::object();
     check.copy_name(material, path, clean);
-    json pbr_clean = json::object();
-    if (const json* pbr = check.member(material, "pbrMetallicRoughness")) {
-      const std::string at = path + "/pbrMetallicRoughness";
-      check.require_object(*pbr, at);
-      if (const json* factor = check.member(*pbr, "baseColorFactor"))
-        pbr_clean["baseColorFactor"] = colour_factor(check, *factor, at + "/baseColorFactor", 4);
-      if (auto texture = texture_info(check, *pbr, at, "baseColorTexture")) pbr_clean["baseColorTexture"] = *texture;
-    }
-    clean["pbrMetallicRoughness"] = std::move(pbr_clean);
+    clean["pbrMetallicRoughness"] = base_colour(check, material, path);
     if (const json* factor = check.member(material, "emissiveFactor"))
       clean["emissiveFactor"] = colour_factor(check, *factor, path + "/emissiveFactor", 3);
     if (auto texture = texture_info(check, material, path, "emissiveTexture")) clean["emissiveTexture"] = *texture;
     clean["doubleSided"] = check.boolean_or(material, path, "doubleSided", false);
-    if (const std::string* mode = check.text_or_none(material, path, "alphaMode")) {
-      if (*mode != "OPAQUE" && *mode != "MASK" && *mode != "BLEND")
-        check.fail(path + "/alphaMode", fmt::format("is {}, not OPAQUE, MASK or BLEND", printable(*mode, 20)));
-      clean["alphaMode"] = *mode;
-      if (*mode != "OPAQUE") check.warn(fmt::format("{}: alphaMode {} is drawn opaque", path, *mode));
-    }
+    check_alpha(check, material, path, clean);
     json extensions = json::object();
     if (check.extension(material, path, "KHR_materials_unlit")) extensions["KHR_materials_unlit"] = json::object();
     if (const json* strength = check.extension(material, path, "KHR_materials_emissive_strength")) {
@@ -130,9 +158,6 @@ void check_materials(GltfCheck& check, const GltfData& data) {
       if (v < 0) check.fail(at + "/emissiveStrength", fmt::format("is {}, must not be negative", v));
       extensions["KHR_materials_emissive_strength"] = {{"emissiveStrength", v}};
     }
-    if (check.extension(material, path, "KHR_materials_pbrSpecularGlossiness") &&
-        !check.member(material, "pbrMetallicRoughness"))
-      check.warn(fmt::format("{}: KHR_materials_pbrSpecularGlossiness is ignored, so the material is white", path));
     clean["extensions"] = std::move(extensions);
     check.keep("materials", std::move(clean));
   });

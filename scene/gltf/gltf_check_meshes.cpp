@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "scene/gltf/gltf_check.h"
 #include "scene/gltf/gltf_data.h"
+#include "scene/gltf/gltf_draco.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -57,18 +58,24 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
   if (!attributes) check.fail(path, "has no attributes");
   const std::string at = path + "/attributes";
   check.require_object(*attributes, at);
-  const auto mode = check.integer_or(primitive, path, "mode", 4, 0, 6);
+  auto mode = check.integer_or(primitive, path, "mode", 4, 0, 6);
+  const std::optional<DracoAccessors> draco = decode_draco(check, data, primitive, path);
+  if (draco) mode = 4;
+  const auto decoded_or = [&](const std::string& name, int accessor) {
+    const auto found = draco ? draco->attributes.find(name) : decltype(draco->attributes.end()){};
+    return draco && found != draco->attributes.end() ? found->second : accessor;
+  };
   json clean = {{"mode", mode}, {"attributes", json::object()}};
   std::optional<size_t> count;
   if (const auto position = check.index_or_none(*attributes, at, "POSITION", "accessors"))
-    count = data.accessor(*position).count;
+    count = data.accessor(decoded_or("POSITION", *position)).count;
   int joint_sets = 0;
   int weight_sets = 0;
   for (const auto& [name, value] : attributes->items()) {
     const bool used = name == "POSITION" || name == "NORMAL" || name == "COLOR_0" || name.starts_with("TEXCOORD_") ||
                       name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
     const std::string where = at + "/" + printable(name, 60);
-    const int index_value = check.index(value, where, "accessors");
+    const int index_value = decoded_or(name, check.index(value, where, "accessors"));
     if (!used) continue;
     check_attribute(check, data, name, index_value, where);
     const size_t own = data.accessor(index_value).count;
@@ -86,7 +93,9 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
     for (const char* kind : {"JOINTS_", "WEIGHTS_"})
       if (!attributes->contains(fmt::format("{}{}", kind, set))) check.fail(at, fmt::format("has no {}{}", kind, set));
   std::optional<size_t> corners = count;
-  if (const auto indices = check.index_or_none(primitive, path, "indices", "accessors")) {
+  std::optional<int> indices = check.index_or_none(primitive, path, "indices", "accessors");
+  if (draco) indices = draco->indices;
+  if (indices) {
     const std::string where = path + "/indices";
     data.require_format(*indices, where, {1}, {{kU8, 0}, {kU16, 0}, {kU32, 0}});
     if (data.accessor(*indices).base == nullptr) check.fail(where, "names an accessor without a bufferView");

@@ -7,8 +7,14 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "scene/gltf/gltf_meshopt.h"
 
 namespace crowdbench::scene {
+namespace {
+
+constexpr const char* kMeshopt = "EXT_meshopt_compression";
+
+}  // namespace
 
 GltfData::GltfData(GltfCheck& check, bool quantized) : check_(check), quantized_(quantized) {
   check_buffers();
@@ -25,6 +31,11 @@ void GltfData::check_buffers() {
                   fmt::format("is {}; all buffers may have {} bytes", length, check_.limits.file_bytes));
     total += length;
     std::span<const uint8_t> bytes;
+    const json* meshopt = check_.extension(buffer, path, kMeshopt);
+    if (meshopt && check_.boolean_or(*meshopt, path + "/extensions", "fallback", false)) {
+      buffers_.emplace_back();
+      return;
+    }
     if (const std::string* uri = check_.text_or_none(buffer, path, "uri")) {
       check_.plan.buffers.push_back(check_.source.fetch(*uri, path + "/uri"));
       bytes = check_.plan.buffers.back();
@@ -43,6 +54,11 @@ void GltfData::check_buffers() {
 
 void GltfData::check_buffer_views() {
   check_.each("bufferViews", [&](const json& view, const std::string& path) {
+    if (const json* meshopt = check_.extension(view, path, kMeshopt)) {
+      const uint64_t step = check_.integer_or(view, path, "byteStride", 0, 1, 256);
+      views_.push_back({decoded(*meshopt, path + "/extensions/" + kMeshopt, view, path), 0, static_cast<size_t>(step)});
+      return;
+    }
     const auto& buffer = buffers_[static_cast<size_t>(check_.required_index(view, path, "buffer", "buffers"))];
     const uint64_t offset = check_.integer_or(view, path, "byteOffset", 0, 0, UINT64_MAX);
     const uint64_t length = check_.required_integer(view, path, "byteLength", 1, UINT64_MAX);
@@ -53,6 +69,14 @@ void GltfData::check_buffer_views() {
     if (stride % 4 != 0) check_.fail(path + "/byteStride", fmt::format("is {}, not a multiple of 4", stride));
     views_.push_back({buffer.subspan(offset, length), static_cast<size_t>(offset), static_cast<size_t>(stride)});
   });
+}
+
+std::span<const uint8_t> GltfData::decoded(const json& extension, const std::string& path, const json& view,
+                                           const std::string& view_path) {
+  const int buffer = check_.required_index(extension, path, "buffer", "buffers");
+  check_.plan.buffers.push_back(decode_meshopt(check_, extension, path, buffers_[static_cast<size_t>(buffer)],
+                                               check_.required_integer(view, view_path, "byteLength", 1, UINT64_MAX)));
+  return check_.plan.buffers.back();
 }
 
 ComponentType GltfData::component_type(const json& object, const std::string& path) const {

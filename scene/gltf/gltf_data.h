@@ -39,6 +39,9 @@ class GltfData {
 
   void check_buffers();
   void check_buffer_views();
+  // The decoded bytes of a view that EXT_meshopt_compression describes.
+  std::span<const uint8_t> decoded(const json& extension, const std::string& path, const json& view,
+                                   const std::string& view_path);
   void check_accessors();
   void check_sparse_ranges(const json& sparse, const std::string& path, size_t size, AccessorView& view) const;
   ComponentType component_type(const json& object, const std::string& path) const;
@@ -49,7 +52,7 @@ class GltfData {
 
   GltfCheck& check_;
   bool quantized_;
-  std::vector<std::span<const uint8_t>> buffers_;
+  std::vector<std::span<const uint8_t>> buffers_;  // empty: the fallback of compressed views, which is not read
   std::vector<View> views_;
 };
 

@@ -1,5 +1,6 @@
-// PNG through libpng row by row (no second copy of a large picture), JPEG through tinygltf's decoder.
-// Based on: ISO/IEC 15948 (PNG, the IHDR chunk); ITU-T T.81 (JPEG, markers and the frame header).
+// PNG through libpng row by row (no second copy of a large picture), JPEG through tinygltf's decoder, WebP through
+// OpenImageIO. Based on: ISO/IEC 15948 (PNG, the IHDR chunk); ITU-T T.81 (JPEG, markers and the frame header); RFC 9649
+// (WebP, its three headers).
 #include "scene/gltf/gltf_images.h"
 
 #include <png.h>
@@ -10,6 +11,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/image_io.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -53,6 +55,39 @@ PictureHeader jpeg_header(std::span<const uint8_t> bytes, const std::string& whe
     at += 2 + length;
   }
   throw Error(where, "JPEG has no frame header", "the picture is truncated or damaged");
+}
+
+uint32_t little_endian(std::span<const uint8_t> bytes, size_t at, size_t size) {
+  uint32_t value = 0;
+  for (size_t i = size; i-- > 0;) value = value << 8 | bytes[at + i];
+  return value;
+}
+
+PictureHeader webp_header(std::span<const uint8_t> bytes, const std::string& where) {
+  if (bytes.size() >= 30 && starts_with(bytes, "VP8X", 12))
+    return sized(PictureFormat::webp, little_endian(bytes, 24, 3) + 1, little_endian(bytes, 27, 3) + 1, where);
+  if (bytes.size() >= 25 && starts_with(bytes, "VP8L", 12)) {
+    const uint32_t sides = little_endian(bytes, 21, 4);
+    return sized(PictureFormat::webp, (sides & 0x3FFF) + 1, (sides >> 14 & 0x3FFF) + 1, where);
+  }
+  if (bytes.size() >= 30 && starts_with(bytes, "VP8 ", 12))
+    return sized(PictureFormat::webp, little_endian(bytes, 26, 2) & 0x3FFF, little_endian(bytes, 28, 2) & 0x3FFF,
+                 where);
+  throw Error(where, "WebP has no header", "the picture is truncated or damaged");
+}
+
+Image8 decode_webp_rgba(std::span<const uint8_t> bytes, const PictureHeader& header, const std::string& where) {
+  AnyImage any = read_image(bytes, "webp", where, static_cast<int64_t>(header.pixels()));
+  auto* decoded = std::get_if<Image8>(&any);
+  if (!decoded || decoded->width != header.width || decoded->height != header.height || decoded->channels < 3)
+    throw Error(where, "WebP does not decode", "the picture is damaged; save it as PNG");
+  if (decoded->channels == 4) return std::move(*decoded);
+  Image8 image(header.width, header.height, 4);
+  for (size_t i = 0; i < image.pixels(); ++i) {
+    std::copy_n(&decoded->data[3 * i], 3, &image.data[4 * i]);
+    image.data[4 * i + 3] = 255;
+  }
+  return image;
 }
 
 struct PngInput {
@@ -141,16 +176,20 @@ PictureHeader picture_header(std::span<const uint8_t> bytes, const std::string& 
     return sized(PictureFormat::png, big_endian(bytes, 16, 4), big_endian(bytes, 20, 4), where);
   }
   if (starts_with(bytes, "\xFF\xD8\xFF")) return jpeg_header(bytes, where);
-  std::string kind = "neither PNG nor JPEG";
-  if (starts_with(bytes, "WEBP", 8)) kind = "WebP, which is not supported";
+  if (starts_with(bytes, "RIFF") && starts_with(bytes, "WEBP", 8)) return webp_header(bytes, where);
+  std::string kind = "neither PNG nor JPEG nor WebP";
   if (starts_with(bytes, "KTX 20", 1)) kind = "KTX2, which is not supported";
   if (starts_with(bytes, "GIF8")) kind = "GIF, which glTF does not allow";
-  throw Error(where, "picture is " + kind, "save the textures as PNG or JPEG");
+  throw Error(where, "picture is " + kind, "save the textures as PNG, JPEG or WebP");
 }
 
 Image8 decode_picture(std::span<const uint8_t> bytes, const PictureHeader& header, const std::string& where) {
-  return header.format == PictureFormat::png ? decode_png_rgba(bytes, header, where)
-                                             : decode_jpeg_rgba(bytes, header, where);
+  switch (header.format) {
+    case PictureFormat::jpeg: return decode_jpeg_rgba(bytes, header, where);
+    case PictureFormat::webp: return decode_webp_rgba(bytes, header, where);
+    case PictureFormat::png: break;
+  }
+  return decode_png_rgba(bytes, header, where);
 }
 
 }  // namespace crowdbench::scene

@@ -8,7 +8,7 @@
 
 namespace crowdbench::scene {
 
-enum class PictureFormat : uint8_t { png, jpeg };
+enum class PictureFormat : uint8_t { png, jpeg, webp };
 
 struct PictureHeader {
   PictureFormat format = PictureFormat::png;
@@ -18,7 +18,7 @@ struct PictureHeader {
 };
 
 // The size that the encoded bytes claim, read without decoding. where: for the message. Throws Error when the bytes are
-// neither PNG nor JPEG, or do not say the size.
+// neither PNG, JPEG nor WebP, or do not say the size.
 PictureHeader picture_header(std::span<const uint8_t> bytes, const std::string& where);
 
 // RGBA, sRGB-encoded, of exactly the size that the header claims. 16-bit channels are cut to 8, palettes and grey

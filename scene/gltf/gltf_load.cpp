@@ -257,7 +257,7 @@ class Loader {
     const UvSource& base = materials_->base_uv(out.material);
     read_uvs(in, path, base, character_.materials[index_of(out.material)].base_colour_image >= 0, used, mesh.uvs);
     if (has_emissive_uvs_) read_uvs(in, path, materials_->emissive_uv(out.material), false, used, mesh.emissive_uvs);
-    if (has_colours_) read_colours(in, used);
+    if (has_colours_) read_colours(in, path, used);
     if (palette.rigid) {
       mesh.joints.insert(mesh.joints.end(), used.size(),
                          glm::u16vec4(static_cast<uint16_t>(palette.first), 0, 0, 0));
@@ -320,7 +320,7 @@ class Loader {
     }
   }
 
-  void read_colours(const tinygltf::Primitive& in, const std::vector<uint32_t>& vertices) {
+  void read_colours(const tinygltf::Primitive& in, const std::string& path, const std::vector<uint32_t>& vertices) {
     auto& colours = character_.mesh.colours;
     const auto found = in.attributes.find("COLOR_0");
     if (found == in.attributes.end()) {
@@ -328,12 +328,19 @@ class Loader {
       return;
     }
     const AccessorView view = asset_.view_of(found->second);
+    bool black = true;
     for (const uint32_t i : vertices) {
       glm::vec4 colour(1.0F);
       for (int c = 0; c < view.components; ++c)
         colour[c] = static_cast<float>(std::clamp(asset_.finite(view, i, c), 0.0, 1.0));
       colours.push_back(colour);
+      black = black && glm::vec3(colour) == glm::vec3(0.0F);
     }
+    // Masks for other shaders are kept in colours too; as the specification has it, they multiply.
+    if (black && !warned_black_)
+      asset_.warn(
+          fmt::format("{}: COLOR_0 is black at every vertex, and so is what is drawn; export without it", path));
+    warned_black_ = warned_black_ || black;
   }
 
   void read_normals(const AccessorView& view, const std::vector<uint32_t>& vertices) {
@@ -450,6 +457,7 @@ class Loader {
   size_t zero_normals_ = 0;
   bool warned_flat_ = false;
   bool warned_row_ = false;
+  bool warned_black_ = false;
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ GltfMaterials::GltfMaterials(GltfAsset& asset, const std::vector<bool>& used) : 
     out.name = in.name;
     out.slot = static_cast<uint8_t>(std::min<size_t>(i, 255));
     out.double_sided = in.doubleSided;
-    out.cut_out = in.alphaMode == "MASK" || in.alphaMode == "BLEND";
+    if (in.alphaMode == "MASK") out.alpha_cutoff = static_cast<float>(in.alphaCutoff);
     out.unlit = in.extensions.count("KHR_materials_unlit") != 0;
     const auto& pbr = in.pbrMetallicRoughness;
     for (int c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
@@ -84,7 +84,7 @@ int GltfMaterials::default_material() {
 int GltfMaterials::texture(int index) {
   const tinygltf::Texture& in = asset_.model->textures[index_of(index)];
   if (in.source < 0) {
-    asset_.warn(fmt::format("/textures/{}: has no PNG or JPEG source and is drawn white", index));
+    asset_.warn(fmt::format("/textures/{}: has no PNG, JPEG or WebP source and is drawn white", index));
     return -1;
   }
   int wrap_s = TINYGLTF_TEXTURE_WRAP_REPEAT;

@@ -152,6 +152,10 @@ class Writer {
         extensions_.insert("KHR_materials_unlit");
       }
       if (m.double_sided) out["doubleSided"] = true;
+      if (m.alpha_cutoff > 0) {
+        out["alphaMode"] = "MASK";
+        out["alphaCutoff"] = m.alpha_cutoff;
+      }
       doc_["materials"].push_back(std::move(out));
     }
   }

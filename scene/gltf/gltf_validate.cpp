@@ -5,22 +5,17 @@
 #include "scene/gltf/gltf_validate.h"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <string_view>
 
 #include "core/error.h"
 #include "scene/gltf/gltf_check.h"
 #include "scene/gltf/gltf_data.h"
+#include "scene/gltf/gltf_extensions.h"
 
 namespace crowdbench::scene {
 namespace {
 
 using nlohmann::json;
-
-constexpr std::array<std::string_view, 4> kKnownExtensions = {"KHR_mesh_quantization", "KHR_texture_transform",
-                                                              "KHR_materials_unlit", "KHR_materials_emissive_strength"};
 
 void check_asset(GltfCheck& check) {
   const json* asset = check.member(check.root(), "asset");
@@ -46,45 +41,14 @@ void check_asset(GltfCheck& check) {
   (*check.pruned)["bufferViews"] = json::array({{{"buffer", 0}, {"byteLength", 1}}});
 }
 
-// Whether it uses KHR_mesh_quantization.
-bool check_extensions(GltfCheck& check) {
-  bool quantized = false;
-  const auto known = [](const std::string& name) {
-    return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end();
-  };
-  std::set<std::string> ignored;
-  for (const char* key : {"extensionsRequired", "extensionsUsed"}) {
-    const json* list = check.member(check.root(), key);
-    if (!list) continue;
-    const std::string path = std::string("/") + key;
-    if (!list->is_array()) check.fail(path, fmt::format("is {}, not an array", list->type_name()));
-    for (size_t i = 0; i < list->size(); ++i) {
-      if (!(*list)[i].is_string()) check.fail(check.item(path, i), "is not a string");
-      const auto& name = (*list)[i].get_ref<const std::string&>();
-      if (name == "KHR_mesh_quantization") quantized = true;
-      if (known(name)) continue;
-      if (std::string_view(key) == "extensionsRequired")
-        check.fail(check.item(path, i), fmt::format("requires {}, which is not supported", printable(name, 80)),
-                   "export the file without it (no mesh or texture compression)");
-      ignored.insert(printable(name, 60));
-    }
-  }
-  std::string names;
-  size_t listed = 0;
-  for (const std::string& name : ignored)
-    if (listed++ < 8) names += (names.empty() ? "" : ", ") + name;
-  if (!ignored.empty()) check.warn(fmt::format("extensions ignored: {}{}", names, listed > 8 ? ", ..." : ""));
-  return quantized;
-}
-
 }  // namespace
 
 GltfPlan validate_gltf(GltfSource& source, const GltfLimits& limits) {
   GltfCheck check(source, limits);
   check_asset(check);
-  const bool quantized = check_extensions(check);
+  const GltfExtensions extensions = check_extensions(check);
   // In the order in which later ones refer to earlier ones.
-  const GltfData data(check, quantized);
+  const GltfData data(check, extensions.quantized);
   check_materials(check, data);
   const std::vector<GltfMeshSize> meshes = check_meshes(check, data);
   check_nodes(check, data, meshes);

@@ -523,6 +523,8 @@ std::string compute_content_hash(const Character& character) {
     hash.bytes(&m.base_colour, sizeof m.base_colour).value(m.base_colour_image);
     hash.bytes(&m.emissive, sizeof m.emissive).value(m.emissive_image);
     hash.value(m.unlit).value(m.double_sided).value(m.slot);
+    // Only where there is one, so that the hashes of most characters are those of earlier versions.
+    if (m.alpha_cutoff > 0) hash.value(m.alpha_cutoff);
   }
   hash.value(character.images.size());
   for (const Texture& t : character.images) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/character/alpha_coverage.h"
 #include "scene/character/drawn.h"
 #include "scene/pose/pose.h"
 
@@ -13,15 +14,14 @@ namespace {
 // Of the figure's size: a triangle whose height over its longest side is less shows in no picture.
 constexpr double kThin = 1e-7;
 
+// Nothing of a masked surface passes its test, whatever its vertex colours: they only take away.
 bool transparent(const Character& character, const Material& material) {
-  if (!material.cut_out) return false;
-  if (material.base_colour.a <= 0) return true;
+  const float threshold = alpha_threshold(material);
+  if (threshold <= 0) return false;
+  if (threshold > 1) return true;
   if (material.base_colour_image < 0) return false;
   const Image8& image = character.images[static_cast<size_t>(material.base_colour_image)].image;
-  if (image.channels != 4) return false;
-  for (size_t i = 3; i < image.data.size(); i += 4)
-    if (image.data[i] != 0) return false;
-  return true;
+  return image.channels == 4 && alpha_coverage(image.data, threshold) == 0;
 }
 
 glm::dvec3 posed(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>& palette) {
@@ -60,9 +60,9 @@ size_t drop_invisible(Character& character) {
   std::vector<std::vector<glm::dmat4>> poses;
   const auto pose_clips = [&] {
     for (size_t clip = 0; clip < character.clips.size(); ++clip)
-      for (const double part : {0.0, 0.5, 1.0})
+      for (const double share : {0.0, 0.5, 1.0})
         poses.push_back(joint_matrices(character, static_cast<int>(clip),
-                                       character.clips[clip].start + part * character.clips[clip].duration()));
+                                       character.clips[clip].start + share * character.clips[clip].duration()));
   };
   const auto has_area_in_a_clip = [&](const uint32_t* t) {
     if (poses.empty()) pose_clips();

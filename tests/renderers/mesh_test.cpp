@@ -48,6 +48,51 @@ double fov_deg(int height, double focal) {
 
 scene::Material& material(scene::Character& character) { return character.materials.front(); }
 
+// Alpha in 5 x 5 checks, every other one empty.
+void mask_with_checks(scene::Character& character, float cutoff) {
+  scene::Texture checks;
+  checks.image = Image8(80, 80, 4);
+  checks.nearest = true;
+  checks.min_filter = scene::MinFilter::nearest;
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 80; ++x) {
+      uint8_t* texel = checks.image.at(x, y);
+      texel[0] = texel[1] = texel[2] = 255;
+      texel[3] = (x / 16 + y / 16) % 2 == 0 ? 200 : 100;
+    }
+  character.images.push_back(checks);
+  material(character).base_colour_image = static_cast<int>(character.images.size()) - 1;
+  material(character).alpha_cutoff = cutoff;
+  character.mesh.uvs.clear();
+  for (const glm::vec3& p : character.mesh.positions) character.mesh.uvs.emplace_back(p.x + 0.5F, 1.0F - p.y);
+}
+
+// A card of 1 m x 1 m that covers 100 x 100 pixels: a check has 20.
+TEST_F(MeshGl, AMaskCutsHolesIntoColourIdsAndDepth) {
+  const auto drawn = [](float cutoff, float alpha, bool colours) {
+    scene::Character character = card(1.0F, 1.0F, glm::vec4(1, 1, 1, alpha));
+    mask_with_checks(character, cutoff);
+    if (colours) character.mesh.colours.assign(character.mesh.positions.size(), glm::vec4(1, 1, 1, 0.5F));
+    const scene::Cast cast = cast_of(std::move(character));
+    scene::Frame frame = frame_of_one(4.0, 0.5, 200, 200, fov_deg(200, 400.0));
+    add_agent(frame, cast, {0, 0, 0}, 7);
+    return draw(cast, frame);
+  };
+  const Capture masked = drawn(0.5F, 1.0F, false);
+  size_t there = 0;
+  for (int y = 50; y < 150; ++y)
+    for (int x = 50; x < 150; ++x) {
+      const bool check = ((x - 50) / 20 + (y - 50) / 20) % 2 == 0;
+      ASSERT_EQ(masked.ids.at(x, y)[0] != 0, check) << x << ", " << y;
+      there += check ? 1 : 0;
+    }
+  EXPECT_EQ(covered(masked), there);
+  EXPECT_EQ(covered(drawn(0.0F, 1.0F, false)), 10000U) << "opaque materials have no alpha";
+  EXPECT_EQ(covered(drawn(0.3F, 1.0F, false)), 10000U) << "100 / 255 is above it";
+  EXPECT_EQ(covered(drawn(0.5F, 0.5F, false)), 0U) << "the factor multiplies";
+  EXPECT_EQ(covered(drawn(0.3F, 1.0F, true)), there) << "vertex colours multiply";
+}
+
 // A card 1 m wide and 0.5 m high at 4 m: with a focal length of f pixels a metre covers f / 4 pixels.
 TEST_F(MeshGl, CardCoversExactlyItsPixelsAtItsDepth) {
   const int size = 200;

@@ -86,9 +86,12 @@ std::vector<Mutation> mutations() {
       {"/asset/version", "1.0", "/asset/version: is 1.0"},
       {"/asset/version", 2.0, "/asset/version: is number"},
       {"/asset/minVersion", "2.1", "/asset/minVersion: is 2.1"},
-      {"/extensionsRequired", {"KHR_draco_mesh_compression"}, "requires KHR_draco_mesh_compression"},
-      {"/extensionsRequired", {"EXT_meshopt_compression"}, "requires EXT_meshopt_compression"},
-      {"/extensionsRequired", {"KHR_texture_basisu"}, "requires KHR_texture_basisu"},
+      {"/extensionsRequired", {"KHR_texture_basisu"}, "requires KHR_texture_basisu, which is not supported; save the"},
+      {"/extensionsRequired",
+       {"KHR_texture_basisu", "KHR_lights_punctual", "EXT_mesh_gpu_instancing", "ACME_x"},
+       "requires ACME_x, EXT_mesh_gpu_instancing, KHR_texture_basisu, which are not supported; ACME_x: export the file "
+       "without it; EXT_mesh_gpu_instancing: make one mesh of the instances (gltf-transform uninstance); "
+       "KHR_texture_basisu: save the textures"},
       {"/extensionsRequired", {7}, "/extensionsRequired/0: is not a string"},
       {"/extensionsRequired", "KHR_materials_unlit", "/extensionsRequired: is string"},
       {"/accessors", json::object(), "/accessors: is object"},

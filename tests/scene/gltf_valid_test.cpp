@@ -357,8 +357,32 @@ TEST(GltfValid, UnlitDoubleSidedAndAlpha) {
   const Character c = load(b);
   EXPECT_TRUE(c.materials[0].unlit);
   EXPECT_TRUE(c.materials[0].double_sided);
-  EXPECT_TRUE(warns(c, "BLEND is drawn opaque"));
+  EXPECT_TRUE(warns(c, "BLEND is drawn as MASK at 0.5"));
+  EXPECT_EQ(c.materials[0].alpha_cutoff, 0.5F);
   EXPECT_TRUE(warns(c, "KHR_materials_clearcoat"));
+}
+
+TEST(GltfValid, MaskHasACutoff) {
+  Builder b = bending_card();
+  json& material = b.doc["materials"][0];
+  material["alphaCutoff"] = 0.25;  // of no effect while opaque
+  const Character opaque = load(b);
+  EXPECT_EQ(opaque.materials[0].alpha_cutoff, 0.0F);
+  material["alphaMode"] = "MASK";
+  const Character masked = load(b);
+  EXPECT_EQ(masked.materials[0].alpha_cutoff, 0.25F);
+  EXPECT_TRUE(masked.warnings.empty());
+  EXPECT_NE(masked.content_hash, opaque.content_hash);
+  material.erase("alphaCutoff");
+  EXPECT_EQ(load(b).materials[0].alpha_cutoff, 0.5F);
+}
+
+TEST(GltfValid, VertexColoursOfZeroAreWarnedAbout) {
+  Builder b = bending_card();
+  primitive(b)["attributes"]["COLOR_0"] = b.accessor<float>(std::vector<float>(12, 0.0F), "VEC3");
+  const Character c = load(b);
+  EXPECT_EQ(c.mesh.colours[3], glm::vec4(0, 0, 0, 1));
+  EXPECT_TRUE(warns(c, "COLOR_0 is black"));
 }
 
 TEST(GltfValid, VertexColours) {
