@@ -94,9 +94,11 @@ INSTANTIATE_TEST_SUITE_P(All, ReliefNumericsGl,
                                            "relief:map=64,search=cone", "relief:map=64,search=cone,proxy=box"));
 
 // The search is the shader's; of cones only the bake is ours, and slow where sanitizers watch.
-#define SKIP_SANITIZED_CONES                                                                                          \
-  if (std::string(GetParam()).find("cone") != std::string::npos) CROWDBENCH_SKIP_SANITIZED("ReliefGl.ConesSaveTaps.." \
-                                                                                           ".")
+#define SKIP_SANITIZED_CONES                                     \
+  if (std::string(GetParam()).find("cone") != std::string::npos) \
+  CROWDBENCH_SKIP_SANITIZED(                                     \
+      "ReliefGl.ConesSaveTaps.."                                 \
+      ".")
 
 TEST_F(ReliefGl, SphereIsTheMeshsSphere) {
   const scene::Cast cast = cast_of(testing::sphere(0.5, 48));
