@@ -240,6 +240,7 @@ int inspect(const Options& options) {
   load.normalise.turn_deg = options.turn;
   load.normalise.up = parse_up(options.up);
   const scene::Character character = scene::open_character(options.file, load);
+  for (const std::string& clip : options.clips) scene::require_clip_or_none(character, clip);
   if (!options.out.empty()) scene::save_character(character, options.out);
   if (options.json)
     fmt::print("{}\n", to_json(character).dump(2, ' ', false, ordered_json::error_handler_t::replace));

@@ -67,15 +67,29 @@ Facing compute_facing(const Character& character, std::span<const uint32_t> sole
               ankle_of(character, world, strongest_joint(character.mesh, v), low + kAnkle * height).z);
   if (const Facing facing = feet.facing(height); facing != Facing::unclear) return facing;
 
-  std::vector<double> head;
-  for (const glm::dvec3& p : posed)
-    if (p.y > high - kHead * height) head.push_back(p.z);
-  if (head.empty()) return Facing::unclear;
-  std::ranges::sort(head);
-  const double middle = head[head.size() / 2];
+  // From the middle of the head's surface: a nose has few square centimetres but may have many vertices.
+  const auto& indices = character.mesh.indices;
+  double area = 0;
+  double middle = 0;
+  const auto visit_head = [&](const auto& see) {
+    for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+      const glm::dvec3& p = posed[indices[i]];
+      const glm::dvec3& q = posed[indices[i + 1]];
+      const glm::dvec3& r = posed[indices[i + 2]];
+      if ((p.y + q.y + r.y) / 3 > high - kHead * height) see(p, q, r);
+    }
+  };
+  visit_head([&](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
+    const double own = glm::length(glm::cross(q - p, r - p));
+    area += own;
+    middle += own * (p.z + q.z + r.z) / 3;
+  });
+  if (!(area > 0)) return Facing::unclear;
+  middle /= area;
   Reach nose;
-  nose.take(head.front() - middle);
-  nose.take(head.back() - middle);
+  visit_head([&](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
+    for (const double z : {p.z, q.z, r.z}) nose.take(z - middle);
+  });
   return nose.facing(height);
 }
 

@@ -335,7 +335,9 @@ int choose_upright_clip(const Character& character, const std::vector<std::strin
   int tallest = standard;
   double most = -1;
   for (const std::string& name : in_use) {
-    const int clip = require_clip_or_none(character, name);
+    const std::optional<int> found = find_clip(character, name);
+    if (!found && name != "none") continue;
+    const int clip = found.value_or(-1);
     const double height = first_height(character, clip);
     if (height <= most) continue;
     most = height;
