@@ -73,8 +73,7 @@ std::optional<CompareRegion> compare_region(const RegionOptions& options, int wi
   std::fill(region.counted.data.begin(), region.counted.data.end(), uint8_t{255});
   for (const std::string& text : options.ignore) leave_out(text, region.counted);
   if (!options.mask.empty()) apply_mask(options.mask, region.counted);
-  region.pixels =
-      static_cast<uint64_t>(std::ranges::count_if(region.counted.data, [](uint8_t v) { return v != 0; }));
+  region.pixels = static_cast<uint64_t>(std::ranges::count_if(region.counted.data, [](uint8_t v) { return v != 0; }));
   if (region.pixels == 0)
     throw Error(options.mask.empty() ? "--ignore" : "--mask", "leaves no pixel to compare", "leave out less");
   return region;

@@ -203,8 +203,7 @@ void print_text(const scene::Character& c) {
     const scene::ClipMotion& motion = c.motion[i];
     fmt::print("{:>4}  {:<32}{:>9.3f}{:>9.3f}{:>9.3f}  {}{}\n", i,
                clip.name.empty() ? "(unnamed)" : printable(clip.name, 31), clip.duration(), clip.start, clip.end,
-               ground_text(motion),
-               static_cast<int>(i) == c.placement.default_clip ? "  (default)" : "");
+               ground_text(motion), static_cast<int>(i) == c.placement.default_clip ? "  (default)" : "");
   }
   if (c.clips.empty()) fmt::print("      none\n");
   fmt::print("\n{:>4}  {:<32}{:<28}{}\n", "slot", "material", "base colour (linear)", "texture");

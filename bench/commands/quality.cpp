@@ -142,8 +142,8 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   setup.bake_budget = options.bake_budget_mib << 20;
 
   QualityView view;
-  view.clip = options.clip.empty() ? character.placement.default_clip
-                                   : scene::require_clip_or_none(character, options.clip);
+  view.clip =
+      options.clip.empty() ? character.placement.default_clip : scene::require_clip_or_none(character, options.clip);
   asked.clip = view.clip < 0 ? "none" : character.clips[static_cast<size_t>(view.clip)].name;
   const double start = view.clip < 0 ? 0.0 : character.clips[static_cast<size_t>(view.clip)].start;
   const std::vector<double> times =

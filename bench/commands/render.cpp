@@ -154,8 +154,7 @@ int render_single(const RenderOptions& options) {
   const std::string source = options.scene.character.empty() ? "mannequin" : options.scene.character;
   auto character = std::make_shared<const scene::Character>(scene::open_character(source, load));
   int clip = character->placement.default_clip;
-  if (!options.clips.empty())
-    clip = scene::require_clip_or_none(*character, options.clips.front());
+  if (!options.clips.empty()) clip = scene::require_clip_or_none(*character, options.clips.front());
 
   scene::Cast cast;
   cast.banks.push_back(

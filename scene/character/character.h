@@ -1,10 +1,10 @@
 // Character: an immutable rigged, animated mesh as every representation receives it.
 //
-// Spaces. "glTF space" is the file's own default scene after all node transforms, +Y up (turned where `turn_deg` or `up`
-// ask for it). "Model space" is what the crowd uses: metres, the character facing +Z, the lowest posed point of the
-// upright clip (see Placement) at y = 0, the pivot at x = z = 0: the mean ground projection over that clip of the skin's
-// root, or of the body's centre of mass where the root lies elsewhere. `Placement::model_from_gltf` maps one to the
-// other; with height "as_is" it is the identity.
+// Spaces. "glTF space" is the file's own default scene after all node transforms, +Y up (turned where `turn_deg` or
+// `up` ask for it). "Model space" is what the crowd uses: metres, the character facing +Z, the lowest posed point of
+// the upright clip (see Placement) at y = 0, the pivot at x = z = 0: the mean ground projection over that clip of the
+// skin's root, or of the body's centre of mass where the root lies elsewhere. `Placement::model_from_gltf` maps one to
+// the other; with height "as_is" it is the identity.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -65,7 +65,7 @@ struct Clip {
   double start = 0;  // first key of any channel, seconds
   double end = 0;    // last key
   std::vector<Channel> channels;
-  bool loops = true;  // built-in clips that must not wrap set false
+  bool loops = true;      // built-in clips that must not wrap set false
   bool together = false;  // not in the file: clips that move different things, played at once
   double duration() const { return end - start; }
 };
@@ -119,8 +119,8 @@ struct Primitive {
 };
 
 // Structure of arrays; all of equal length (emissive_uvs and colours may be empty). Positions and normals are the
-// mesh's own (bind space). They hold what is drawn and nothing else. Vertex order: nodes by ascending file index, then primitives, then vertices, as `crowdbench
-// pose` reports.
+// mesh's own (bind space). They hold what is drawn and nothing else. Vertex order: nodes by ascending file index, then
+// primitives, then vertices, as `crowdbench pose` reports.
 struct Mesh {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;  // unit; computed flat when the file has none
@@ -145,7 +145,8 @@ struct Placement {
   double height = 0;                // metres: height of the upright clip's first pose, after scaling
   int default_clip = -1;            // -1: no clip of non-zero length
   // Whose first pose gives the height, the ground and the pivot: of the clips in use (NormaliseOptions::clips, else the
-  // default clip) the one whose first pose is tallest; the default clip where that one lies, sits or crouches beside it.
+  // default clip) the one whose first pose is tallest; the default clip where that one lies, sits or crouches beside
+  // it.
   int upright_clip = -1;  // -1: the bind pose
 };
 
@@ -154,13 +155,13 @@ struct ClipMotion {
   // space; stripped from the pose evenly with time. Turned by root_yaw about the vertical axis through root_axis, where
   // it turns, else moved by root_displacement; horizontal, metres.
   glm::dvec3 root_displacement{0.0};
-  double root_yaw = 0;           // radians, from +Z towards +X
-  glm::dvec3 root_axis{0.0};     // with root_yaw: where that axis stands
-  double ground_speed = 0;       // metres a second over the ground at the cycle's start; 0 for clips that stand
+  double root_yaw = 0;             // radians, from +Z towards +X
+  glm::dvec3 root_axis{0.0};       // with root_yaw: where that axis stands
+  double ground_speed = 0;         // metres a second over the ground at the cycle's start; 0 for clips that stand
   glm::dvec2 direction{0.0, 1.0};  // unit, (x, z): where to, as the character faces +Z
-  double yaw_rate = 0;           // radians a second by which the way over the ground turns
-  bool from_stance = false;      // the speed is that of the foot on the ground, because the body stays in place
-  double closing_seconds = 0;    // appended to a loop whose last key does not repeat the first: its last key interval
+  double yaw_rate = 0;             // radians a second by which the way over the ground turns
+  bool from_stance = false;        // the speed is that of the foot on the ground, because the body stays in place
+  double closing_seconds = 0;      // appended to a loop whose last key does not repeat the first: its last key interval
 };
 
 struct Character {

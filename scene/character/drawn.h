@@ -10,7 +10,6 @@ namespace crowdbench::scene {
 // Removes the triangles for which `seen` is false (three vertices each, and the primitive they are of), then the
 // vertices that no triangle names and the primitives without triangles. Returns how many triangles it removed. Where
 // none would be left it removes nothing.
-size_t keep_drawn(Mesh& mesh,
-                  const std::function<bool(const uint32_t* corners, const Primitive& primitive)>& seen);
+size_t keep_drawn(Mesh& mesh, const std::function<bool(const uint32_t* corners, const Primitive& primitive)>& seen);
 
 }  // namespace crowdbench::scene

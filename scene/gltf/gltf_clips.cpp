@@ -65,7 +65,8 @@ Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, con
   for (size_t i = 0; i < input.count; ++i) {
     const double t = asset.finite(input, i, 0);
     if (t < -asset.limits.clip_seconds)
-      asset.fail(input.path, fmt::format("key {} is at {} s, the limit is {} before 0", i, t, asset.limits.clip_seconds),
+      asset.fail(input.path,
+                 fmt::format("key {} is at {} s, the limit is {} before 0", i, t, asset.limits.clip_seconds),
                  "move the keys in the animation program");
     if (t > asset.limits.clip_seconds)
       asset.fail(input.path, fmt::format("key {} is at {} s, the limit is {}", i, t, asset.limits.clip_seconds));

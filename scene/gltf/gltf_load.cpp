@@ -211,8 +211,9 @@ class Loader {
   void snap_last_row(glm::dmat4& m, const std::string& path, size_t j) {
     const double off = std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0);
     if (off > 1e-3)
-      asset_.fail(path, fmt::format("inverse bind matrix {} is not affine: its last row is ({:.6g}, {:.6g}, {:.6g}, {:.6g})",
-                                    j, m[0][3], m[1][3], m[2][3], m[3][3]),
+      asset_.fail(path,
+                  fmt::format("inverse bind matrix {} is not affine: its last row is ({:.6g}, {:.6g}, {:.6g}, {:.6g})",
+                              j, m[0][3], m[1][3], m[2][3], m[3][3]),
                   "its last row must be (0, 0, 0, 1); export the skin again");
     if (off > 0 && !warned_row_)
       asset_.warn(fmt::format("{}: the last row of inverse bind matrix {} is off (0, 0, 0, 1) by {:.2g} and is snapped",
@@ -247,8 +248,9 @@ class Loader {
     read_indices(in, path, positions.count);
     const std::vector<uint32_t> used = number_used(out, positions.count);
     if (mesh.positions.size() + used.size() > limits_.vertices)
-      asset_.fail(path, fmt::format("brings the vertices to {}, the limit is {}", mesh.positions.size() + used.size(),
-                                    limits_.vertices),
+      asset_.fail(path,
+                  fmt::format("brings the vertices to {}, the limit is {}", mesh.positions.size() + used.size(),
+                              limits_.vertices),
                   "simplify the mesh");
     for (const uint32_t v : used) {
       mesh.file_vertices.push_back(static_cast<uint32_t>(mesh.positions.size()));
@@ -259,8 +261,7 @@ class Loader {
     if (has_emissive_uvs_) read_uvs(in, path, materials_->emissive_uv(out.material), false, used, mesh.emissive_uvs);
     if (has_colours_) read_colours(in, path, used);
     if (palette.rigid) {
-      mesh.joints.insert(mesh.joints.end(), used.size(),
-                         glm::u16vec4(static_cast<uint16_t>(palette.first), 0, 0, 0));
+      mesh.joints.insert(mesh.joints.end(), used.size(), glm::u16vec4(static_cast<uint16_t>(palette.first), 0, 0, 0));
       mesh.weights.insert(mesh.weights.end(), used.size(), glm::vec4(1.0F, 0.0F, 0.0F, 0.0F));
       character_.file_max_influences = std::max(character_.file_max_influences, 1);
     } else {
@@ -292,8 +293,7 @@ class Loader {
     const bool all = used.size() == count;
     for (size_t i = out.first_index; i < indices.size(); ++i) {
       if (!all && !options_.undrawn)
-        indices[i] =
-            static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), indices[i]) - used.begin());
+        indices[i] = static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), indices[i]) - used.begin());
       indices[i] += out.first_vertex;
     }
     return used;
@@ -418,8 +418,9 @@ class Loader {
     character_.file_triangles = character_.triangles();
     if (!options_.undrawn) {
       if (const size_t gone = drop_invisible(character_); gone > 0)
-        asset_.warn(fmt::format("{} of {} triangles cannot be seen (without area or fully transparent) and are left out",
-                                gone, character_.file_triangles));
+        asset_.warn(
+            fmt::format("{} of {} triangles cannot be seen (without area or fully transparent) and are left out", gone,
+                        character_.file_triangles));
     }
     if (mesh.file_vertices.size() == mesh.positions.size()) mesh.file_vertices.clear();
   }

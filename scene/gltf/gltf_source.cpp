@@ -145,8 +145,9 @@ GltfSource::GltfSource(std::span<const uint8_t> bytes, std::string where, fs::pa
 
 void GltfSource::fail(const std::string& path, const std::string& wrong, const std::string& advice) const {
   throw Error(where_ + ": " + path, wrong,
-              advice.empty() ? "export the file again; the Khronos glTF validator says where else it departs from glTF 2.0"
-                             : advice);
+              advice.empty()
+                  ? "export the file again; the Khronos glTF validator says where else it departs from glTF 2.0"
+                  : advice);
 }
 
 void GltfSource::scan_json() const {

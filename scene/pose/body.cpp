@@ -1,4 +1,5 @@
-// Based on: Kabsch, "A solution for the best rotation to relate two sets of vectors" (1976), in the plane of the ground.
+// Based on: Kabsch, "A solution for the best rotation to relate two sets of vectors" (1976), in the plane of the
+// ground.
 #include "scene/pose/body.h"
 
 #include <algorithm>

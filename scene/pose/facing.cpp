@@ -63,8 +63,7 @@ Facing compute_facing(const Character& character, std::span<const uint32_t> sole
   const double height = high - low;
   Reach feet;
   for (const uint32_t v : soles)
-    feet.take(posed[v].z -
-              ankle_of(character, world, strongest_joint(character.mesh, v), low + kAnkle * height).z);
+    feet.take(posed[v].z - ankle_of(character, world, strongest_joint(character.mesh, v), low + kAnkle * height).z);
   if (const Facing facing = feet.facing(height); facing != Facing::unclear) return facing;
 
   // From the middle of the head's surface: a nose has few square centimetres but may have many vertices.

@@ -1,5 +1,5 @@
-// How a loaded or built character is finished: turned, loops closed, travel measured, default clip chosen, placed on the
-// ground, hashed.
+// How a loaded or built character is finished: turned, loops closed, travel measured, default clip chosen, placed on
+// the ground, hashed.
 #include "scene/pose/normalise.h"
 
 #include <fmt/format.h>
@@ -29,13 +29,13 @@ constexpr double kRootTurn = 0.05;         // radians: likewise for a net turn
 // the height. A fall or a rise moves the mass as far but is no travel.
 constexpr double kLeftOfTravel = 0.5;
 constexpr double kLeftOfHeight = 0.1;
-constexpr double kStraight = 0.087;  // sine of 5 degrees: a stance foot's direction this near to an axis is along it
+constexpr double kStraight = 0.087;    // sine of 5 degrees: a stance foot's direction this near to an axis is along it
 constexpr double kStanceAgrees = 0.6;  // of a clip's intervals: that many of them go where their median goes
 constexpr double kUpright = 0.75;  // of the default clip's first pose: clips in use that are lower do not stand upright
-constexpr double kSoleBand = 0.05;         // of the height above the lowest point: these vertices can touch the ground
-constexpr double kContact = 0.04;          // of the height above the clip's lowest sole point: in contact
-constexpr double kStillFoot = 0.02;        // of the height a second: a foot that moves more slowly stands still
-constexpr double kMovingFeet = 0.05;       // of the height: a clip that moves a sole by more moves the feet
+constexpr double kSoleBand = 0.05;    // of the height above the lowest point: these vertices can touch the ground
+constexpr double kContact = 0.04;     // of the height above the clip's lowest sole point: in contact
+constexpr double kStillFoot = 0.02;   // of the height a second: a foot that moves more slowly stands still
+constexpr double kMovingFeet = 0.05;  // of the height: a clip that moves a sole by more moves the feet
 constexpr size_t kMaxSoles = 48;
 constexpr int kMotionSamples = 24;  // poses of each clip, for its ground speed
 constexpr double kBoundsRate = 30.0;
@@ -371,7 +371,9 @@ Stand measure_stand(const Character& character, const Body& body, double bind_he
     if (root < 0) continue;
     glm::dvec4 at(0.0);
     if (cycle <= 0) {
-      at = node_matrices(character, clip, clip < 0 ? 0.0 : character.clips[static_cast<size_t>(clip)].start)[static_cast<size_t>(root)][3];
+      at = node_matrices(
+          character, clip,
+          clip < 0 ? 0.0 : character.clips[static_cast<size_t>(clip)].start)[static_cast<size_t>(root)][3];
     } else {
       const Clip& curves = character.clips[static_cast<size_t>(clip)];
       const double progress = std::min(phase * cycle / curves.duration(), 1.0);
@@ -423,8 +425,9 @@ bool turn_was_guessed(Character& character, const std::vector<uint32_t>& soles) 
   switch (compute_facing(character, soles)) {
     case Facing::minus_z:
       add_turning_node(character, glm::dquat(0.0, 0.0, 1.0, 0.0));
-      character.warnings.push_back(what + ", where feet and face point too (as in VRM 0.x): turned by 180 degrees to "
-                                          "face +Z; turn_deg = 0 leaves it as it is");
+      character.warnings.push_back(what +
+                                   ", where feet and face point too (as in VRM 0.x): turned by 180 degrees to "
+                                   "face +Z; turn_deg = 0 leaves it as it is");
       return true;
     case Facing::unclear:
       character.warnings.push_back(what + "; if that is forwards, turn_deg = 180 makes the character face +Z");

@@ -20,8 +20,8 @@ std::vector<glm::dmat4> joint_matrices(const Character& character, int clip, dou
 glm::dmat4 travel_undone(const ClipMotion& motion, double progress);
 
 // Palette in model space at a phase in [0, 1) of a looping clip: start + phase * duration, the body's travel and turn
-// over the ground stripped, model_from_gltf applied. A loop whose last key does not repeat the first is closed by extending its cycle
-// by one key interval, in which the last pose blends to the first.
+// over the ground stripped, model_from_gltf applied. A loop whose last key does not repeat the first is closed by
+// extending its cycle by one key interval, in which the last pose blends to the first.
 std::vector<glm::dmat4> model_matrices(const Character& character, int clip, double phase);
 // Seconds of one cycle as model_matrices plays it (duration plus the closing interval where there is one); 0 for a
 // still clip.

@@ -17,11 +17,11 @@ struct Mat3x4 {
 };
 
 struct BankClip {
-  int clip = -1;              // into Character::clips, -1: the bind pose
-  uint32_t first_sample = 0;  // samples are counted over the whole bank
-  uint32_t samples = 1;       // at phases 0, 1/samples, 2/samples, ...; the last blends into the first
-  double seconds = 0;         // of one cycle; 0 for a still pose
-  double ground_speed = 0;    // metres a second at speed 1
+  int clip = -1;                   // into Character::clips, -1: the bind pose
+  uint32_t first_sample = 0;       // samples are counted over the whole bank
+  uint32_t samples = 1;            // at phases 0, 1/samples, 2/samples, ...; the last blends into the first
+  double seconds = 0;              // of one cycle; 0 for a still pose
+  double ground_speed = 0;         // metres a second at speed 1
   glm::dvec2 direction{0.0, 1.0};  // unit, (x, z) in model space: where to
   double turns = 0;                // a second: how fast that direction and the character turn, from +Z towards +X
 };

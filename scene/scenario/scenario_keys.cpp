@@ -291,23 +291,24 @@ void add_character_keys(std::vector<Key>& keys) {
       "character", "source", KeyType::text, "", {},
       "`mannequin[:triangles=N,joints=N]`, or a glTF file seen from the scenario's folder",
       [](Scenario & s, size_t i) -> auto& { return s.characters[i].source; }));
-  keys.push_back(or_else(key<std::optional<double>>(
-                             "character", "height", KeyType::number, "m", {0.001, 1e4},
-                             "scaled so that it stands so tall in its clips in use (the tallest first pose of them); \"as_is\": as in "
-                             "the file",
-                             [](Scenario & s, size_t i) -> auto& { return s.characters[i].height; }),
-                         "as_is"));
-  keys.push_back(or_else(key<std::optional<double>>(
-                             "character", "turn_deg", KeyType::number, "degrees", {-360, 360},
-                             "turned about the vertical so that it faces +Z, from +Z towards +X; \"guess\": by 180 where "
-                             "walk, feet and face point to -Z, with a warning",
-                             [](Scenario & s, size_t i) -> auto& { return s.characters[i].turn_deg; }),
-                         "guess"));
-  keys.push_back(with_words(
-      key<UpAxis>(
-          "character", "up", KeyType::choice, "", {}, "which axis of the file points up",
-          [](Scenario & s, size_t i) -> auto& { return s.characters[i].up; }),
-      {"y", "z"}));
+  keys.push_back(or_else(
+      key<std::optional<double>>(
+          "character", "height", KeyType::number, "m", {0.001, 1e4},
+          "scaled so that it stands so tall in its clips in use (the tallest first pose of them); \"as_is\": as in "
+          "the file",
+          [](Scenario & s, size_t i) -> auto& { return s.characters[i].height; }),
+      "as_is"));
+  keys.push_back(
+      or_else(key<std::optional<double>>(
+                  "character", "turn_deg", KeyType::number, "degrees", {-360, 360},
+                  "turned about the vertical so that it faces +Z, from +Z towards +X; \"guess\": by 180 where "
+                  "walk, feet and face point to -Z, with a warning",
+                  [](Scenario & s, size_t i) -> auto& { return s.characters[i].turn_deg; }),
+              "guess"));
+  keys.push_back(with_words(key<UpAxis>(
+                                "character", "up", KeyType::choice, "", {}, "which axis of the file points up",
+                                [](Scenario & s, size_t i) -> auto& { return s.characters[i].up; }),
+                            {"y", "z"}));
   keys.push_back(key<std::vector<std::string>>(
       "character", "clips", KeyType::texts, "", {}, "clips in use, by name or index; empty: the default clip",
       [](Scenario & s, size_t i) -> auto& { return s.characters[i].clips; }));

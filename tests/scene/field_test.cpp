@@ -41,14 +41,14 @@ void move(Builder& b, int animation, int node, const char* path, const std::vect
   const int output = b.accessor<float>(values, path == std::string("rotation") ? "VEC4" : "VEC3");
   auto& clip = b.doc["animations"][static_cast<size_t>(animation)];
   clip["samplers"].push_back({{"input", input}, {"output", output}});
-  clip["channels"].push_back(
-      {{"sampler", clip["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+  clip["channels"].push_back({{"sampler", clip["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
 }
 
 // The card with one clip "walk" of no channels yet.
 Builder walking_card() {
   Builder b = bending_card();
-  b.doc["animations"] = {{{"name", "walk"}, {"samplers", nlohmann::json::array()}, {"channels", nlohmann::json::array()}}};
+  b.doc["animations"] = {
+      {{"name", "walk"}, {"samplers", nlohmann::json::array()}, {"channels", nlohmann::json::array()}}};
   return b;
 }
 
@@ -74,9 +74,8 @@ TEST(Undrawn, CollapsedAndTransparentTrianglesCountForNothing) {
   for (const bool transparent : {false, true}) {
     Builder b = bending_card();
     nlohmann::json far = primitive(b);
-    far["attributes"]["POSITION"] = transparent
-                                        ? b.accessor<float>({0, 20, 0, 1, 20, 0, 1, 22, 0, 0, 22, 0}, "VEC3")
-                                        : b.accessor<float>({0, 20, 0, 0, 20, 0, 0, 20, 0, 0, 20, 0}, "VEC3");
+    far["attributes"]["POSITION"] = transparent ? b.accessor<float>({0, 20, 0, 1, 20, 0, 1, 22, 0, 0, 22, 0}, "VEC3")
+                                                : b.accessor<float>({0, 20, 0, 0, 20, 0, 0, 20, 0, 0, 20, 0}, "VEC3");
     if (transparent) {
       far["material"] = 1;
       b.doc["materials"].push_back(
@@ -203,13 +202,13 @@ TEST(RootMotion, AFallIsNoTravel) {
 Character walker(glm::dvec2 travel, bool in_place, float toes = 0) {
   Builder b = walking_card();
   // Two cards: joint 0 "hips" holds the left, joint 1 "arm" the right.
-  attributes(b)["POSITION"] = b.accessor<float>(
-      {-0.3F, 0, 0, -0.1F, 0, 0, -0.2F, 1.8F, 0, 0.1F, 0, 0, 0.3F, 0, 0, 0.2F, 1.8F, 0}, "VEC3");
+  attributes(b)["POSITION"] =
+      b.accessor<float>({-0.3F, 0, 0, -0.1F, 0, 0, -0.2F, 1.8F, 0, 0.1F, 0, 0, 0.3F, 0, 0, 0.2F, 1.8F, 0}, "VEC3");
   attributes(b) = {{"POSITION", attributes(b)["POSITION"]}};
   attributes(b)["JOINTS_0"] =
       b.accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
-  attributes(b)["WEIGHTS_0"] = b.accessor<float>(
-      {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  attributes(b)["WEIGHTS_0"] =
+      b.accessor<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
   primitive(b)["indices"] = b.accessor<uint16_t>({0, 1, 2, 3, 4, 5}, "SCALAR");
   if (toes != 0) {
     nlohmann::json feet = primitive(b);
@@ -294,8 +293,8 @@ double worst_slide(const Character& character, MotionKind motion, std::optional<
 
 TEST(Feet, StayWhereTheyStandForwardsSidewaysAndBackward) {
   for (const bool in_place : {false, true})
-    for (const glm::dvec2& travel : {glm::dvec2(0, 1.2), glm::dvec2(1.2, 0), glm::dvec2(-0.8, 0), glm::dvec2(0, -0.9),
-                                    glm::dvec2(0.7, 0.7)}) {
+    for (const glm::dvec2& travel :
+         {glm::dvec2(0, 1.2), glm::dvec2(1.2, 0), glm::dvec2(-0.8, 0), glm::dvec2(0, -0.9), glm::dvec2(0.7, 0.7)}) {
       const Character c = walker(travel, in_place);
       SCOPED_TRACE(fmt::format("{} {} {}", travel.x, travel.y, in_place));
       EXPECT_NEAR(c.motion[0].ground_speed, glm::length(travel) * c.placement.scale, 0.02);
@@ -421,7 +420,8 @@ TEST(Strictness, KeysBeforeZeroAreShifted) {
 
 TEST(Strictness, AMatrixThatIsOffByRoundingIsSnapped) {
   Builder b = bending_card();
-  b.doc["nodes"].push_back({{"children", {0, 1}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 1e-7, 0, 0, 1, 0, 0, 0, 0, 0.9999999}}});
+  b.doc["nodes"].push_back(
+      {{"children", {0, 1}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 1e-7, 0, 0, 1, 0, 0, 0, 0, 0.9999999}}});
   b.doc["scenes"][0]["nodes"] = {3};
   const Character c = load(b);
   EXPECT_EQ(c.skeleton.nodes[0].matrix, glm::dmat4(1.0));
