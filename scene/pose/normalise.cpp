@@ -26,9 +26,9 @@ constexpr double kSameRotation = 5e-3;     // radians, likewise
 constexpr double kRootMotion = 0.1;        // of the height: a smaller net displacement is sway, not travel
 constexpr double kRootTurn = 0.05;         // radians: likewise for a net turn
 // A travel or a turn ends in the pose in which it began: what remains is at most this part of the displacement, or of
-// the height. A fall or a rise moves the mass as far but is no travel.
-constexpr double kLeftOfTravel = 0.5;
-constexpr double kLeftOfHeight = 0.1;
+// the height. Who falls, sits down or lunges moves as far but does not travel.
+constexpr double kLeftOfTravel = 0.35;
+constexpr double kLeftOfHeight = 0.1;  // of a turn
 constexpr double kStraight = 0.087;    // sine of 5 degrees: a stance foot's direction this near to an axis is along it
 constexpr double kStanceAgrees = 0.6;  // of a clip's intervals: that many of them go where their median goes
 constexpr double kUpright = 0.75;  // of the default clip's first pose: clips in use that are lower do not stand upright
@@ -200,9 +200,9 @@ void measure_travel(const Measures& of, const std::vector<std::vector<glm::dmat4
                     ClipMotion& motion) {
   const GroundFit fit = fit_on_ground(of.body, poses.front(), poses.back());
   const double far = glm::length(fit.displacement);
-  const double allowed = std::max(kLeftOfTravel * far, kLeftOfHeight * of.height);
-  const bool turns = std::abs(fit.yaw) > kRootTurn && fit.left < 0.5 * fit.left_unturned && fit.left <= allowed;
-  const bool travels = far > kRootMotion * of.height && (turns ? fit.left : fit.left_unturned) <= allowed;
+  const bool turns = std::abs(fit.yaw) > kRootTurn && fit.left < 0.5 * fit.left_unturned &&
+                     fit.left <= std::max(kLeftOfTravel * far, kLeftOfHeight * of.height);
+  const bool travels = far > kRootMotion * of.height && fit.left_unturned <= kLeftOfTravel * far;
   if (!turns && !travels) return;
   for (int axis = 0; axis < 3; ++axis) motion.root_displacement[axis] = settled(fit.displacement[axis], of.height);
   glm::dvec3 velocity = motion.root_displacement / duration;
