@@ -14,7 +14,7 @@ float alpha_threshold(const Material& material) {
 double alpha_coverage(std::span<const uint8_t> rgba, float threshold) {
   size_t there = 0;
   for (size_t i = 3; i < rgba.size(); i += 4) there += static_cast<float>(rgba[i]) / 255.0F >= threshold ? 1 : 0;
-  return static_cast<double>(there) / static_cast<double>(rgba.size() / 4);
+  return static_cast<double>(there) / (0.25 * static_cast<double>(rgba.size()));
 }
 
 void scale_alpha_to(std::span<uint8_t> rgba, float threshold, double wanted) {
@@ -22,7 +22,7 @@ void scale_alpha_to(std::span<uint8_t> rgba, float threshold, double wanted) {
   if (lowest > 255) return;
   std::array<size_t, 256> histogram{};
   for (size_t i = 3; i < rgba.size(); i += 4) ++histogram[rgba[i]];
-  const double target = wanted * static_cast<double>(rgba.size() / 4);
+  const double target = wanted * 0.25 * static_cast<double>(rgba.size());
   // The code from which on the nearest number of texels lies; code 0 never counts, as no scale lifts it.
   int from = 256;
   double above = 0;

@@ -203,7 +203,7 @@ TEST_F(SweepGl, AnImpostorHasRowsRatiosScoresAndPicturesOfItsOwn) {
 }
 
 TEST_F(SweepGl, WhatWasFinishedBeforeAnInterruptionIsKept) {
-  stop_at_ = "4 agents at 15 %: turn 2";  // within the second point, whatever number of frames the warm-up takes
+  stop_at_ = "4 agents at 15 %: round 2";  // within the second point, whatever number of frames the warm-up takes
   EXPECT_THROW(sweep(), Interrupted);
   EXPECT_EQ(read_store(file_).measurements.size(), 1U);
   stop_at_.clear();

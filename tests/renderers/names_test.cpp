@@ -40,7 +40,6 @@ const std::vector<Exception>& exceptions() {
       {"scene/gltf/gltf_load.cpp", "flat", "flat normals, glTF's word"},
       {"scene/gltf/gltf_check_nodes.cpp", "rigid", "meshes that hang on a joint without a skin"},
       {"bench/commands/inspect.cpp", "mesh", "bytes of a character's mesh"},
-      {"bench/commands/inspect.cpp", "flat", "vertices as drawn with flat normals"},
       {"bench/commands/inspect.cpp", "rigid", "meshes that hang on a joint without a skin"},
   };
   return all;
