@@ -82,6 +82,9 @@ std::string colour_tags(std::span<const uint8_t> bytes) {
   return gamma_and_primaries(chunks);
 }
 
-std::string colour_tags(const std::filesystem::path& path) { return colour_tags(read_file(path)); }
+std::string colour_tags(const std::filesystem::path& path) {
+  // Only a PNG is read whole: pictures of floats are large, and say nothing that is understood here.
+  return is_png_file(path) ? colour_tags(read_file(path)) : std::string();
+}
 
 }  // namespace crowdbench

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <fstream>
 #include <vector>
 
 #include "core/error.h"
@@ -57,14 +56,6 @@ void write_exr_of(const std::filesystem::path& path, const Image<T>& image, cons
   file.commit();
 }
 
-std::vector<uint8_t> first_bytes(const std::filesystem::path& path, size_t count) {
-  std::ifstream file(path, std::ios::binary);
-  std::vector<uint8_t> bytes(count);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
-  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return bytes;
-}
-
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const ImageF& image, const ImageMetadata& metadata,
@@ -82,7 +73,7 @@ AnyImage read_image(const std::filesystem::path& path) {
   if (std::error_code error; !std::filesystem::is_regular_file(path, error))
     throw Error(path.string(), std::filesystem::exists(path, error) ? "is not a regular file" : "no such file",
                 "name a picture");
-  if (is_png(first_bytes(path, 8))) {
+  if (is_png_file(path)) {
     const std::vector<uint8_t> bytes = read_file(path);
     return std::visit([](auto&& image) -> AnyImage { return std::forward<decltype(image)>(image); },
                       decode_any_png(bytes, path.string()));

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <csetjmp>
 #include <cstring>
+#include <fstream>
 #include <vector>
 
 #include "core/error.h"
@@ -143,6 +144,12 @@ int colour_type(int channels) {
 }
 
 }  // namespace
+
+bool is_png_file(const std::filesystem::path& path) {
+  std::array<uint8_t, kSignatureSize> first{};
+  std::ifstream file(path, std::ios::binary);
+  return file.read(reinterpret_cast<char*>(first.data()), first.size()) && is_png(first);
+}
 
 bool is_png(std::span<const uint8_t> bytes) {
   return bytes.size() >= kSignatureSize && png_sig_cmp(bytes.data(), 0, kSignatureSize) == 0;

@@ -1,6 +1,7 @@
 // PNG through libpng, for core/image_io.cpp: nothing else reads or writes the bytes of a PNG.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <variant>
@@ -14,6 +15,8 @@ constexpr int kMaxImageSide = 16384;
 constexpr int64_t kMaxImagePixels = int64_t{1} << 27;
 
 bool is_png(std::span<const uint8_t> bytes);
+// By its first bytes alone; false where there is no such file.
+bool is_png_file(const std::filesystem::path& path);
 
 // 1 to 8 bits a sample as Image8, 16 as Image16, as read_image() describes them. The sample values are those in the
 // file: no gamma, no colour profile, no premultiplication is applied. Safe on hostile bytes: side, pixel count and

@@ -26,6 +26,7 @@
 #include "reports/page/pop_page.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
+#include "scene/pose/normalise.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -254,12 +255,11 @@ PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
   if (!options.heights.empty()) request.heights_px = parse_numbers(options.heights, "--height-px", 4, 4096);
   request.fade = options.fade;
-  request.character = std::make_shared<const scene::Character>(scene::open_character(options.character, {}));
+  scene::LoadOptions load;
+  if (!options.clip.empty()) load.normalise.clips = {options.clip};
+  request.character = std::make_shared<const scene::Character>(scene::open_character(options.character, load));
   request.clip = request.character->placement.default_clip;
-  if (!options.clip.empty())
-    request.clip = options.clip == "none" && !scene::find_clip(*request.character, "none")
-                       ? -1
-                       : scene::require_clip(*request.character, options.clip);
+  if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
   request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
   return request;

@@ -82,11 +82,8 @@ nlohmann::ordered_json bounds_json(const std::vector<BoundVerdict>& verdicts) {
 
 std::string verdict_text(const BoundVerdict& v) {
   if (!v.result.value) return fmt::format("{} is not available: {}", v.bound.score->name, v.result.reason);
-  return fmt::format("{} is {}, {} {:g}", v.bound.score->name, fmt::format("{:g}", *v.result.value),
-                     v.pass          ? v.bound.above ? "not above" : "not below"
-                     : v.bound.above ? "above"
-                                     : "below",
-                     v.bound.value);
+  return fmt::format("{} is {:g}, {}{} {:g}", v.bound.score->name, *v.result.value, v.pass ? "not " : "",
+                     v.bound.above ? "above" : "below", v.bound.value);
 }
 
 }  // namespace crowdbench::bench

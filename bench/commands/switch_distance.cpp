@@ -13,6 +13,7 @@
 #include "core/progress.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
+#include "scene/pose/normalise.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -60,12 +61,11 @@ int run_switch_distance(const Options& options) {
   const PictureSize size = parse_size(options.size);
   request.width = size.width;
   request.height = size.height;
-  request.character = std::make_shared<const scene::Character>(scene::open_character(options.character, {}));
+  scene::LoadOptions load;
+  if (!options.clip.empty()) load.normalise.clips = {options.clip};
+  request.character = std::make_shared<const scene::Character>(scene::open_character(options.character, load));
   request.clip = request.character->placement.default_clip;
-  if (!options.clip.empty())
-    request.clip = options.clip == "none" && !scene::find_clip(*request.character, "none")
-                       ? -1
-                       : scene::require_clip(*request.character, options.clip);
+  if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
   request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
   const auto context = open_context(options.device);

@@ -9,6 +9,7 @@
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
 #include "tests/scene/gltf_builder.h"
+#include "tests/scene/posed_height.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 using test::bending_card;
 using test::Builder;
 using test::load;
+using test::posed_height;
 
 bool warned(const Character& c, const std::string& of) {
   return std::ranges::any_of(c.warnings, [&](const std::string& w) { return w.find(of) != std::string::npos; });
@@ -23,16 +25,6 @@ bool warned(const Character& c, const std::string& of) {
 
 nlohmann::json& primitive(Builder& b) { return b.doc["meshes"][0]["primitives"][0]; }
 nlohmann::json& attributes(Builder& b) { return primitive(b)["attributes"]; }
-
-double posed_height(const Character& c, int clip) {
-  double low = 1e9;
-  double high = -1e9;
-  for (const glm::dvec3& p : skin_positions(c.mesh, model_matrices(c, clip, 0.0))) {
-    low = std::min(low, p.y);
-    high = std::max(high, p.y);
-  }
-  return high - low;
-}
 
 // A channel of the first clip: "translation" or "rotation" of a node over one second.
 void move(Builder& b, int animation, int node, const char* path, const std::vector<float>& times,

@@ -9,6 +9,7 @@
 #include "scene/gltf/gltf.h"
 #include "scene/pose/pose.h"
 #include "test_paths.h"
+#include "tests/scene/posed_height.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -92,23 +93,14 @@ TEST(GltfSharedHeights, AreThoseOfTheClipInUse) {
   for (const auto& entry : std::filesystem::directory_iterator(kCharacters)) {
     if (entry.path().extension() != ".glb") continue;
     const Character plain = load_character(entry.path());
-    const auto tall = [](const Character& c, int clip) {
-      double low = 1e9;
-      double high = -1e9;
-      for (const glm::dvec3& p : skin_positions(c.mesh, model_matrices(c, clip, 0.0))) {
-        low = std::min(low, p.y);
-        high = std::max(high, p.y);
-      }
-      return high - low;
-    };
     // Some clips of every file: loading it again for all of them takes minutes.
     const size_t step = std::max<size_t>(1, plain.clips.size() / 6);
     for (size_t clip = 0; clip < plain.clips.size(); clip += step) {
-      if (tall(plain, static_cast<int>(clip)) < 0.78 * 1.75) continue;  // lies, sits or crouches
+      if (test::posed_height(plain, static_cast<int>(clip)) < 0.78 * 1.75) continue;  // lies, sits or crouches
       LoadOptions options;
       options.normalise.clips = {std::to_string(clip)};
       const Character c = load_character(entry.path(), options);
-      EXPECT_NEAR(tall(c, static_cast<int>(clip)), 1.75, 0.001) << entry.path() << " clip " << clip;
+      EXPECT_NEAR(test::posed_height(c, static_cast<int>(clip)), 1.75, 0.001) << entry.path() << " clip " << clip;
       ++checked;
     }
   }
