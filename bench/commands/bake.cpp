@@ -29,6 +29,7 @@ using nlohmann::ordered_json;
 struct Options {
   std::string representation;
   std::vector<std::string> characters = {"mannequin"};
+  CharacterOptions character;  // for all of them
   std::vector<std::string> clips;
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   std::string device;
@@ -119,7 +120,7 @@ int run_bake(const Options& options) {
   scene::Scenario scenario;
   scenario.characters.clear();
   for (const std::string& source : options.characters) {
-    scene::CharacterEntry entry;
+    scene::CharacterEntry entry = options.character.entry();
     entry.source = source;
     entry.clips = options.clips;
     scenario.characters.push_back(entry);
@@ -235,7 +236,7 @@ void add_bake(Command& app, Run& run) {
       "  crowdbench bake --representation flat --required-by plaza.toml");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representation, "what is baked")->required();
-  add_character_option(*command, options->characters);
+  add_character_options(*command, options->characters, options->character);
   command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)")
       ->type_name("CLIP")
       ->take_all()

@@ -157,7 +157,7 @@ void add_bench(Command& app, Run& run) {
       ->number(0.05, 10'000);
   add_seed_option(*command, options->scene.seed);
   add_size_option(*command, options->scene.size);
-  add_character_option(*command, options->scene.character);
+  add_character_options(*command, options->scene.character);
   add_device_option(*command, options->scene.device);
   command->add_option("--budget-ms", request.budget_ms, "wall time a frame may take before its curve ends")
       ->type_name("MS")

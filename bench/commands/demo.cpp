@@ -28,6 +28,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> characters;
+  CharacterOptions character;  // for all of them
   std::string out = "crowdbench-demo";
   std::string representation = renderers::default_impostor().text();
   std::string device;
@@ -70,11 +71,11 @@ std::string file_stem(const scene::Cast& cast) {
   return stem.substr(0, 60);
 }
 
-scene::Scenario demo_scenario(const std::string& character) {
+scene::Scenario demo_scenario(const std::string& source, const CharacterOptions& character) {
   scene::Scenario scenario;
   scenario.name = "demo";
-  scene::CharacterEntry entry;
-  entry.source = character;
+  scene::CharacterEntry entry = character.entry();
+  entry.source = source;
   scenario.characters = {entry};
   return scenario;
 }
@@ -196,7 +197,7 @@ int run_demo(const Options& options) {
   Steps steps(characters.size() * (options.no_clip ? 3 : 4) + 1, each * static_cast<double>(characters.size()));
   int status = 0;
   for (const std::string& character : characters) {
-    const scene::Scenario scenario = demo_scenario(character);
+    const scene::Scenario scenario = demo_scenario(character, options.character);
     const scene::Cast cast = scene::load_cast(scenario);
     RunRow run = describe_run(context, method, scenario, "demo", command_line());
     run.id = store.write(run);
@@ -263,7 +264,7 @@ void add_demo(Command& app, Run& run) {
       "Takes a few minutes on two cores without a GPU. Prints the path of the report last.\nExamples:\n  crowdbench "
       "demo\n  crowdbench demo --character robot.glb --out robot-demo");
   auto options = std::make_shared<Options>();
-  add_character_option(*command, options->characters);
+  add_character_options(*command, options->characters, options->character);
   add_representation_option(*command, options->representation, "what is held against the mesh");
   command->add_option("--out", options->out, "folder for the report, the result file, pictures and clips")
       ->type_name("DIR")

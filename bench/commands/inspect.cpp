@@ -22,24 +22,16 @@ namespace {
 using nlohmann::ordered_json;
 
 struct Options {
-  std::string file;
+  CharacterOptions character;
   std::string out;
   std::string height = "1.75";
   std::vector<std::string> hide;
   std::vector<std::string> clips;
-  std::optional<double> turn;
-  std::string up = "y";
   bool no_rigid = false;
   bool json = false;
 };
 
 constexpr double kPi = 3.14159265358979323846;
-
-scene::UpAxis parse_up(const std::string& text) {
-  if (text == "y") return scene::UpAxis::y;
-  if (text == "z") return scene::UpAxis::z;
-  throw Error("--up", fmt::format("'{}' is not an axis that may point up", printable(text, 40)), "give y or z");
-}
 
 std::optional<double> parse_height(const std::string& text) {
   if (text == "as_is") return std::nullopt;
@@ -231,14 +223,12 @@ std::string limits_text() {
 }
 
 int inspect(const Options& options) {
-  scene::LoadOptions load;
-  load.normalise.height = parse_height(options.height);
-  load.rigid_meshes = !options.no_rigid;
-  load.hide = options.hide;
-  load.normalise.clips = options.clips;
-  load.normalise.turn_deg = options.turn;
-  load.normalise.up = parse_up(options.up);
-  const scene::Character character = scene::open_character(options.file, load);
+  scene::CharacterEntry entry = options.character.entry();
+  entry.height = parse_height(options.height);
+  entry.rigid_meshes = !options.no_rigid;
+  entry.hide = options.hide;
+  entry.clips = options.clips;
+  const scene::Character character = scene::open_character(entry);
   for (const std::string& clip : options.clips) scene::require_clip_or_none(character, clip);
   if (!options.out.empty()) scene::save_character(character, options.out);
   if (options.json)
@@ -257,7 +247,8 @@ void add_inspect(Command& app, Run& run) {
       "  crowdbench inspect mannequin:joints=53 --out mannequin.glb\n" +
       limits_text());
   auto options = std::make_shared<Options>();
-  command->add_option("CHARACTER", options->file, "a glTF file, or mannequin[:triangles=N,joints=N]")->required();
+  command->add_option("CHARACTER", options->character.source, "a glTF file, or mannequin[:triangles=N,joints=N]")
+      ->required();
   add_json_option(*command, options->json);
   command->add_option("--out", options->out, "write the character as a self-contained file")
       ->type_name("FILE.glb")
@@ -274,10 +265,7 @@ void add_inspect(Command& app, Run& run) {
       ->type_name("CLIP")
       ->take_all()
       ->expected(1);
-  command->add_option("--turn-deg", options->turn, "turn it about the vertical, so that it faces +Z (guessed)")
-      ->type_name("DEG")
-      ->number(-360, 360);
-  command->add_option("--up", options->up, "which axis of the file points up")->type_name("y|z")->capture_default_str();
+  add_character_changes(*command, options->character);
   command->add_flag("--no-rigid", options->no_rigid, "drop the unskinned meshes of a skinned character");
   command->callback([options, &run] { run = [options] { return inspect(*options); }; });
 }

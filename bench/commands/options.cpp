@@ -30,16 +30,56 @@ Option* add_representation_option(Command& command, std::vector<std::string>& te
       ->type_name("R");
 }
 
-Option* add_character_option(Command& command, std::string& source) {
-  return command.add_option("--character", source, kCharacterMeaning)->type_name("C")->capture_default_str();
+void CharacterOptions::change(scene::CharacterEntry& entry) const {
+  if (!animations.empty()) entry.animations = animations;
+  if (!bones.empty()) entry.bones = bones;
+  if (turn_deg) entry.turn_deg = turn_deg;
+  if (up.empty()) return;
+  if (up != "y" && up != "z")
+    throw Error("--up-axis", fmt::format("'{}' is not an axis that may point up", printable(up, 40)), "give y or z");
+  entry.up = up == "y" ? scene::UpAxis::y : scene::UpAxis::z;
 }
 
-Option* add_character_option(Command& command, std::vector<std::string>& sources) {
-  return command
+scene::CharacterEntry CharacterOptions::entry() const {
+  scene::CharacterEntry out;
+  if (!source.empty()) out.source = source;
+  change(out);
+  return out;
+}
+
+void add_character_options(Command& command, CharacterOptions& options) {
+  command.add_option("--character", options.source, kCharacterMeaning)->type_name("C");
+  add_character_changes(command, options);
+}
+
+void add_character_options(Command& command, std::vector<std::string>& sources, CharacterOptions& all) {
+  command
       .add_option("--character", sources, std::string(kCharacterMeaning) + "; may be given several times (mannequin)")
       ->take_all()
       ->expected(1)
       ->type_name("C");
+  add_character_changes(command, all);
+}
+
+void add_character_changes(Command& command, CharacterOptions& options) {
+  command
+      .add_option("--animations", options.animations,
+                  "a file whose clips the character plays too, or mannequin; may be given several times")
+      ->take_all()
+      ->expected(1)
+      ->type_name("FILE");
+  command
+      .add_option("--bones", options.bones,
+                  "which node plays which of --animations, where names do not say; may be given several times")
+      ->take_all()
+      ->expected(1)
+      ->type_name("MINE=THEIRS");
+  command
+      .add_option("--turn-deg", options.turn_deg,
+                  "turn the character about the vertical, so that it faces +Z (guessed)")
+      ->type_name("DEG")
+      ->number(-360, 360);
+  command.add_option("--up-axis", options.up, "which axis of the character's file points up (y)")->type_name("y|z");
 }
 
 Option* add_clip_option(Command& command, std::string& clip) {

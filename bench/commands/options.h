@@ -1,10 +1,12 @@
 // The options that several commands share: each has one name, one wording and one range.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "renderers/representation.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::bench {
 
@@ -16,9 +18,26 @@ class Option;
 // --representation: one; or several, repeated or in a list with commas.
 Option* add_representation_option(Command& command, std::string& text, const std::string& meaning);
 Option* add_representation_option(Command& command, std::vector<std::string>& texts, const std::string& meaning);
-// --character: one; or several, repeated.
-Option* add_character_option(Command& command, std::string& source);
-Option* add_character_option(Command& command, std::vector<std::string>& sources);
+// A character and what is done to it on the way in.
+struct CharacterOptions {
+  std::string source;                   // as scene::open_character takes it
+  std::vector<std::string> animations;  // scene::CharacterEntry
+  std::vector<std::string> bones;
+  std::optional<double> turn_deg;
+  std::string up;  // empty: y
+
+  bool changes_nothing() const { return animations.empty() && bones.empty() && !turn_deg && up.empty(); }
+  // Puts all but the source, where given, into the entry. Throws Error naming the option.
+  void change(scene::CharacterEntry& entry) const;
+  // An entry of that source, so changed; of the mannequin where there is none.
+  scene::CharacterEntry entry() const;
+};
+// --character and --animations --bones --turn-deg --up-axis.
+void add_character_options(Command& command, CharacterOptions& options);
+// Of several characters, --character repeated; the other options are for all of them.
+void add_character_options(Command& command, std::vector<std::string>& sources, CharacterOptions& all);
+// Without --character.
+void add_character_changes(Command& command, CharacterOptions& options);
 Option* add_clip_option(Command& command, std::string& clip);  // --clip; empty: the default clip
 Option* add_device_option(Command& command, std::string& device);
 Option* add_size_option(Command& command, std::string& size);

@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string representation = renderers::default_impostor().text();
-  std::string character = "mannequin";
+  CharacterOptions character;
   std::string clip;
   std::string azimuths = "0:337.5:22.5";
   std::string elevations = "0:30:10";
@@ -255,9 +255,9 @@ PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
   if (!options.heights.empty()) request.heights_px = parse_numbers(options.heights, "--height-px", 4, 4096);
   request.fade = options.fade;
-  scene::LoadOptions load;
-  if (!options.clip.empty()) load.normalise.clips = {options.clip};
-  request.character = std::make_shared<const scene::Character>(scene::open_character(options.character, load));
+  scene::CharacterEntry entry = options.character.entry();
+  if (!options.clip.empty()) entry.clips = {options.clip};
+  request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
   request.clip = request.character->placement.default_clip;
   if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
   request.bake_budget = options.bake_budget_mib << 20;
@@ -407,7 +407,7 @@ void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench popmap --representation relief --height-px 40,80 --azimuth-deg 0:330:30 --fade 8 --json");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representation, "what is switched to");
-  add_character_option(*command, options->character);
+  add_character_options(*command, options->character);
   add_clip_option(*command, options->clip);
   const auto add_list = [&](const char* name, std::string& list, const char* text) {
     command->add_option(name, list, text)->type_name("LIST")->capture_default_str();

@@ -32,7 +32,7 @@ using nlohmann::ordered_json;
 struct Options {
   std::vector<std::string> representations;
   std::string debug;
-  std::string character = "mannequin";
+  CharacterOptions character;
   std::string heights = "120";
   std::string azimuths = "0";
   std::string elevations = "0";
@@ -129,9 +129,9 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   for (const renderers::Spec& spec : parse_representations(options.representations))
     setup.representations.push_back(spec.text());
   setup.debug = options.debug;
-  scene::LoadOptions load;
-  if (!options.clip.empty()) load.normalise.clips = {options.clip};
-  setup.character = std::make_shared<const scene::Character>(scene::open_character(options.character, load));
+  scene::CharacterEntry entry = options.character.entry();
+  if (!options.clip.empty()) entry.clips = {options.clip};
+  setup.character = std::make_shared<const scene::Character>(scene::open_character(entry));
   const scene::Character& character = *setup.character;
   setup.rows = options.rows;
   setup.exact_pose = options.exact_pose;
@@ -305,7 +305,7 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps maps --json");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representations, "what is judged")->required();
-  add_character_option(*command, options->character);
+  add_character_options(*command, options->character);
   const auto add_list = [&](const char* name, std::string& list, const char* text) {
     command->add_option(name, list, text)->type_name("LIST")->capture_default_str();
   };

@@ -138,21 +138,20 @@ int render_single(const RenderOptions& options) {
     throw Error("render --single", "a scenario file makes no sense for one agent", "leave it out");
   if (options.clips.size() > 1) throw Error("--clip", "one agent shows one clip", "give --clip once");
 
-  scene::LoadOptions load;
+  scene::CharacterEntry entry = options.scene.character.entry();
+  if (!entry.turn_deg) entry.turn_deg = 0.0;  // one agent stands as it is in its file; --heading-deg turns it
+  entry.clips = options.clips;
   if (options.height == "as_is") {
-    load.normalise.height.reset();
+    entry.height.reset();
   } else {
     char* end = nullptr;
     const double height = std::strtod(options.height.c_str(), &end);
     if (end == options.height.c_str() || *end != '\0' || !(height > 0) || !(height <= 1e4))
       throw Error("--height", fmt::format("'{}' is not a height", printable(options.height)),
                   "give metres above 0, or as_is for the file's own units");
-    load.normalise.height = height;
+    entry.height = height;
   }
-  load.normalise.clips = options.clips;
-  load.normalise.turn_deg = 0.0;  // one agent stands as it is in its file; --heading-deg turns it
-  const std::string source = options.scene.character.empty() ? "mannequin" : options.scene.character;
-  auto character = std::make_shared<const scene::Character>(scene::open_character(source, load));
+  auto character = std::make_shared<const scene::Character>(scene::open_character(entry));
   int clip = character->placement.default_clip;
   if (!options.clips.empty()) clip = scene::require_clip_or_none(*character, options.clips.front());
 

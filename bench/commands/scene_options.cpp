@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/version.h"
 #include "renderers/gl/context.h"
+#include "scene/cast/open_character.h"
 #include "scene/scenario/scenario_toml.h"
 #include "scene/scenario/scenario_writer.h"
 
@@ -22,7 +23,7 @@ void add_scene_options(Command& command, SceneOptions& options) {
       ->type_name("F")
       ->number(0.0001, 1);
   add_size_option(command, options.size);
-  add_character_option(command, options.character);
+  add_character_options(command, options.character);
   add_device_option(command, options.device);
 }
 
@@ -53,6 +54,17 @@ PictureSize parse_size(const std::string& text, const std::string& option) {
   return size;
 }
 
+namespace {
+
+// The scenario's paths are relative to its folder, those of the command line to where the user is.
+void change_in_folder(CharacterOptions options, const std::filesystem::path& folder, scene::CharacterEntry& entry) {
+  for (std::string& name : options.animations)
+    if (!folder.empty() && !scene::is_built_in(name)) name = std::filesystem::absolute(name).string();
+  options.change(entry);
+}
+
+}  // namespace
+
 ChosenScenario read_scenario(const SceneOptions& options) {
   ChosenScenario chosen;
   if (!options.file.empty()) {
@@ -70,12 +82,12 @@ ChosenScenario read_scenario(const SceneOptions& options) {
     scenario.width = size.width;
     scenario.height = size.height;
   }
-  if (!options.character.empty()) {
-    scene::CharacterEntry entry;
-    entry.source = options.character;
-    scenario.characters = {entry};
+  if (!options.character.source.empty()) {
+    scenario.characters = {options.character.entry()};
     chosen.places.erase(scene::key_place("character", "clips"));
     chosen.folder.clear();  // a path on the command line is relative to where the user is
+  } else if (!options.character.changes_nothing()) {
+    for (scene::CharacterEntry& entry : scenario.characters) change_in_folder(options.character, chosen.folder, entry);
   }
   return chosen;
 }

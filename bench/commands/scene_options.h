@@ -25,12 +25,12 @@ struct SceneOptions {
   std::optional<uint32_t> agents;
   std::optional<uint64_t> seed;
   std::optional<double> occupancy;
-  std::string size;       // "WxH"
-  std::string character;  // replaces the scenario's characters by this one
-  std::string device;     // gl::ContextOptions::device
+  std::string size;            // "WxH"
+  CharacterOptions character;  // its source replaces the scenario's characters; its changes are for all of them
+  std::string device;          // gl::ContextOptions::device
 };
 
-// [SCENARIO] --agents --seed --occupancy --size --character --device. `options` must outlive `command`.
+// [SCENARIO] --agents --seed --occupancy --size --device and add_character_options. `options` must outlive `command`.
 void add_scene_options(Command& command, SceneOptions& options);
 void add_scenario_argument(Command& command, std::string& file);
 void add_seed_option(Command& command, std::optional<uint64_t>& seed);

@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string representation = renderers::default_impostor().text();
-  std::string character = "mannequin";
+  CharacterOptions character;
   std::string clip;
   std::string ratios = "0.5,1,2";
   std::string size = "640x480";
@@ -61,9 +61,9 @@ int run_switch_distance(const Options& options) {
   const PictureSize size = parse_size(options.size);
   request.width = size.width;
   request.height = size.height;
-  scene::LoadOptions load;
-  if (!options.clip.empty()) load.normalise.clips = {options.clip};
-  request.character = std::make_shared<const scene::Character>(scene::open_character(options.character, load));
+  scene::CharacterEntry entry = options.character.entry();
+  if (!options.clip.empty()) entry.clips = {options.clip};
+  request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
   request.clip = request.character->placement.default_clip;
   if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
   request.bake_budget = options.bake_budget_mib << 20;
@@ -135,7 +135,7 @@ void add_switch_distance(Command& app, Run& run) {
   auto options = std::make_shared<Options>();
   SwitchRequest& request = options->request;
   add_representation_option(*command, options->representation, "an impostor with texels");
-  add_character_option(*command, options->character);
+  add_character_options(*command, options->character);
   add_clip_option(*command, options->clip);
   command->add_option("--ratio", options->ratios, "pixels that a texel spans, 0.01 to 100")
       ->type_name("LIST")

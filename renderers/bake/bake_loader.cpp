@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <utility>
 
 #include "core/error.h"
@@ -33,6 +35,14 @@ BakeLoader::BakeLoader(const MakeContext& make, BakeMessages messages)
       messages_(std::move(messages)),
       cache_(cache_directory() / "bakes", make.use_cache),
       left_(make.bake_budget) {}
+
+void BakeLoader::warn(const std::string& text) const {
+  static std::mutex mutex;
+  static std::set<std::string> said;
+  const std::scoped_lock lock(mutex);
+  if (text.empty() || !said.insert(messages_.kind + text).second) return;
+  fmt::print(stderr, "crowdbench: warning: {}: {}\n", messages_.what, text);
+}
 
 std::optional<std::vector<uint8_t>> BakeLoader::stored(const std::string& key) const {
   if (make_.rebake) return std::nullopt;

@@ -52,6 +52,8 @@ class BakeLoader {
     take(character, key, cached, bake->texture_bytes());
     return std::move(*bake);
   }
+  // A warning about a bake, on stderr, once a process; nothing where the text is empty.
+  void warn(const std::string& text) const;
   // One a bake loaded.
   const std::vector<BakeRecord>& records() const { return records_; }
 

@@ -240,6 +240,7 @@ class FlatRepresentation : public Representation {
         options.needed =
             needed_tiles(*character, bank, options, draw_.blend, [&](const auto& see) { make.required_by(c, see); });
       }
+      loader.warn(coarse_frames_text(*character, *bank, options.frames));
       const std::string key = flat_cache_key(*character, *bank, options, context_.renderer(), context_.version());
       const FlatBake bake = loader.load<FlatBake>(
           character->name, key, deserialise_flat, [&](uint64_t left, const BakeProgress& progress) {
@@ -440,7 +441,7 @@ FlatBakeOptions flat_bake_options(const Spec& spec) {
   const OptionReader reader(flat_type, spec);
   FlatBakeOptions options;
   options.grid = read_view_grid(reader);
-  options.frames = static_cast<int>(reader.integer("frames", 1, 256));
+  options.frames = read_frame_count(reader);
   options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
   options.trimmed = reader.choice("quad", {"trimmed", "square"}) == 0;
   options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
@@ -455,7 +456,8 @@ const RepresentationType flat_type = {
     .summary = "flat impostors: one textured polygon an agent, its tile picked by view and clip frame, lit at run time",
     .options = {views_option(),
                 el_min_option(),
-                {"frames", "1..256", "10", "frames a clip"},
+                frames_option("stored frames a clip"),
+                fps_option(),
                 {"texels", "16..1024", "128",
                  "texels across the captured width, the diameter of the character's sphere"},
                 {"quad", "trimmed|square", "trimmed",

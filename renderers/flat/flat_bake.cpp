@@ -328,7 +328,7 @@ FlatForecast forecast_flat(const scene::Character& character, const std::shared_
   FlatForecast out;
   ViewSampling& sampling = out.sampling;
   sampling.grid = options.grid;
-  sampling.frames = options.frames;
+  sampling.frames = most_frames(plan.frames);
   sampling.texel = plan.texel;
   for (int level = 0; level < tile_levels(options.texels); ++level)
     sampling.texture_bytes += make_layout(plan, options, level).bytes();
@@ -376,10 +376,10 @@ std::string flat_cache_key(const scene::Character& character, const scene::PoseB
   Sha256 hash;
   hash.text("flat").value(kBakeVersion).text(character.content_hash).text(gl_renderer).text(gl_version);
   hash.text(options.grid.text()).value(options.grid.el_min);
-  hash.value(options.frames).value(options.texels).value(options.trimmed).value(options.corners).value(options.fitted);
+  hash.value(options.texels).value(options.trimmed).value(options.corners).value(options.fitted);
   hash.value(options.compressed).value(options.compressed && options.depth);
   hash.value(options.needed.size()).bytes(options.needed.data(), options.needed.size());
-  hash_poses(hash, bank);
+  hash_poses(hash, bank, options.frames);
   return hash.hex();
 }
 

@@ -20,7 +20,7 @@ namespace crowdbench::renderers {
 
 struct FlatBakeOptions {
   ViewGrid grid;
-  int frames = 10;          // a clip
+  FrameCount frames;
   int texels = 128;         // across the enclosing sphere: the texel size is its diameter over this
   bool fitted = true;       // planes fitted to the posed body; false: through the capture centre, facing the view
   bool trimmed = true;      // false: every tile is the whole square, as the source has it

@@ -158,6 +158,7 @@ class PolypostorRepresentation : public Representation {
         throw Error(fmt::format("polypostor bake of {}", character->name),
                     fmt::format("{} clips; {} is the most", bank->clips().size(), CB_POLYPOSTOR_CLIPS),
                     "use fewer clips");
+      loader.warn(coarse_frames_text(*character, *bank, options.frames));
       const std::string key = polypostor_cache_key(*character, *bank, options, context_.renderer(), context_.version());
       auto bake = loader.load<PolypostorBake>(
           character->name, key, deserialise_polypostor, [&](uint64_t left, const BakeProgress& progress) {
@@ -420,7 +421,7 @@ PolypostorBakeOptions bake_options(const Spec& spec) {
   const OptionReader reader(polypostor_type, spec);
   PolypostorBakeOptions options;
   options.grid = read_view_grid(reader);
-  options.frames = static_cast<int>(reader.integer("frames", 1, 256));
+  options.frames = read_frame_count(reader);
   options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
   options.corners = static_cast<int>(reader.integer("vertices", 4, 32));
   options.key = static_cast<KeyChoice>(reader.choice("key", {"first", "most_visible", "two_keys"}));
@@ -436,7 +437,8 @@ const RepresentationType polypostor_type = {
     .options =
         {views_option(),
          el_min_option(),
-         {"frames", "1..256", "10", "stored frames a clip; between them corners move along lines"},
+         frames_option("stored frames a clip; between them corners move along lines"),
+         fps_option(),
          {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
          {"vertices", "4..32", "8", "corners of a part's polygon, at most; small figures have four"},
          {"key", "first|most_visible|two_keys", "most_visible",

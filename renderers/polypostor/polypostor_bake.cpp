@@ -167,8 +167,8 @@ std::string polypostor_cache_key(const scene::Character& character, const scene:
   Sha256 hash;
   hash.text("polypostor").value(kBakeVersion).text(character.content_hash).text(gl_renderer).text(gl_version);
   hash.text(options.grid.text()).value(options.grid.el_min).text(options.cuts);
-  hash.value(options.frames).value(options.texels).value(options.corners).value(options.key);
-  hash_poses(hash, bank);
+  hash.value(options.texels).value(options.corners).value(options.key);
+  hash_poses(hash, bank, options.frames);
   return hash.hex();
 }
 
@@ -177,7 +177,7 @@ ViewSampling sample_polypostors(const scene::Character& character, const std::sh
   const PolypostorPlan plan = plan_polypostors(character, bank, options);
   ViewSampling out;
   out.grid = options.grid;
-  out.frames = options.frames;
+  out.frames = most_frames(plan.frames);
   out.texel = plan.texel;
   set_pose_steps(out, pose_steps(plan.frames, plan.frames.positions(character.mesh)));
   double bytes = 0;

@@ -26,7 +26,7 @@ enum class KeyChoice : uint8_t { first, most_visible, two_keys };
 
 struct PolypostorBakeOptions {
   ViewGrid grid;
-  int frames = 10;   // a clip
+  FrameCount frames;
   int texels = 128;  // across the enclosing sphere: the texel size is its diameter over this
   int corners = 8;   // of a part's polygon, 4..32
   KeyChoice key = KeyChoice::most_visible;

@@ -26,16 +26,7 @@ Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder, co
   double sum = 0;
   for (const CharacterEntry& entry : scenario.characters) sum += entry.share;
   for (const CharacterEntry& entry : scenario.characters) {
-    LoadOptions options;
-    options.normalise.height = entry.height;
-    options.normalise.turn_deg = entry.turn_deg;
-    options.normalise.up = entry.up;
-    options.normalise.clips = entry.clips;
-    options.rigid_meshes = entry.rigid_meshes;
-    options.hide = entry.hide;
-    const bool built_in = entry.source == "mannequin" || entry.source.rfind("mannequin:", 0) == 0;
-    const std::string source = built_in || folder.empty() ? entry.source : (folder / entry.source).string();
-    auto character = std::make_shared<const Character>(open_character(source, options));
+    auto character = std::make_shared<const Character>(open_character(entry, folder));
     const auto place = places.find(key_place("character", "clips", cast.characters.size()));
     const std::vector<int> clips = clips_in_use(*character, entry, place == places.end() ? nullptr : &place->second);
     cast.banks.push_back(std::make_shared<const PoseBank>(*character, clips, scenario.pose_rate));

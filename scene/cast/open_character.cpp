@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "scene/mannequin/mannequin.h"
+#include "scene/pose/retarget.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -18,12 +19,10 @@ int whole_number(std::string_view key, std::string_view text) {
   return value;
 }
 
-}  // namespace
-
-Character open_character(const std::string& name_or_path, const LoadOptions& options) {
+Character open_one(const std::string& name_or_path, const LoadOptions& options) {
   constexpr std::string_view kBuiltIn = "mannequin";
   const std::string_view name = name_or_path;
-  if (name != kBuiltIn && !name.starts_with("mannequin:")) return load_character(name_or_path, options);
+  if (!is_built_in(name)) return load_character(name_or_path, options);
   MannequinOptions mannequin;
   mannequin.normalise = options.normalise;
   std::string_view rest = name.size() > kBuiltIn.size() ? name.substr(kBuiltIn.size() + 1) : std::string_view{};
@@ -44,6 +43,50 @@ Character open_character(const std::string& name_or_path, const LoadOptions& opt
     throw Error("mannequin", fmt::format("has no node named {} to hide", printable(options.hide.front(), 60)),
                 "it is one mesh");
   return make_mannequin(mannequin);
+}
+
+}  // namespace
+
+bool is_built_in(std::string_view name) { return name == "mannequin" || name.starts_with("mannequin:"); }
+
+Character open_character(const std::string& name_or_path, const LoadOptions& options, const BorrowedClips& borrowed) {
+  Character character = open_one(name_or_path, options);
+  if (borrowed.animations.empty()) {
+    if (!borrowed.bones.empty())
+      throw Error("bones", "nothing plays: no other file's clips are used", "name one with `animations`");
+    return character;
+  }
+  RetargetOptions retarget;
+  retarget.bones = borrowed.bones;
+  retarget.keys = options.limits.keys;
+  retarget.clips = options.limits.clips;
+  LoadOptions of_clips;
+  of_clips.limits = options.limits;
+  of_clips.normalise.height.reset();
+  of_clips.may_lack_mesh = true;
+  for (const std::string& name : borrowed.animations) add_clips_of(open_one(name, of_clips), character, retarget);
+  NormaliseOptions again = options.normalise;
+  if (again.turn_deg) again.turn_deg = 0.0;  // turned already
+  again.up = UpAxis::y;
+  normalise(character, again);
+  return character;
+}
+
+Character open_character(const CharacterEntry& entry, const std::filesystem::path& folder) {
+  LoadOptions options;
+  options.normalise.height = entry.height;
+  options.normalise.turn_deg = entry.turn_deg;
+  options.normalise.up = entry.up;
+  options.normalise.clips = entry.clips;
+  options.rigid_meshes = entry.rigid_meshes;
+  options.hide = entry.hide;
+  const auto resolved = [&](const std::string& name) {
+    return is_built_in(name) || folder.empty() ? name : (folder / name).string();
+  };
+  BorrowedClips borrowed;
+  for (const std::string& name : entry.animations) borrowed.animations.push_back(resolved(name));
+  borrowed.bones = entry.bones;
+  return open_character(resolved(entry.source), options, borrowed);
 }
 
 }  // namespace crowdbench::scene

@@ -41,11 +41,18 @@ struct Joint {
   bool rigid = false;  // true for the entry of an unskinned mesh
 };
 
+// What the file says that a node is in a human body (VRM: "hips", "leftUpperArm").
+struct HumanBone {
+  std::string name;
+  int node = 0;
+};
+
 struct Skeleton {
   std::vector<Node> nodes;
   std::vector<Joint> joints;
   int root_node =
       -1;  // the first skin's root (its `skeleton`, else the joints' lowest common ancestor); -1 without skin
+  std::vector<HumanBone> human_bones;  // empty: the file does not say
 };
 
 enum class Interpolation : uint8_t { step, linear, cubic_spline };
@@ -67,6 +74,10 @@ struct Clip {
   std::vector<Channel> channels;
   bool loops = true;      // built-in clips that must not wrap set false
   bool together = false;  // not in the file: clips that move different things, played at once
+  bool borrowed = false;  // of another file
+  // Of borrowed clips that stay in place: where its own figure's feet say that it goes, units of this file a second,
+  // (x, z) as the character faces +Z. Feet of another shape say it less well.
+  std::optional<glm::dvec2> ground_velocity;
   double duration() const { return end - start; }
 };
 

@@ -41,6 +41,8 @@ struct LoadOptions {
   // Keep what nothing shows (vertices that no triangle names, triangles without area or fully transparent), in the
   // file's order: for looking at the file itself.
   bool undrawn = false;
+  // A file that draws nothing serves too, for its nodes and clips: it is not normalised then, and has no motion.
+  bool may_lack_mesh = false;
   GltfLimits limits;
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "scene/character/take_apart.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -28,24 +29,10 @@ void normalise_rotation(GltfAsset& asset, double* q, const AccessorView& view, s
 // The specification wants translation, rotation and scale on an animated node; a matrix without shear is the same.
 void make_animatable(GltfAsset& asset, Node& node, int file_index, const std::string& path) {
   if (!node.has_matrix) return;
-  const std::string where = fmt::format("{}: animates node {}, which has a matrix", path, file_index);
-  glm::dmat3 axes(node.matrix);
-  glm::dvec3 scale(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
-  if (glm::determinant(axes) < 0) scale.x = -scale.x;
-  bool sound = true;
-  for (int i = 0; i < 3; ++i) {
-    if (std::abs(scale[i]) < 1e-12) sound = false;
-    axes[i] /= scale[i];
-  }
-  for (int i = 0; sound && i < 3; ++i)
-    if (std::abs(glm::dot(axes[i], axes[(i + 1) % 3])) > 1e-4) sound = false;
-  if (!sound) asset.fail(path, fmt::format("animates node {}, whose matrix has shear or no volume", file_index));
-  node.translation = glm::dvec3(node.matrix[3]);
-  node.rotation = glm::normalize(glm::quat_cast(axes));
-  node.scale = scale;
-  node.has_matrix = false;
-  node.matrix = glm::dmat4(1.0);
-  asset.warn(where + "; it is taken apart");
+  if (!take_apart(node))
+    asset.fail(path, fmt::format("animates node {}, whose matrix has shear or no volume", file_index),
+               "apply the node's transform in the modelling program");
+  asset.warn(fmt::format("{}: animates node {}, which has a matrix; it is taken apart", path, file_index));
 }
 
 Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& in,

@@ -15,6 +15,7 @@
 #include "scene/gltf/gltf.h"
 #include "scene/gltf/gltf_asset.h"
 #include "scene/gltf/gltf_clips.h"
+#include "scene/gltf/gltf_human_bones.h"
 #include "scene/gltf/gltf_materials.h"
 #include "scene/gltf/gltf_validate.h"
 #include "scene/gltf/gltf_weights.h"
@@ -33,7 +34,13 @@ class Loader {
 
   void run() {
     read_nodes();
+    read_human_bones(asset_);
     find_hidden();
+    if (options_.may_lack_mesh && !draws_anything()) {
+      read_clips(asset_);
+      check_reach();
+      return;
+    }
     materials_.emplace(asset_, used_materials());
     read_meshes();
     find_root();
@@ -131,6 +138,12 @@ class Loader {
     const tinygltf::Node& n = model_.nodes[node];
     if (n.mesh < 0 || !plan_.in_scene[node] || hidden_[node]) return false;
     return n.skin >= 0 || options_.rigid_meshes || model_.skins.empty();
+  }
+
+  bool draws_anything() const {
+    for (size_t i = 0; i < model_.nodes.size(); ++i)
+      if (draws(i)) return true;
+    return false;
   }
 
   void read_meshes() {
@@ -425,7 +438,7 @@ class Loader {
     if (mesh.file_vertices.size() == mesh.positions.size()) mesh.file_vertices.clear();
   }
 
-  void finish() {
+  void check_reach() {
     if (const auto node = node_beyond_reach(character_, limits_.reach)) {
       const auto file_index = std::find(node_of_.begin(), node_of_.end(), static_cast<int>(*node)) - node_of_.begin();
       asset_.fail(fmt::format("/nodes/{}", file_index),
@@ -433,6 +446,10 @@ class Loader {
                               "translations are applied",
                               limits_.reach));
     }
+  }
+
+  void finish() {
+    check_reach();
     normalise(character_, options_.normalise);
     const Placement& p = character_.placement;
     if (!std::isfinite(p.height) || !std::isfinite(p.scale) || p.scale <= 0)

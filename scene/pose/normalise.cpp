@@ -264,6 +264,15 @@ void measure_stance(const std::vector<std::vector<glm::dvec3>>& tracks, double l
   motion.direction = {settled(velocity.x / speed, 1.0), settled(velocity.y / speed, 1.0)};
 }
 
+// As the figure that a borrowed clip was made for goes.
+void take_velocity(const glm::dvec2& velocity, double height, ClipMotion& motion) {
+  const double speed = glm::length(velocity);
+  if (speed <= kStillFoot * height) return;
+  motion.from_stance = true;
+  motion.ground_speed = settled(speed, height);
+  motion.direction = {settled(velocity.x / speed, 1.0), settled(velocity.y / speed, 1.0)};
+}
+
 // Travel, loop closing and ground speed of one clip.
 Measured measure(const Measures& of, int index) {
   Measured out;
@@ -293,7 +302,10 @@ Measured measure(const Measures& of, int index) {
   for (size_t v = 0; v < of.soles.size(); ++v)
     for (const auto& points : tracks)
       if (glm::length(points[v] - tracks[0][v]) > kMovingFeet * of.height) out.moves_feet = true;
-  if (out.motion.root_displacement == glm::dvec3(0.0) && out.motion.root_yaw == 0)
+  if (out.motion.root_displacement != glm::dvec3(0.0) || out.motion.root_yaw != 0) return out;
+  if (clip.ground_velocity)
+    take_velocity(*clip.ground_velocity, of.height, out.motion);
+  else
     measure_stance(tracks, lowest, of.height, duration, out.motion);
   return out;
 }
@@ -308,13 +320,17 @@ bool in_one_piece(const Character& character, int together) {
 }
 
 int choose_default_clip(const Character& character, const std::vector<Measured>& measured) {
+  // Whoever brings clips wants to see them.
+  const auto of_zero_length = [](const Clip& clip) { return clip.duration() <= 0.0; };
+  const bool only_borrowed =
+      std::ranges::any_of(character.clips, [&](const Clip& clip) { return clip.borrowed && !of_zero_length(clip); });
   int chosen = -1;
   int moving = -1;
   int walking = -1;
   int together = -1;
   for (int i = static_cast<int>(character.clips.size()) - 1; i >= 0; --i) {
     const Clip& clip = character.clips[static_cast<size_t>(i)];
-    if (clip.duration() <= 0.0) continue;
+    if (of_zero_length(clip) || (only_borrowed && !clip.borrowed)) continue;
     chosen = i;
     if (clip.together) together = i;
     if (measured[static_cast<size_t>(i)].moves_feet) moving = i;
@@ -402,6 +418,7 @@ void add_turning_node(Character& character, const glm::dquat& rotation) {
   skeleton.nodes.insert(skeleton.nodes.begin(), top);
   for (Joint& joint : skeleton.joints) ++joint.node;
   if (skeleton.root_node >= 0) ++skeleton.root_node;
+  for (HumanBone& bone : skeleton.human_bones) ++bone.node;
   for (Primitive& primitive : character.mesh.primitives) ++primitive.node;
   for (Clip& clip : character.clips)
     for (Channel& channel : clip.channels) ++channel.node;

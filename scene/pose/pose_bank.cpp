@@ -61,12 +61,14 @@ PoseBank PoseBank::exact(const Character& character, int clip, double time, bool
   return bank;
 }
 
-PoseBank PoseBank::frames(const Character& character, const std::vector<int>& clips, int frames) {
-  assert(frames > 0);
+PoseBank PoseBank::frames(const Character& character, const std::vector<int>& clips, const std::vector<int>& frames) {
+  assert(frames.size() == clips.size());
   PoseBank bank;
-  for (const int clip : clips) {
+  for (size_t c = 0; c < clips.size(); ++c) {
+    const int clip = clips[c];
+    assert(frames[c] > 0);
     BankClip entry = describe(character, clip);
-    entry.samples = entry.seconds > 0.0 ? static_cast<uint32_t>(frames) : 1;
+    entry.samples = entry.seconds > 0.0 ? static_cast<uint32_t>(frames[c]) : 1;
     entry.first_sample = bank.clips_.empty() ? 0 : bank.clips_.back().first_sample + bank.clips_.back().samples;
     for (uint32_t i = 0; i < entry.samples; ++i) {
       bank.add_sample(character, model_matrices(character, clip, static_cast<double>(i) / entry.samples));

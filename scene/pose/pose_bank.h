@@ -41,8 +41,8 @@ class PoseBank {
   // A bank with exactly one sample: a clip at one of the file's own times, in model space (or raw glTF space when
   // `raw`); clip -1: the bind pose. What commands about one agent and every bake use.
   static PoseBank exact(const Character& character, int clip, double time, bool raw = false);
-  // A bank of `frames` samples of each clip at phases 0, 1/frames, ... exactly on the curves.
-  static PoseBank frames(const Character& character, const std::vector<int>& clips, int frames);
+  // A bank of frames[i] samples of clips[i] at phases 0, 1/frames[i], ... exactly on the curves.
+  static PoseBank frames(const Character& character, const std::vector<int>& clips, const std::vector<int>& frames);
 
   // bank_clip: index into clips(). phase: any value, wrapped into [0, 1).
   PoseSample sample(int bank_clip, double phase) const;

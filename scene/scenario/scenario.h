@@ -22,6 +22,8 @@ struct CharacterEntry {
   std::optional<double> height = 1.75;  // metres; nullopt = "as_is"
   std::optional<double> turn_deg;       // about +Y, so that it faces +Z; nullopt: guessed (NormaliseOptions::turn_deg)
   UpAxis up = UpAxis::y;                // of the file
+  std::vector<std::string> animations;  // files whose clips it plays too, named as `source` is (scene/pose/retarget.h)
+  std::vector<std::string> bones;       // RetargetOptions::bones
   std::vector<std::string> clips;       // names or indices in use; empty: the default clip
   std::vector<std::string> hide;
   bool rigid_meshes = true;

@@ -310,6 +310,16 @@ void add_character_keys(std::vector<Key>& keys) {
                                 [](Scenario & s, size_t i) -> auto& { return s.characters[i].up; }),
                             {"y", "z"}));
   keys.push_back(key<std::vector<std::string>>(
+      "character", "animations", KeyType::texts, "", {},
+      "files whose clips it plays beside its own, named as `source` is; bones are matched by node name, by `bones`, "
+      "and "
+      "by the names that common programs give human bones",
+      [](Scenario & s, size_t i) -> auto& { return s.characters[i].animations; }));
+  keys.push_back(key<std::vector<std::string>>(
+      "character", "bones", KeyType::texts, "", {},
+      "\"mine=theirs\": which of its nodes play which nodes of `animations`",
+      [](Scenario & s, size_t i) -> auto& { return s.characters[i].bones; }));
+  keys.push_back(key<std::vector<std::string>>(
       "character", "clips", KeyType::texts, "", {}, "clips in use, by name or index; empty: the default clip",
       [](Scenario & s, size_t i) -> auto& { return s.characters[i].clips; }));
   keys.push_back(key<std::vector<std::string>>(

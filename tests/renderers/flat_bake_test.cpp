@@ -97,7 +97,7 @@ TEST_F(FlatGl, BakesDoNotDependOnTheNumberOfThreads) {
   FlatBakeOptions options;
   options.grid.azimuths = 3;
   options.grid.elevations = 2;
-  options.frames = 2;
+  options.frames.frames = 2;
   options.texels = 48;
   const auto bake = [&](unsigned threads) {
     options.threads = threads;

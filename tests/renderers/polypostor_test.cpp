@@ -37,7 +37,7 @@ using PolypostorGl = testing::GlTest;
 PolypostorBakeOptions small_bake() {
   PolypostorBakeOptions options;
   options.grid = parse_view_grid("sphere-4x1", 0, "test");
-  options.frames = 4;
+  options.frames.frames = 4;
   options.texels = 64;
   return options;
 }

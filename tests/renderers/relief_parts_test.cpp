@@ -134,7 +134,7 @@ TEST_F(ReliefPartsGl, AutomaticPartsKeepToTheBudget) {
 
 TEST(ReliefParts, BendsGetBlendsAndRigidJointsNone) {
   const scene::Character soft = soft_column();
-  const scene::PoseBank bank = scene::PoseBank::frames(soft, {0}, 12);
+  const scene::PoseBank bank = scene::PoseBank::frames(soft, {0}, {12});
   const std::vector<Piece> joints = bend_pieces(soft, bank, {}, {.deviation = 10});
   ASSERT_EQ(joints.size(), 2U) << "nothing deviates so far";
   const std::vector<Piece> pieces = bend_pieces(soft, bank, {}, {.deviation = 0.01});

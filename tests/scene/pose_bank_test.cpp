@@ -64,7 +64,7 @@ TEST(PoseBank, ExactHoldsOneMomentAndFramesAreOnTheCurves) {
   EXPECT_FLOAT_EQ(height_of(PoseBank::exact(c, 0, 0.3), {}), 2.4F);
   EXPECT_FLOAT_EQ(height_of(PoseBank::exact(c, 1, 0.0, true), {}), 7.0F);
   EXPECT_FLOAT_EQ(height_of(PoseBank::exact(c, -1, 0.0), {}), 0.0F);
-  const PoseBank frames = PoseBank::frames(c, {0, 1}, 5);
+  const PoseBank frames = PoseBank::frames(c, {0, 1}, {5, 5});
   EXPECT_EQ(frames.clips()[0].samples, 5u);
   EXPECT_EQ(frames.clips()[1].samples, 1u);
   EXPECT_FLOAT_EQ(height_of(frames, {1, 1, 0.0F}), 1.6F);  // phase 1/5

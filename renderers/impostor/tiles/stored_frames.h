@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "renderers/impostor/tiles/tile_capture.h"
+#include "renderers/representation.h"
 #include "scene/character/character.h"
 #include "scene/pose/pose_bank.h"
 
@@ -14,6 +16,21 @@ class Sha256;
 }
 
 namespace crowdbench::renderers {
+
+// How many frames of a clip are stored.
+struct FrameCount {
+  int frames = 10;             // a clip
+  double frames_a_second = 0;  // in place of it; 0: not
+  int of(double cycle_seconds) const;
+};
+inline constexpr int kMostStoredFrames = 4096;  // a clip
+// Motion that is stored more coarsely is warned about.
+inline constexpr double kFewFramesASecond = 4;
+
+// The options `frames` and `fps`.
+OptionDoc frames_option(const std::string& meaning);
+OptionDoc fps_option();
+FrameCount read_frame_count(const OptionReader& reader);
 
 // One clip of the character's bank.
 struct StoredClip {
@@ -38,9 +55,16 @@ struct StoredFrames {
   std::vector<std::vector<glm::vec3>> positions(const scene::Mesh& mesh) const;
 };
 
-// `frames` of every clip of the bank that moves; of a clip of a single sample that one pose, exactly.
+// So many of every clip of the bank that moves; of a clip of a single sample that one pose, exactly. Throws Error: more
+// than kMostStoredFrames.
 StoredFrames stored_frames(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
-                           int frames);
+                           const FrameCount& count);
+
+// The coarsest of the bank's moving clips, where it has fewer than kFewFramesASecond: a line that says so and what
+// helps; else empty.
+std::string coarse_frames_text(const scene::Character& character, const scene::PoseBank& bank, const FrameCount& count);
+
+int most_frames(const StoredFrames& frames);  // of any clip
 
 // How far the farthest vertex moves from each stored frame to the next of its clip, metres; none of a still pose.
 // positions: StoredFrames::positions.
@@ -54,7 +78,7 @@ CaptureSphere capture_sphere(const scene::Character& character, const std::vecto
 // do (at four texels 5 % more of the picture was covered by 30,000 agents), and their texels would no longer save time.
 int tile_levels(int texels);
 
-// What the stored frames of a bank depend on beside the character and their number.
-void hash_poses(Sha256& hash, const scene::PoseBank& bank);
+// What the stored frames of a bank depend on beside the character.
+void hash_poses(Sha256& hash, const scene::PoseBank& bank, const FrameCount& count);
 
 }  // namespace crowdbench::renderers
