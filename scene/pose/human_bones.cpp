@@ -156,12 +156,15 @@ bool is_above(const Skeleton& skeleton, int above, int node) {
 
 class Finder {
  public:
-  explicit Finder(const Skeleton& skeleton) : skeleton_(skeleton) {}
+  Finder(const Skeleton& skeleton, const std::vector<bool>& candidates)
+      : skeleton_(skeleton), candidates_(candidates) {}
 
   std::map<Bone, int> find() {
     take_what_the_file_says();
-    for (size_t i = 0; i < skeleton_.nodes.size(); ++i)
+    for (size_t i = 0; i < skeleton_.nodes.size(); ++i) {
+      if (!candidates_[i]) continue;
       if (const auto bone = bone_of_name(skeleton_.nodes[i].name)) offer(*bone, static_cast<int>(i));
+    }
     find_in_numbered_spine();
     find_spine();
     return std::move(found_);
@@ -186,6 +189,7 @@ class Finder {
   void find_in_numbered_spine() {
     std::map<int, int> spine;
     for (size_t i = 0; i < skeleton_.nodes.size(); ++i) {
+      if (!candidates_[i]) continue;
       Words name = words_of(skeleton_.nodes[i].name);
       drop_prefixes(name.words);
       if (name.words.size() == 1 && name.words.front() == "spine") spine.emplace(name.number, static_cast<int>(i));
@@ -216,6 +220,7 @@ class Finder {
   }
 
   const Skeleton& skeleton_;
+  const std::vector<bool>& candidates_;
   std::map<Bone, int> said_;
   std::map<Bone, int> found_;
 };
@@ -253,7 +258,22 @@ std::optional<Bone> bone_of_name(std::string_view name) {
   return number <= kFingerBones ? std::optional(Bone{*part, side, number}) : std::nullopt;
 }
 
-std::map<Bone, int> find_human_bones(const Skeleton& skeleton) { return Finder(skeleton).find(); }
+std::map<Bone, int> find_human_bones(const Skeleton& skeleton, const std::vector<bool>& candidates) {
+  return Finder(skeleton, candidates).find();
+}
+
+std::vector<bool> bone_candidates(const Skeleton& skeleton) {
+  std::vector<bool> out(skeleton.nodes.size(), false);
+  bool skinned = false;
+  for (const Joint& joint : skeleton.joints) {
+    if (joint.rigid) continue;
+    skinned = true;
+    for (int node = joint.node; node >= 0; node = skeleton.nodes[static_cast<size_t>(node)].parent)
+      out[static_cast<size_t>(node)] = true;
+  }
+  if (!skinned) out.assign(out.size(), true);
+  return out;
+}
 
 std::optional<Bone> bone_above(const Bone& bone) {
   switch (bone.part) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scene/character/character.h"
 
@@ -46,9 +47,13 @@ std::string bone_text(const Bone& bone);
 // (LowerArm.L) and the mannequin (forearm_l), whatever their case and prefix. Never a spine.
 std::optional<Bone> bone_of_name(std::string_view name);
 
-// The node of each bone. Where several nodes have a bone's name, the one nearest the root. A file that says itself
-// which node is what (Skeleton::human_bones, VRM) is believed.
-std::map<Bone, int> find_human_bones(const Skeleton& skeleton);
+// The node of each bone, among those whose `candidates` is true (one a node). Where several nodes have a bone's name,
+// the one nearest the root. A file that says itself which node is what (Skeleton::human_bones, VRM) is believed.
+std::map<Bone, int> find_human_bones(const Skeleton& skeleton, const std::vector<bool>& candidates);
+
+// Nodes that can be bones: the joints of skins and what they hang on; without a skin every node. Meshes are often
+// called what the bone beside them is called.
+std::vector<bool> bone_candidates(const Skeleton& skeleton);
 
 // The bone that this one hangs on in a body: the hand on the lower arm. nullopt: hips.
 std::optional<Bone> bone_above(const Bone& bone);

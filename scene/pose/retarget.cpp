@@ -61,7 +61,7 @@ struct Rest {
       : skeleton(character.skeleton),
         where(printable(character.source, 300)),
         world(node_matrices(character, -1, 0.0)),
-        bones(find_human_bones(character.skeleton)) {
+        bones(find_human_bones(character.skeleton, bone_candidates(character.skeleton))) {
     glm::dvec3 low(std::numeric_limits<double>::max());
     glm::dvec3 high(std::numeric_limits<double>::lowest());
     for (const glm::dmat4& m : world) {
@@ -368,6 +368,15 @@ class Retargeter {
     return out;
   }
 
+  // Where the source's feet say that its clip goes: the figure faces +Z.
+  std::optional<glm::dvec2> ground_velocity(int clip) const {
+    if (source_.motion.size() != source_.clips.size()) return std::nullopt;
+    const ClipMotion& motion = source_.motion[at(clip)];
+    if (!motion.from_stance || !(source_.placement.scale > 0)) return std::nullopt;
+    const glm::dvec3 direction = from_.upright * glm::dvec3(motion.direction.x, 0.0, motion.direction.y);
+    return motion.ground_speed / source_.placement.scale * ratio_ * glm::dvec2(direction.x, direction.z);
+  }
+
   // Keys that one moment of a clip becomes.
   size_t values_a_key() const {
     size_t values = 0;
@@ -597,6 +606,7 @@ void add_clips_of(const Character& source, Character& target, const RetargetOpti
     Clip clip = same ? copied(source.clips[i], target_of) : retargeter.retarget(static_cast<int>(i));
     if (clip.channels.empty()) clip.start = clip.end = 0;
     clip.borrowed = true;
+    if (!same) clip.ground_velocity = retargeter.ground_velocity(static_cast<int>(i));
     name_apart(target, source, clip);
     target.clips.push_back(std::move(clip));
   }

@@ -151,7 +151,7 @@ TEST(HumanBones, RigifyNumbersItsSpine) {
     if (name == "head") return "DEF-spine.006";
     return "DEF-" + name;
   });
-  const auto bones = find_human_bones(c.skeleton);
+  const auto bones = find_human_bones(c.skeleton, bone_candidates(c.skeleton));
   EXPECT_EQ(bones.at({BonePart::hips}), node_named(c, "DEF-spine"));
   EXPECT_EQ(bones.at({BonePart::head}), node_named(c, "DEF-spine.006"));
   EXPECT_EQ(bones.at({BonePart::spine, BoneSide::middle, 0}), node_named(c, "DEF-spine.001"));
@@ -161,7 +161,7 @@ TEST(HumanBones, RigifyNumbersItsSpine) {
 TEST(HumanBones, AFileThatNamesThemIsBelieved) {
   Character c = still_mannequin();
   c.skeleton.human_bones = {{"leftUpperArm", node_named(c, "hand_r")}, {"leftIndexProximal", node_named(c, "head")}};
-  const auto bones = find_human_bones(c.skeleton);
+  const auto bones = find_human_bones(c.skeleton, bone_candidates(c.skeleton));
   EXPECT_EQ(bones.at({BonePart::upper_arm, BoneSide::left, 0}), node_named(c, "hand_r"));
   EXPECT_EQ(bones.at({BonePart::index_finger, BoneSide::left, 1}), node_named(c, "head"));
 }
@@ -265,7 +265,35 @@ TEST(Retarget, FeetThatHangOnTheRootFollowTheShins) {
     n.rotation = glm::quat_cast(glm::dmat3(world));
   }
   add_clips_of(mannequin(), c);
+  // Between keys, 1/60 s apart, a foot that swings goes along a line in place of an arc.
+  EXPECT_LT(worst_of_all_clips(c), 5e-4);
+}
+
+TEST(Retarget, MeshesNamedLikeBonesAreNone) {
+  Character c = still_mannequin();
+  rename(c, mixamo_name);
+  for (const char* name : {"hips", "LeftLeg", "mixamorig:RightArm"}) {
+    Node mesh;
+    mesh.name = name;
+    c.skeleton.nodes.push_back(mesh);
+  }
+  add_clips_of(mannequin(), c);
   EXPECT_LT(worst_of_all_clips(c), 2e-4);
+}
+
+TEST(Retarget, GoesAsFastAsItsLegsAreLong) {
+  Character c = still_mannequin();
+  rename(c, mixamo_name);
+  for (Node& n : c.skeleton.nodes) n.translation *= 0.5;
+  for (Joint& joint : c.skeleton.joints)
+    joint.inverse_bind = glm::scale(glm::dmat4(1.0), glm::dvec3(0.5)) * joint.inverse_bind;
+  add_clips_of(mannequin(), c);
+  normalise(c, {.height = std::nullopt});
+  const ClipMotion& own = mannequin().motion[static_cast<size_t>(require_clip(mannequin(), "walk"))];
+  const ClipMotion& lent = c.motion[static_cast<size_t>(require_clip(c, "walk"))];
+  ASSERT_GT(own.ground_speed, 0.5);
+  EXPECT_NEAR(lent.ground_speed, 0.5 * own.ground_speed, 0.01);
+  EXPECT_EQ(lent.direction, own.direction);
 }
 
 TEST(Retarget, NamesThatTheUserGivesComeFirst) {
