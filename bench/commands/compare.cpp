@@ -3,7 +3,6 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -21,6 +20,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
+#include "core/json.h"
 #include "metrics/agents.h"
 #include "metrics/difference.h"
 #include "metrics/intermediates.h"
@@ -28,7 +28,7 @@
 namespace crowdbench::bench {
 namespace {
 
-using nlohmann::ordered_json;
+using ordered_json = Json;
 
 struct Options {
   std::string reference;
@@ -340,7 +340,7 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       const Result result = compare(*options, table);
       for (const std::string& warning : result.warnings) fmt::print(stderr, "crowdbench: warning: {}\n", warning);
       if (options->json)
-        fmt::print("{}\n", to_json(*options, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+        fmt::print("{}\n", to_json(*options, result).dump(2));
       else
         print_text(result);
       bool kept = true;
