@@ -31,8 +31,9 @@ int flushed(int status) {
 }
 
 int run_command(int argc, char** argv) {
-  CLI::App app{"crowdbench: draws one seeded crowd in several ways and measures what each costs and gets wrong",
-               "crowdbench"};
+  CLI::App app{
+      "crowdbench: draws one seeded crowd by several representations and measures what each costs and gets wrong",
+      "crowdbench"};
   app.set_version_flag("--version", fmt::format("crowdbench {} ({})", version(), git_revision()));
   app.require_subcommand(1);
   bench::Run run;

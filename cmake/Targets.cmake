@@ -1,7 +1,7 @@
 # crowdbench_library(name DEPENDS ...): one folder is one static library of the same name, `crowdbench::name`.
 # Sources are globbed, so that a new file (or a new representation's folder) needs no edit here. Files under a
-# `module/` folder belong to a module that is loaded at first use and are left out. PRECOMPILE: the kind of precompiled
-# headers (PrecompiledHeaders.cmake), plain unless said.
+# `module/` folder belong to a module that is loaded at first use and are left out. They use the plain precompiled
+# headers (PrecompiledHeaders.cmake).
 add_library(crowdbench_flags INTERFACE)
 target_compile_options(crowdbench_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
@@ -28,7 +28,7 @@ target_compile_definitions(crowdbench_flags INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ON
 target_include_directories(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR})
 
 function(crowdbench_library name)
-  cmake_parse_arguments(ARG "" "PRECOMPILE" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/module/|/main\\.cpp$")
   if(NOT sources)
@@ -38,10 +38,13 @@ function(crowdbench_library name)
   add_library(crowdbench_${name} STATIC ${sources})
   add_library(crowdbench::${name} ALIAS crowdbench_${name})
   target_link_libraries(crowdbench_${name} PUBLIC crowdbench_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE_DEPENDS})
-  if(NOT ARG_PRECOMPILE)
-    set(ARG_PRECOMPILE plain)
-  endif()
-  crowdbench_precompile(crowdbench_${name} ${ARG_PRECOMPILE})
+  crowdbench_precompile(crowdbench_${name} plain)
+endfunction()
+
+# crowdbench_light_optimisation(FILES ...): sources of the calling folder that parse, print or talk to a driver. Where nothing
+# is computed, light optimisation halves the time to compile.
+function(crowdbench_light_optimisation)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
 endfunction()
 
 # crowdbench_module(name SOURCES ... DEPENDS ...): a shared object with a C entry point, loaded by core/module.h at first

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
@@ -14,6 +13,7 @@
 #include "bench/stage/stage_scenario.h"
 #include "bench/stage/view_samples.h"
 #include "core/error.h"
+#include "core/json.h"
 #include "core/progress.h"
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
@@ -23,8 +23,6 @@
 
 namespace crowdbench::bench {
 namespace {
-
-using nlohmann::ordered_json;
 
 struct Options {
   std::string representation;
@@ -49,37 +47,37 @@ std::string names_that_honour_required_by() {
 }
 
 // A count as a whole number.
-ordered_json number(double value) {
+Json number(double value) {
   if (value == std::floor(value) && std::abs(value) < 9e15) return static_cast<int64_t>(value);
   return value;
 }
 
-ordered_json json_of(const AuditError& e) {
-  ordered_json out = {{"views", e.views}};
+Json json_of(const AuditError& e) {
+  Json out = {{"views", e.views}};
   for (const auto& [score, mean] : e.means) out[std::string(score->name)] = mean;
   return out;
 }
 
-ordered_json json_of(const ViewAudit& a) {
-  ordered_json out = {{"grid", a.grid},
-                      {"views", a.views},
-                      {"step_deg", {{"mean", a.step_deg_mean}, {"max", a.step_deg_max}}},
-                      {"error_deg", {{"mean", a.error_deg_mean}, {"max", a.error_deg_max}}},
-                      {"frames", a.frames},
-                      {"pose_step_seconds", a.pose_step_seconds},
-                      {"pose_step_mm", {{"mean", a.pose_step_mm_mean}, {"max", a.pose_step_mm_max}}},
-                      {"texel_mm", a.texel_mm},
-                      {"bytes", a.bytes},
-                      {"smooth_step_deg", kSmoothViewStepDeg},
-                      {"smooth", a.meets_limit},
-                      {"smooth_grid", a.limit_grid},
-                      {"smooth_views", a.limit_views},
-                      {"smooth_bytes", a.limit_bytes},
-                      {"stored", json_of(a.stored)},
-                      {"between", json_of(a.between)},
-                      {"between_frames", json_of(a.between_frames)},
-                      {"unmirrored", a.unmirrored ? json_of(*a.unmirrored) : ordered_json(nullptr)},
-                      {"orbit_flicker", a.orbit_flicker}};
+Json json_of(const ViewAudit& a) {
+  Json out = {{"grid", a.grid},
+              {"views", a.views},
+              {"step_deg", {{"mean", a.step_deg_mean}, {"max", a.step_deg_max}}},
+              {"error_deg", {{"mean", a.error_deg_mean}, {"max", a.error_deg_max}}},
+              {"frames", a.frames},
+              {"pose_step_seconds", a.pose_step_seconds},
+              {"pose_step_mm", {{"mean", a.pose_step_mm_mean}, {"max", a.pose_step_mm_max}}},
+              {"texel_mm", a.texel_mm},
+              {"bytes", a.bytes},
+              {"smooth_step_deg", kSmoothViewStepDeg},
+              {"smooth", a.meets_limit},
+              {"smooth_grid", a.limit_grid},
+              {"smooth_views", a.limit_views},
+              {"smooth_bytes", a.limit_bytes},
+              {"stored", json_of(a.stored)},
+              {"between", json_of(a.between)},
+              {"between_frames", json_of(a.between_frames)},
+              {"unmirrored", a.unmirrored ? json_of(*a.unmirrored) : Json(nullptr)},
+              {"orbit_flicker", a.orbit_flicker}};
   return out;
 }
 
@@ -158,19 +156,19 @@ int run_bake(const Options& options) {
   }
 
   if (options.json) {
-    ordered_json out = {{"representation", spec.text()},
-                        {"renderer", context.renderer()},
-                        {"cached", bake.cached},
-                        {"seconds", seconds},
-                        {"bake_seconds", bake.seconds},
-                        {"cache_key", bake.cache_key.empty() ? ordered_json(nullptr) : ordered_json(bake.cache_key)},
-                        {"texture_bytes", bytes.texture_bytes},
-                        {"buffer_bytes", bytes.buffer_bytes},
-                        {"gpu_bytes", bytes.gpu_bytes()},
-                        {"disk_bytes", bytes.disk_bytes}};
+    Json out = {{"representation", spec.text()},
+                {"renderer", context.renderer()},
+                {"cached", bake.cached},
+                {"seconds", seconds},
+                {"bake_seconds", bake.seconds},
+                {"cache_key", bake.cache_key.empty() ? Json(nullptr) : Json(bake.cache_key)},
+                {"texture_bytes", bytes.texture_bytes},
+                {"buffer_bytes", bytes.buffer_bytes},
+                {"gpu_bytes", bytes.gpu_bytes()},
+                {"disk_bytes", bytes.disk_bytes}};
     if (!options.required_by.empty()) {
-      ordered_json& required =
-          out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}, {"kept", ordered_json::array()}};
+      Json& required =
+          out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}, {"kept", Json::array()}};
       for (const renderers::Kept& kept : bake.kept)
         required["kept"].push_back({{"unit", kept.unit},
                                     {"kept", kept.kept},
@@ -178,22 +176,22 @@ int run_bake(const Options& options) {
                                     {"kept_bytes", kept.kept_bytes},
                                     {"whole_bytes", kept.whole_bytes}});
     }
-    out["facts"] = ordered_json::object();
+    out["facts"] = Json::object();
     for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
     if (options.report)
       for (const auto& [name, value] : bake.facts) out[name] = number(value);
     if (options.report && !bake.items.empty()) {
-      out["items"] = ordered_json::array();
+      out["items"] = Json::array();
       for (const renderers::BakeItem& item : bake.items) {
         out["items"].push_back({{"name", item.name}});
         for (const auto& [name, value] : item.facts) out["items"].back()[name] = number(value);
       }
     }
-    out["characters"] = ordered_json::array();
+    out["characters"] = Json::array();
     for (size_t c = 0; c < cast.characters.size(); ++c)
       out["characters"].push_back({{"name", cast.characters[c]->name}, {"triangles", representation->triangles(c)}});
     for (size_t c = 0; c < audits.size(); ++c) out["characters"][c]["audit"] = json_of(audits[c]);
-    fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    fmt::print("{}\n", out.dump(2));
     return 0;
   }
   const auto mib = [](uint64_t b) { return static_cast<double>(b) / (1 << 20); };

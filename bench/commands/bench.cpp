@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
@@ -14,6 +13,7 @@
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
 #include "core/error.h"
+#include "core/json.h"
 #include "core/progress.h"
 #include "renderers/gl/context.h"
 #include "reports/exports/exports.h"
@@ -38,14 +38,13 @@ struct Options {
 
 // The rows of the file, and the stages of the points that were solved for now.
 std::string json_of(const StoreContents& contents, const SweepSummary& summary) {
-  using Json = nlohmann::ordered_json;
   Json all = Json::parse(reports::results_json(contents, score_docs(metrics::scores())));
   Json& stages = all["stages"] = Json::array();
   for (const StagedPoint& point : summary.stages)
     stages.push_back({{"agents", point.agents},
                       {"requested_occupancy", point.requested_occupancy},
                       {"stage", stage_json(point.facts)}});
-  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return all.dump(2) + "\n";
 }
 
 // Without a word about it, a run is over while one waits for it.

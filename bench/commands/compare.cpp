@@ -3,7 +3,6 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -21,6 +20,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
+#include "core/json.h"
 #include "metrics/agents.h"
 #include "metrics/difference.h"
 #include "metrics/intermediates.h"
@@ -28,7 +28,7 @@
 namespace crowdbench::bench {
 namespace {
 
-using nlohmann::ordered_json;
+using ordered_json = Json;
 
 struct Options {
   std::string reference;
@@ -63,7 +63,7 @@ struct Result {
 std::array<uint8_t, 3> parse_colour(const std::string& text) {
   const bool shape =
       text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == text.npos;
-  if (!shape) throw Error("--over", fmt::format("'{}' is no colour", printable(text)), "write it as '#rrggbb'");
+  if (!shape) throw Error("--over", fmt::format("'{}' is not a colour", printable(text)), "write it as '#rrggbb'");
   std::array<uint8_t, 3> colour{};
   for (size_t c = 0; c < 3; ++c) colour[c] = static_cast<uint8_t>(std::stoi(text.substr(1 + 2 * c, 2), nullptr, 16));
   return colour;
@@ -77,7 +77,7 @@ ImageU32 read_ids(const std::string& path) {
   AnyImage image = read_image(path);
   auto* ids = std::get_if<ImageU32>(&image);
   if (!ids || ids->channels != 1)
-    throw Error(path, "is no picture of agent ids", "name an EXR with one 32-bit unsigned channel (render --ids)");
+    throw Error(path, "is not a picture of agent ids", "name an EXR with one 32-bit unsigned channel (render --ids)");
   return std::move(*ids);
 }
 
@@ -340,7 +340,7 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       const Result result = compare(*options, table);
       for (const std::string& warning : result.warnings) fmt::print(stderr, "crowdbench: warning: {}\n", warning);
       if (options->json)
-        fmt::print("{}\n", to_json(*options, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+        fmt::print("{}\n", to_json(*options, result).dump(2));
       else
         print_text(result);
       bool kept = true;

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <type_traits>
 #include <variant>
 
 #include "core/error.h"
+#include "core/json.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -79,13 +79,13 @@ std::optional<CompareRegion> compare_region(const RegionOptions& options, int wi
   return region;
 }
 
-nlohmann::ordered_json region_json(const RegionOptions& options, const CompareRegion& region) {
-  nlohmann::ordered_json out = {{"pixels", region.pixels}, {"ignore", nlohmann::ordered_json::array()}};
+Json region_json(const RegionOptions& options, const CompareRegion& region) {
+  Json out = {{"pixels", region.pixels}, {"ignore", Json::array()}};
   for (const std::string& text : options.ignore) {
     const Rectangle r = parse_rectangle(text);
     out["ignore"].push_back({r.x, r.y, r.width, r.height});
   }
-  out["mask"] = options.mask.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.mask);
+  out["mask"] = options.mask.empty() ? Json() : Json(options.mask);
   return out;
 }
 

@@ -1,11 +1,11 @@
 // Which pixels of two pictures `compare` counts: --ignore x,y,w,h and --mask FILE.
 #pragma once
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/image_io.h"
+#include "core/json.h"
 #include "metrics/difference.h"
 
 namespace crowdbench::bench {
@@ -25,7 +25,7 @@ struct CompareRegion {
 // another size, nothing left to count.
 std::optional<CompareRegion> compare_region(const RegionOptions& options, int width, int height);
 // "region": {"pixels", "ignore", "mask"}
-nlohmann::ordered_json region_json(const RegionOptions& options, const CompareRegion& region);
+Json region_json(const RegionOptions& options, const CompareRegion& region);
 
 // Gives the test's pixels that do not count the reference's values, so that scores of the whole picture, and windows
 // that reach over the region's edge, see no difference there. Pictures of one kind and size; where the number of

@@ -2,19 +2,17 @@
 #include <fmt/ranges.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
+#include "core/json.h"
 #include "core/version.h"
 #include "renderers/gl/counters.h"
 #include "renderers/representation.h"
 
 namespace crowdbench::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // What a type can do, and what its floor is, in words.
 std::vector<std::string> abilities(const renderers::RepresentationType& type) {
@@ -90,24 +88,24 @@ Json device_json(const std::string& device) {
 }
 
 void print_device(const Json& j) {
-  fmt::print("crowdbench {} ({})\n", j["version"].get<std::string>(), j["revision"].get<std::string>());
+  fmt::print("crowdbench {} ({})\n", j.at("version").text(), j.at("revision").text());
   fmt::print("EGL devices:\n");
-  for (const Json& d : j["devices"])
-    fmt::print("  {}  {}{}\n", d["index"].get<int>(), d["name"].get<std::string>(),
-               d["software"].get<bool>() ? " (software)" : "");
-  if (j["devices"].empty()) fmt::print("  none\n");
-  for (const Json& w : j["warnings"]) fmt::print("warning: {}\n", w.get<std::string>());
-  fmt::print("drawing on {} by {}\n", j["renderer"].get<std::string>(), j["vendor"].get<std::string>());
-  fmt::print("  {}, through {}\n", j["gl_version"].get<std::string>(), j["platform"].get<std::string>());
-  if (j["software"].get<bool>())
+  for (const Json& d : j.at("devices").elements())
+    fmt::print("  {}  {}{}\n", d.at("index").integer(), d.at("name").text(),
+               d.at("software").truth() ? " (software)" : "");
+  if (j.at("devices").empty()) fmt::print("  none\n");
+  for (const Json& w : j.at("warnings").elements()) fmt::print("warning: {}\n", w.text());
+  fmt::print("drawing on {} by {}\n", j.at("renderer").text(), j.at("vendor").text());
+  fmt::print("  {}, through {}\n", j.at("gl_version").text(), j.at("platform").text());
+  if (j.at("software").truth())
     fmt::print("  a software rasteriser: times on it say nothing of a GPU; ratios of CPU time are the headline\n");
-  const Json& l = j["limits"];
+  const Json& l = j.at("limits");
   fmt::print("limits: textures {} px a side, {} layers; pictures {} px a side; storage block {} bytes\n",
-             l["texture_size"].get<int>(), l["array_layers"].get<int>(), l["viewport_size"].get<int>(),
-             l["storage_block_bytes"].get<int64_t>());
-  fmt::print("pipeline statistics: {}\n", j["pipeline_statistics"].get<bool>() ? "yes" : "no");
-  fmt::print("GPU timer: {}: {}\n", j["gpu_timer"]["trusted"].get<bool>() ? "trusted" : "not trusted",
-             j["gpu_timer"]["reason"].get<std::string>());
+             l.at("texture_size").integer(), l.at("array_layers").integer(), l.at("viewport_size").integer(),
+             l.at("storage_block_bytes").integer());
+  fmt::print("pipeline statistics: {}\n", j.at("pipeline_statistics").truth() ? "yes" : "no");
+  fmt::print("GPU timer: {}: {}\n", j.at("gpu_timer").at("trusted").truth() ? "trusted" : "not trusted",
+             j.at("gpu_timer").at("reason").text());
 }
 
 }  // namespace

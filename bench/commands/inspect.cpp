@@ -5,13 +5,13 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
 #include "core/error.h"
+#include "core/json.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
 #include "scene/pose/pose.h"
@@ -19,7 +19,7 @@
 namespace crowdbench::bench {
 namespace {
 
-using nlohmann::ordered_json;
+using ordered_json = Json;
 
 struct Options {
   CharacterOptions character;
@@ -232,7 +232,7 @@ int inspect(const Options& options) {
   for (const std::string& clip : options.clips) scene::require_clip_or_none(character, clip);
   if (!options.out.empty()) scene::save_character(character, options.out);
   if (options.json)
-    fmt::print("{}\n", to_json(character).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    fmt::print("{}\n", to_json(character).dump(2));
   else
     print_text(character);
   return 0;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
@@ -18,6 +17,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
+#include "core/json.h"
 #include "core/progress.h"
 #include "core/version.h"
 #include "metrics/heat_map.h"
@@ -30,8 +30,6 @@
 
 namespace crowdbench::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string representation = renderers::default_impostor().text();
@@ -338,7 +336,7 @@ void write_folder(const std::filesystem::path& folder, const PopMap& map, const 
   const metrics::Score& ranking = *map.scores[map.ranking];
   report["cells"] = Json::array();
   for (const PopCell& cell : map.cells) report["cells"].push_back(to_json(cell, map.scores));
-  write_file(folder / "popmap.json", report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file(folder / "popmap.json", report.dump(1) + "\n");
   write_file(folder / "popmap.csv", csv(map.cells, map.scores));
   write_png(folder / "heat_map.png", draw_heat_map(map.cells, request, ranking, map.ranking));
   const auto worst = std::max_element(map.worst.begin(), map.worst.end(), [&](const Worst& a, const Worst& b) {
@@ -382,7 +380,7 @@ int run_popmap(const Options& options, metrics::ScoreTable table) {
   const Json report = report_of(map, request, context->renderer());
   if (!options.out.empty()) write_folder(options.out, map, request, report, *context);
   if (options.json) {
-    fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n", report.dump(2));
     return 0;
   }
   print_text(map, request);

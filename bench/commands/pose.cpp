@@ -5,19 +5,19 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
 #include "core/error.h"
+#include "core/json.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
 
 namespace crowdbench::bench {
 namespace {
 
-using nlohmann::ordered_json;
+using ordered_json = Json;
 
 struct Options {
   std::string file;
@@ -77,7 +77,7 @@ int pose(const Options& options) {
         {"bbox_max", to_json(high)},
         {"mean", to_json(mean)},
         {"samples", samples}};
-    fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    fmt::print("{}\n", out.dump(2));
     return 0;
   }
   const auto line = [](const std::string& key, const glm::dvec3& v) {

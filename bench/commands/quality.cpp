@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <tuple>
 
 #include "bench/commands/command_line.h"
@@ -19,6 +18,7 @@
 #include "core/files.h"
 #include "core/hash.h"
 #include "core/image_io.h"
+#include "core/json.h"
 #include "core/progress.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/open_character.h"
@@ -27,7 +27,7 @@
 namespace crowdbench::bench {
 namespace {
 
-using nlohmann::ordered_json;
+using ordered_json = Json;
 
 struct Options {
   std::vector<std::string> representations;
@@ -213,7 +213,7 @@ void print_json(const std::vector<QualityRow>& rows, const Films& films, const A
   out["rows"] = ordered_json::array();
   for (const QualityRow& row : rows) out["rows"].push_back(row_json(row, asked));
   put_films(out, films, asked);
-  fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", out.dump(2));
 }
 
 void print_scores(const QualityRow& row, const Asked& asked) {

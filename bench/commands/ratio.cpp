@@ -2,20 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "core/error.h"
+#include "core/json.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
 
 namespace crowdbench::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Options {
   SceneOptions scene;

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
@@ -14,6 +13,7 @@
 #include "core/colour.h"
 #include "core/error.h"
 #include "core/image_io.h"
+#include "core/json.h"
 #include "core/portable_math.h"
 #include "core/progress.h"
 #include "core/version.h"
@@ -73,13 +73,12 @@ void write_pictures(const RenderOptions& options, const renderers::Capture& capt
 
 std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& context, const renderers::Spec& spec,
                     const RenderOptions& options) {
-  using Json = nlohmann::ordered_json;
   const Json facts = {{"representation", spec.text()},
                       {"tick", options.tick},
                       {"supersample", options.supersample},
                       {"renderer", context.renderer()},
                       {"stage", stage_json(measure_stage(staged, cast, context))}};
-  return facts.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return facts.dump(2) + "\n";
 }
 
 int render_crowd(const RenderOptions& options) {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "bench/commands/score_json.h"
 #include "core/error.h"
+#include "core/json.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -70,8 +70,8 @@ std::vector<BoundVerdict> check_bounds(const std::vector<ScoreBound>& bounds,
   return verdicts;
 }
 
-nlohmann::ordered_json bounds_json(const std::vector<BoundVerdict>& verdicts) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+Json bounds_json(const std::vector<BoundVerdict>& verdicts) {
+  Json out = Json::array();
   for (const BoundVerdict& v : verdicts)
     out.push_back({{"score", v.bound.score->name},
                    {v.bound.above ? "fail_above" : "fail_below", v.bound.value},

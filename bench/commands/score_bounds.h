@@ -1,9 +1,9 @@
 // Bounds that scores must keep: `compare --fail-above SCORE=VALUE`, `--fail-below SCORE=VALUE`.
 #pragma once
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "core/json.h"
 #include "metrics/registry.h"
 
 namespace crowdbench::bench {
@@ -27,7 +27,7 @@ struct BoundVerdict {
 std::vector<BoundVerdict> check_bounds(const std::vector<ScoreBound>& bounds,
                                        const std::vector<metrics::Scored>& scores);
 // [{"score", "fail_above" or "fail_below", "value", "pass"}]
-nlohmann::ordered_json bounds_json(const std::vector<BoundVerdict>& verdicts);
+Json bounds_json(const std::vector<BoundVerdict>& verdicts);
 // "mae is 2.31, above 2"
 std::string verdict_text(const BoundVerdict& verdict);
 

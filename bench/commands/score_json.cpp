@@ -1,26 +1,25 @@
 #include "bench/commands/score_json.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "core/json.h"
 
 namespace crowdbench::bench {
 
-using nlohmann::ordered_json;
-
-ordered_json json_number(const std::optional<double>& value) {
+Json json_number(const std::optional<double>& value) {
   if (!value || std::isnan(*value)) return nullptr;
   if (std::isinf(*value)) return *value > 0 ? "inf" : "-inf";
   return *value;
 }
 
-ordered_json score_json(const metrics::ScoreResult& result) {
+Json score_json(const metrics::ScoreResult& result) {
   if (result.pooled.empty()) return json_number(result.value);
-  ordered_json out = ordered_json::object();
+  Json out = Json::object();
   for (const auto& [name, value] : result.pooled) out[name] = json_number(value);
   return out;
 }
 
-void put_scores(ordered_json& values, ordered_json& reasons, std::span<const metrics::Scored> scores) {
+void put_scores(Json& values, Json& reasons, std::span<const metrics::Scored> scores) {
   for (const auto& [score, result] : scores) {
     const std::string name(score->name);
     values[name] = score_json(result);

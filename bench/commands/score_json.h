@@ -1,22 +1,21 @@
 // Scores as JSON, alike in every command: {"name": value}, null with its reason elsewhere, "inf" for infinity, and an
 // object where a score has further pooled figures.
 #pragma once
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 
+#include "core/json.h"
 #include "metrics/registry.h"
 
 namespace crowdbench::bench {
 
 // JSON has no infinity and no NaN: "inf", "-inf" and null.
-nlohmann::ordered_json json_number(const std::optional<double>& value);
+Json json_number(const std::optional<double>& value);
 
 // {"mean": ..., "weighted_median": ...} where there are pooled figures, else the bare value.
-nlohmann::ordered_json score_json(const metrics::ScoreResult& result);
+Json score_json(const metrics::ScoreResult& result);
 
 // Adds each score to `values` by its name, and its reason to `reasons` where it is absent. Both are objects.
-void put_scores(nlohmann::ordered_json& values, nlohmann::ordered_json& reasons,
-                std::span<const metrics::Scored> scores);
+void put_scores(Json& values, Json& reasons, std::span<const metrics::Scored> scores);
 
 }  // namespace crowdbench::bench

@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/quality.h"
 #include "core/error.h"
+#include "core/json.h"
 #include "core/progress.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
@@ -17,8 +16,6 @@
 
 namespace crowdbench::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string representation = renderers::default_impostor().text();
@@ -88,7 +85,7 @@ int run_switch_distance(const Options& options) {
                 {"measured", report.measured},
                 {"rows", Json::array()}};
     for (const SwitchRow& row : report.rows) out["rows"].push_back(to_json(row));
-    fmt::print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n", out.dump(2));
     return 0;
   }
   fmt::print("{} of {}: texels of {:.2f} mm, {}x{}, {:g} degrees tall, {:g} degrees off the axis\n",

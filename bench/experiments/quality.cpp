@@ -266,7 +266,7 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& op
     double value = 0;
     const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (fault != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
-      throw bad("is no list of numbers");
+      throw bad("is not a list of numbers");
     return value;
   };
   while (true) {
@@ -277,7 +277,7 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& op
       values.push_back(number(item));
     } else {
       const size_t second = item.find(':', colon + 1);
-      if (second == std::string_view::npos) throw bad("is no range");
+      if (second == std::string_view::npos) throw bad("is not a range");
       const double first = number(item.substr(0, colon));
       const double last = number(item.substr(colon + 1, second - colon - 1));
       const double step = number(item.substr(second + 1));

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "bench/stage/coverage.h"
 #include "bench/stage/stage.h"
+#include "core/json.h"
 #include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::bench {
@@ -25,8 +25,7 @@ StageFacts measure_stage(const Staged& staged, const scene::Cast& cast, gl::Cont
   return facts;
 }
 
-nlohmann::ordered_json stage_json(const StageFacts& facts) {
-  using Json = nlohmann::ordered_json;
+Json stage_json(const StageFacts& facts) {
   const scene::Scenario& scenario = facts.scenario;
   return {{"width", scenario.width},
           {"height", scenario.height},

@@ -1,10 +1,10 @@
 // What stands on a stage, in figures: where the camera and the crowd ended, and how much of the picture they cover.
 #pragma once
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 #include "bench/stage/stage_scenario.h"
+#include "core/json.h"
 
 namespace crowdbench::bench {
 
@@ -26,6 +26,6 @@ StageFacts measure_stage(const Staged& staged, const scene::Cast& cast, gl::Cont
 //    "requested_occupancy": fraction of the picture or null, "achieved_occupancy", "unreachable",
 //    "covered_px", "touched_px", "agents_visible",
 //    "agents_on_screen": {"wholly", "partly", "off"}}
-nlohmann::ordered_json stage_json(const StageFacts& facts);
+Json stage_json(const StageFacts& facts);
 
 }  // namespace crowdbench::bench

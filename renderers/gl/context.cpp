@@ -106,7 +106,7 @@ Device describe(EGLDeviceEXT device, int index) {
   return out;
 }
 
-// One way to a context, and why it failed.
+// One kind of device that a context was asked of, and why it failed.
 struct Attempt {
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;
@@ -250,7 +250,7 @@ Context::Context(const ContextOptions& options) {
       size_t index = 0;
       const auto [end, fault] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
       if (fault != std::errc{} || end != wanted.data() + wanted.size())
-        throw Error(where, fmt::format("'{}' is no device", printable(wanted)),
+        throw Error(where, fmt::format("'{}' is not a device", printable(wanted)),
                     "give an index, software or surfaceless; crowdbench info lists the devices");
       if (index >= devices.size())
         throw Error(where, fmt::format("there is no EGL device {}: {} found", index, devices.size()),

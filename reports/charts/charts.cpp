@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "core/json.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
@@ -13,38 +13,39 @@
 namespace crowdbench::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kSchema = "https://vega.github.io/schema/vega-lite/v6.json";  // a name; nothing loads it
 constexpr const char* kInk = "#1f2933";
 constexpr const char* kGrid = "#e4e7eb";
+
+Json config() {
+  return {{"background", "transparent"},
+          {"font", "inherit"},
+          {"view", {{"stroke", nullptr}}},
+          {"axis",
+           {{"labelFontSize", 12},
+            {"titleFontSize", 12},
+            {"titleFontWeight", 600},
+            {"titlePadding", 10},
+            {"labelColor", kInk},
+            {"titleColor", kInk},
+            {"gridColor", kGrid},
+            {"domainColor", "#9aa5b1"},
+            {"tickColor", "#9aa5b1"}}},
+          {"legend",
+           {{"labelFontSize", 12},
+            {"titleFontSize", 12},
+            {"labelColor", kInk},
+            {"titleColor", kInk},
+            {"orient", "top"},
+            {"title", nullptr}}}};
+}
 
 Json frame(int height) {
   return {{"$schema", kSchema},
           {"width", "container"},
           {"height", height},
           {"autosize", {{"type", "fit-x"}, {"contains", "padding"}}},
-          {"config",
-           {{"background", "transparent"},
-            {"font", "inherit"},
-            {"view", {{"stroke", nullptr}}},
-            {"axis",
-             {{"labelFontSize", 12},
-              {"titleFontSize", 12},
-              {"titleFontWeight", 600},
-              {"titlePadding", 10},
-              {"labelColor", kInk},
-              {"titleColor", kInk},
-              {"gridColor", kGrid},
-              {"domainColor", "#9aa5b1"},
-              {"tickColor", "#9aa5b1"}}},
-            {"legend",
-             {{"labelFontSize", 12},
-              {"titleFontSize", 12},
-              {"labelColor", kInk},
-              {"titleColor", kInk},
-              {"orient", "top"},
-              {"title", nullptr}}}}}};
+          {"config", config()}};
 }
 
 // legend: the same in all layers of a chart; where they disagree, Vega-Lite warns and draws none.
@@ -99,12 +100,13 @@ struct Range {
 
 // The name of each line at its end, instead of a legend; names that would overlap are moved apart.
 Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, const char* y, double height) {
-  std::sort(ends.begin(), ends.end(), [&](const Json& a, const Json& b) { return a.at(y) < b.at(y); });
+  std::sort(ends.begin(), ends.end(),
+            [&](const Json& a, const Json& b) { return a.at(y).number() < b.at(y).number(); });
   const double decades = std::log10(range.greatest / range.least);
   const double gap = decades * 15.0 / height;  // 15 pixels in decades
   double below = -INFINITY;
   for (Json& end : ends) {
-    const double at = std::max(std::log10(end.at(y).get<double>()), below + gap);
+    const double at = std::max(std::log10(end.at(y).number()), below + gap);
     end["label_y"] = std::pow(10.0, at);
     below = at;
   }
@@ -376,8 +378,7 @@ std::string pop_chart(const PopSize& size, const std::vector<ScoreDoc>& scores, 
       values.push_back(std::move(value));
     }
   if (values.empty()) return {};
-  Json spec = frame(0);
-  for (const char* key : {"width", "height", "autosize"}) spec.erase(key);
+  Json spec = {{"$schema", kSchema}, {"config", config()}};  // each panel has a size of its own
   const auto tip = [](const std::string& field, const std::string& title) {
     return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
   };

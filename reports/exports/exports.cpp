@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/json.h"
 #include "core/statistics.h"
 #include "reports/exports/markdown_cell.h"
 #include "reports/exports/scores_markdown.h"
@@ -18,8 +18,6 @@
 
 namespace crowdbench::reports {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::map<int64_t, const RunRow*> runs_by_id(const StoreContents& contents) {
   std::map<int64_t, const RunRow*> runs;
@@ -36,7 +34,7 @@ Json number(double value) {
 std::string csv_field(const Json& value) {
   if (value.is_null()) return {};
   if (!value.is_string()) return value.dump();
-  const auto& text = value.get_ref<const std::string&>();
+  const auto& text = value.text();
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted(1, '"');
   for (const char c : text) {

@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "store/columns.h"
 #include "store/store.h"
 
 namespace crowdbench::reports {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // The columns as SQL has them: those of rows that belong to another begin with its id.
 std::vector<Column> documented(const TableDescription& description) {

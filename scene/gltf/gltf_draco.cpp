@@ -85,8 +85,8 @@ std::optional<DracoAccessors> decode_draco(GltfCheck& check, const GltfData& dat
     std::vector<uint8_t> bytes(size);
     if (!api().attribute(mesh.get(), static_cast<uint32_t>(unique_id), gltf_type(accessor.type), accessor.components,
                          bytes.data()))
-      check.fail(where, fmt::format("is {}, which is no attribute of {} components in the compressed mesh", unique_id,
-                                    accessor.components));
+      check.fail(where, fmt::format("is {}, which is not an attribute of {} components in the compressed mesh",
+                                    unique_id, accessor.components));
     out.attributes[name] = add_accessor(check, std::move(accessor), std::move(bytes));
   }
   AccessorView corners;

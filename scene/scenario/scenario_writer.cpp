@@ -3,14 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "scene/scenario/scenario_keys.h"
 
 namespace crowdbench::scene {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string header(const KeyTable& table) {
   return table.list ? fmt::format("[[{}]]", table.name) : fmt::format("[{}]", table.name);
@@ -135,7 +132,7 @@ std::string to_toml(const Scenario& scenario) {
   return text;
 }
 
-nlohmann::ordered_json table_json(const Scenario& scenario, const std::string& table) {
+Json table_json(const Scenario& scenario, const std::string& table) {
   Json object = Json::object();
   for (const Key& key : scenario_keys())
     if (key.table == table) object[key.name] = json_value(key, key.get(scenario, 0));

@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/hash.h"
+#include "core/json.h"
 #include "core/module.h"
 #include "core/progress.h"
 #include "studies/stimuli/module/video_api.h"
@@ -319,8 +319,7 @@ Clip ClipWriter::finish() {
   return s.clip;
 }
 
-nlohmann::ordered_json clip_json(const Clip& clip) {
-  using Json = nlohmann::ordered_json;
+Json clip_json(const Clip& clip) {
   const auto finite = [](double db) { return std::isinf(db) ? Json("inf") : Json(db); };
   Json files = Json::array();
   for (const ClipFile& file : clip.files) {

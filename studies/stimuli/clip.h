@@ -9,13 +9,13 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/files.h"
 #include "core/image.h"
+#include "core/json.h"
 
 namespace crowdbench::studies {
 
@@ -68,7 +68,7 @@ struct Clip {
 
 // What a manifest says of a clip: "frames", "fps", "width", "height", "files": [...], "attempts", "frame_sha256".
 // Decibels that are infinite are the text "inf".
-nlohmann::ordered_json clip_json(const Clip& clip);
+Json clip_json(const Clip& clip);
 
 // Writes one clip. Nothing appears under its final name before finish() has checked it; a writer destroyed earlier
 // leaves nothing behind. Needs disk space for a lossless copy beside the target while it works. The same frames and

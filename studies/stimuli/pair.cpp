@@ -1,10 +1,10 @@
 #include "studies/stimuli/pair.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/hash.h"
+#include "core/json.h"
 #include "core/progress.h"
 #include "core/version.h"
 #include "renderers/frame/capture.h"
@@ -24,9 +24,7 @@ uint64_t ticks_per_frame(const scene::Scenario& scenario, int fps) {
   return static_cast<uint64_t>(ticks);
 }
 
-nlohmann::ordered_json manifest(const gl::Context& context, const PairRequest& request, const Pair& pair,
-                                uint64_t ticks) {
-  using Json = nlohmann::ordered_json;
+Json manifest(const gl::Context& context, const PairRequest& request, const Pair& pair, uint64_t ticks) {
   const auto side = [&](bool is_a) {
     return Json{{"configuration", is_a ? "a" : "b"}, {"representation", (is_a ? request.a : request.b).text()}};
   };

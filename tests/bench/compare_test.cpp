@@ -112,7 +112,7 @@ TEST(Compare, AlphaIsIgnoredWithAWarningOrComposited) {
   EXPECT_TRUE(grey["warnings"].empty());
   EXPECT_NEAR(grey["scores"]["psnr"].get<double>(), all["p09_alpha@over_gray50"]["contract"]["psnr"].get<double>(),
               1e-6);
-  EXPECT_EQ(error_of(reference, test, {"--over", "red"}), "--over: 'red' is no colour; write it as '#rrggbb'");
+  EXPECT_EQ(error_of(reference, test, {"--over", "red"}), "--over: 'red' is not a colour; write it as '#rrggbb'");
   EXPECT_NE(error_of(reference, test, {"--over", "#12345g"}), "");
 }
 
@@ -172,7 +172,7 @@ TEST(Compare, ScoresByAgent) {
   EXPECT_THROW(compared(folder / "a.png", folder / "b.png", {"--ids-ref", "x.exr"}), CLI::ParseError);
   EXPECT_NE(error_of(folder / "a.png", folder / "b.png",
                      {"--ids-ref", (folder / "a.png").string(), "--ids-test", (folder / "b.exr").string()})
-                .find("is no picture of agent ids"),
+                .find("is not a picture of agent ids"),
             std::string::npos);
   fs::remove_all(folder);
 }
