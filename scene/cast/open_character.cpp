@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <span>
 
 #include "core/error.h"
+#include "core/files.h"
+#include "scene/assimp/assimp.h"
 #include "scene/mannequin/mannequin.h"
 #include "scene/pose/retarget.h"
 
@@ -19,10 +22,18 @@ int whole_number(std::string_view key, std::string_view text) {
   return value;
 }
 
+Character open_file(const std::filesystem::path& path, const LoadOptions& options) {
+  const std::vector<uint8_t> bytes = read_file(path, options.limits.file_bytes);
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const auto format = assimp_format(std::span(bytes).first(std::min<size_t>(bytes.size(), 4096)), path);
+  return format ? load_assimp_character(bytes, *format, path.string(), folder, options)
+                : load_character(bytes, path.string(), folder, options);
+}
+
 Character open_one(const std::string& name_or_path, const LoadOptions& options) {
   constexpr std::string_view kBuiltIn = "mannequin";
   const std::string_view name = name_or_path;
-  if (!is_built_in(name)) return load_character(name_or_path, options);
+  if (!is_built_in(name)) return open_file(name_or_path, options);
   MannequinOptions mannequin;
   mannequin.normalise = options.normalise;
   std::string_view rest = name.size() > kBuiltIn.size() ? name.substr(kBuiltIn.size() + 1) : std::string_view{};

@@ -44,10 +44,11 @@ const std::map<std::string, Doors>& inner_doors() {
        {{"character", {}},
         {"pose", {"character"}},
         {"gltf", {"character", "pose"}},
+        {"assimp", {"character", "pose", "gltf"}},
         {"mannequin", {"character", "pose"}},
         {"frame", {"character", "pose"}},
         {"scenario", {"character", "frame"}},
-        {"cast", {"character", "pose", "gltf", "mannequin", "scenario"}},
+        {"cast", {"character", "pose", "gltf", "assimp", "mannequin", "scenario"}},
         {"crowd", {"character", "pose", "frame", "scenario", "cast"}}}},
       {"renderers",
        {{"", {"mesh"}},  // and every representation: the registry
