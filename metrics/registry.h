@@ -90,6 +90,9 @@ struct ScoreResult {
   // `value` among them. Else empty.
   std::vector<std::pair<std::string, double>> pooled;
   std::optional<ScoreMap> map;
+  // Pictures beside the map that the score's source draws, as it draws them: file names without ending. With
+  // ScoreInput::maps.
+  std::vector<std::pair<std::string, Image8>> drawings;
 };
 // Not available, because ...
 ScoreResult absent(std::string reason);
@@ -143,7 +146,7 @@ struct Score {
   // The same over one agent's pixels of the whole pictures; nothing where it does not exist. Called with ids, and its
   // needs but kNeedsRegion met. nullptr: not defined for an agent.
   std::optional<double> (*by_agent)(const ScoreInput& input, Shared& shared, const AgentPixels& agent) = nullptr;
-  // A picture of the map; nullptr: pseudocolours with their colour bar.
+  // A picture of the map as MapColours::own; nullptr: as MapColours::error.
   Image8 (*paint)(const ScoreMap& map) = nullptr;
 };
 
@@ -189,8 +192,12 @@ class ClipScores {
 
 // For people: the value at the score's digits, "inf", or "-" where there is none.
 std::string value_text(const Score& score, const std::optional<double>& value);
+
+// How a map is painted: as the score's source does, where it says so (Score::paint), or with a colour bar below that
+// names score and unit, in dark blue to red (error_colours()), or in a perceptually uniform table.
+enum class MapColours : uint8_t { own, error, magma, viridis };
 // The map as a picture. RGB or grey.
-Image8 map_picture(const Score& score, const ScoreMap& map);
+Image8 map_picture(const Score& score, const ScoreMap& map, MapColours colours = MapColours::own);
 // The mean of a map over the pixels of an agent that it covers, NaN left out; nothing where there is none. left, top:
 // the pixel of the map's first element.
 std::optional<double> mean_over(const Plane& map, int left, int top, const AgentPixels& agent);

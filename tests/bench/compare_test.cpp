@@ -83,6 +83,10 @@ TEST(Compare, PrintsTheScoresThatAPairMustHave) {
   EXPECT_NEAR(out["scores"]["ssim"].get<double>(), contract["ssim_luma601"].get<double>(), 1e-6);
   EXPECT_NEAR(out["scores"]["ms_ssim"].get<double>(), contract["ms_ssim_luma601"].get<double>(), 1e-5);
   EXPECT_NEAR(out["scores"]["gmsd"].get<double>(), contract["gmsd_luma601"].get<double>(), 1e-6);
+  const json& flip = contract["flip"]["67.0206"];
+  EXPECT_NEAR(out["scores"]["flip"]["mean"].get<double>(), flip["mean"].get<double>(), 2e-4);
+  EXPECT_NEAR(out["scores"]["flip"]["q3"].get<double>(), flip["q3_weighted"].get<double>(), 2e-4);
+  EXPECT_EQ(out["scores"]["flip"].size(), 6U);
   EXPECT_TRUE(out["reasons"].empty());
   EXPECT_TRUE(out["warnings"].empty());
 }
@@ -116,11 +120,11 @@ TEST(Compare, AlphaIsIgnoredWithAWarningOrComposited) {
   EXPECT_NE(error_of(reference, test, {"--over", "#12345g"}), "");
 }
 
-TEST(Compare, WritesThreeMaps) {
+TEST(Compare, WritesMaps) {
   const fs::path folder = scratch();
   const json out = compared(kImages / "p14_render_alias_ref.png", kImages / "p14_render_alias_test.png",
                             {"--maps", (folder / "maps").string()});
-  ASSERT_EQ(out["maps"].size(), 3U);
+  ASSERT_EQ(out["maps"].size(), 4U);
   const auto map = [&](const char* name) { return decode_png(read_file(folder / "maps" / name), name); };
   EXPECT_EQ(map("absdiff.png"),
             decode_png(read_file(kImages.parent_path() / "maps" / "p14_render_alias_absdiff.png"), "expected"));
@@ -128,6 +132,7 @@ TEST(Compare, WritesThreeMaps) {
   EXPECT_EQ(map("ssim_map.png").height, 260);
   EXPECT_EQ(map("error_pseudocolour.png").width, 480);
   EXPECT_GT(map("error_pseudocolour.png").height, 300);
+  EXPECT_EQ(map("flip_map.png").height, 270);
   fs::remove_all(folder);
 }
 
