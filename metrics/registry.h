@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "metrics/difference.h"
+#include "metrics/display.h"
 
 namespace crowdbench::metrics {
 
@@ -28,7 +29,7 @@ constexpr Needs kNeedsIds = 1U << 2U;      // both id buffers
 constexpr Needs kNeedsDepth = 1U << 3U;    // both depth buffers
 constexpr Needs kNeedsRegion = 1U << 4U;   // the pixels that count
 constexpr Needs kNeedsFrames = 1U << 5U;   // successive frames (Score::over_time)
-constexpr Needs kNeedsDisplay = 1U << 6U;  // where the pictures are looked at
+constexpr Needs kNeedsDisplay = 1U << 6U;  // where the pictures are looked at (metrics/display.h)
 // "code values, ids": for people.
 std::string needs_text(Needs needs);
 
@@ -39,11 +40,6 @@ struct Buffers {
   const ImageF* linear = nullptr;    // linear light, or whatever unit the file is in
   const ImageU32* ids = nullptr;     // one channel: agent index + 1, 0 = nothing
   const ImageF* depth = nullptr;     // one channel: eye-space metres, +infinity where empty
-};
-
-// Where pictures are looked at.
-struct Display {
-  double pixels_per_degree = 0;  // of visual angle, above 0
 };
 
 // Two pictures. Everything that is given has one size, or scores throw Error.
