@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "metrics/flip.h"
@@ -19,13 +21,21 @@ constexpr std::string_view kTooFewPixels = "less than one pixel of the display i
 constexpr std::string_view kNoExposure =
     "the reference's median luminance is 0, the exposures would start above where they stop, or a pixel is not finite";
 
+// The display that somebody chose; nullptr: FLIP's own default.
+const Display* display_of(const ScoreInput& input) { return input.display_is_default ? nullptr : input.display; }
+
 FlipSettings settings_of(const ScoreInput& input) {
   FlipSettings settings;
-  if (input.display) settings.pixels_per_degree = input.display->pixels_per_degree;
+  if (const Display* display = display_of(input)) settings.pixels_per_degree = display->pixels_per_degree;
   return settings;
 }
 
-bool too_few_pixels(const ScoreInput& input) { return input.display && input.display->pixels_per_degree < 1; }
+std::string conditions_of(const ScoreInput& input) {
+  return fmt::format("{:.4f} pixels/degree{}", settings_of(input).pixels_per_degree,
+                     display_of(input) ? "" : ", FLIP's own default");
+}
+
+bool too_few_pixels(const ScoreInput& input) { return settings_of(input).pixels_per_degree < 1; }
 
 const ImageF& flip_of_codes(const ScoreInput& input, Shared& shared) {
   return shared
@@ -55,14 +65,15 @@ ScoreMap map_of(const ImageF& errors) {
   return map;
 }
 
-ScoreResult result_of(const ImageF& errors, bool with_map) {
+ScoreResult result_of(const ImageF& errors, const ScoreInput& input) {
   const FlipPooled pooled = flip_pooled(errors);
   ScoreResult result;
+  result.conditions = conditions_of(input);
   result.value = pooled.mean;
   result.pooled = {{"mean", pooled.mean}, {"weighted_median", pooled.weighted_median},
                    {"q1", pooled.q1},     {"q3", pooled.q3},
                    {"min", pooled.min},   {"max", pooled.max}};
-  if (with_map) result.map = map_of(errors);
+  if (input.maps) result.map = map_of(errors);
   return result;
 }
 
@@ -89,7 +100,7 @@ Image8 magma(const ScoreMap& map) {
 
 ScoreResult flip(const ScoreInput& input, Shared& shared) {
   if (too_few_pixels(input)) return absent(std::string(kTooFewPixels));
-  return result_of(flip_of_codes(input, shared), input.maps);
+  return result_of(flip_of_codes(input, shared), input);
 }
 
 ScoreResult hdr_flip_score(const ScoreInput& input, Shared& shared) {
@@ -97,7 +108,9 @@ ScoreResult hdr_flip_score(const ScoreInput& input, Shared& shared) {
   if (const std::string& reason = not_finite_reason(input, shared); !reason.empty()) return absent(reason);
   const HdrFlip& errors = hdr_flip_of(input, shared);
   if (!errors.range.reason.empty()) return absent(errors.range.reason);
-  ScoreResult result = result_of(errors.map, input.maps);
+  ScoreResult result = result_of(errors.map, input);
+  result.conditions += fmt::format(", tone mapped by ACES, {} exposures of {:.4f} to {:.4f}", errors.range.exposures,
+                                   errors.range.start, errors.range.stop);
   result.pooled.emplace_back("start_exposure", errors.range.start);
   result.pooled.emplace_back("stop_exposure", errors.range.stop);
   result.pooled.emplace_back("exposures", errors.range.exposures);

@@ -128,10 +128,10 @@ Image8 with_colour_bar(const Image8& picture, const std::string& caption, double
     cv::putText(canvas, words, {centre - extent.width / 2, baseline}, cv::FONT_HERSHEY_SIMPLEX, size * scale, ink,
                 thickness, cv::LINE_AA);
   };
-  for (const int level : {0, 64, 128, 191, 255}) {
-    const int x = bar_left + static_cast<int>(std::lround(level / 255.0 * (bar_width - 1)));
+  for (int quarter = 0; quarter <= 4; ++quarter) {
+    const int x = bar_left + static_cast<int>(std::lround(quarter / 4.0 * (bar_width - 1)));
     cv::line(canvas, {x, bar_top + bar_height}, {x, bar_top + bar_height + scaled(4)}, ink, thickness);
-    text(fmt::format("{:.3g}", first + level / 255.0 * (last - first)), x, bar_top + bar_height + scaled(17), 0.4);
+    text(fmt::format("{:.3g}", first + quarter / 4.0 * (last - first)), x, bar_top + bar_height + scaled(17), 0.4);
   }
   text(caption, width / 2, bar_top + bar_height + scaled(34), 0.4);
   return out;

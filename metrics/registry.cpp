@@ -12,22 +12,24 @@
 namespace crowdbench::metrics {
 
 // One line a score; each is defined in the file of what it computes.
-#define CROWDBENCH_SCORES(SCORE) \
-  SCORE(silhouette_iou)          \
-  SCORE(boundary_px_mean)        \
-  SCORE(boundary_px_p95)         \
-  SCORE(ssim)                    \
-  SCORE(ssim_union)              \
-  SCORE(ms_ssim)                 \
-  SCORE(flip)                    \
-  SCORE(psnr)                    \
-  SCORE(mae)                     \
-  SCORE(mse)                     \
-  SCORE(gmsd)                    \
-  SCORE(depth_mae)               \
-  SCORE(linear_mae)              \
-  SCORE(linear_rms)              \
-  SCORE(hdr_flip)                \
+#define CROWDBENCH_SCORES(SCORE)  \
+  SCORE(silhouette_iou)           \
+  SCORE(boundary_px_mean)         \
+  SCORE(boundary_px_p95)          \
+  SCORE(silhouette_hausdorff_px)  \
+  SCORE(silhouette_difference_px) \
+  SCORE(ssim)                     \
+  SCORE(ssim_union)               \
+  SCORE(ms_ssim)                  \
+  SCORE(flip)                     \
+  SCORE(psnr)                     \
+  SCORE(mae)                      \
+  SCORE(mse)                      \
+  SCORE(gmsd)                     \
+  SCORE(depth_mae)                \
+  SCORE(linear_mae)               \
+  SCORE(linear_rms)               \
+  SCORE(hdr_flip)                 \
   SCORE(flicker)
 
 #define CROWDBENCH_DECLARE(name) extern const Score score_##name;

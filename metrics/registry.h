@@ -48,6 +48,9 @@ struct ScoreInput {
   Buffers test;
   const Mask* region = nullptr;      // the pixels that scores of Scope::region count; none: every pixel
   const Display* display = nullptr;  //
+  // `display` was chosen by nobody: it is there for scores that cannot do without one, and a score with a default of its
+  // own keeps to that.
+  bool display_is_default = false;
   double fps = 0;                    // of successive frames; 0: not known
   bool maps = false;                 // fill ScoreResult::map where the score has one
 };
@@ -82,6 +85,7 @@ struct ScoreMap {
 struct ScoreResult {
   std::optional<double> value;  // never NaN; infinite where the score's range says so
   std::string reason;           // why there is no value; empty where there is one
+  std::string conditions;       // what it was computed under, where that is a choice: "67.02 pixels/degree"
   // Where the score's source pools one map in several ways: each by its name ("mean", "weighted_median"), that of
   // `value` among them. Else empty.
   std::vector<std::pair<std::string, double>> pooled;

@@ -11,19 +11,19 @@
 #include "core/error.h"
 
 namespace crowdbench::bench {
-namespace {
-
 const metrics::Score& score_named(const std::string& name, const std::string& option, metrics::ScoreTable table) {
   std::vector<std::string> names;
   for (const metrics::Score* score : table) {
     if (score->name == name) return *score;
-    if (score->compute != nullptr) names.emplace_back(score->name);
+    names.emplace_back(score->name);
   }
   const std::string nearest = nearest_name(name, names);
   throw Error(option, fmt::format("there is no score '{}'", printable(name)),
               nearest.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
                               : fmt::format("did you mean '{}'?", nearest));
 }
+
+namespace {
 
 ScoreBound parse_bound(const std::string& text, bool above, metrics::ScoreTable table) {
   const std::string option = above ? "--fail-above" : "--fail-below";

@@ -8,6 +8,9 @@
 
 namespace crowdbench::bench {
 
+// By its name. option: the one that gave it. Throws Error with the nearest name.
+const metrics::Score& score_named(const std::string& name, const std::string& option, metrics::ScoreTable table);
+
 struct ScoreBound {
   const metrics::Score* score = nullptr;
   double value = 0;
