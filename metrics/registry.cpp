@@ -26,6 +26,7 @@ namespace crowdbench::metrics {
   SCORE(depth_mae)               \
   SCORE(linear_mae)              \
   SCORE(linear_rms)              \
+  SCORE(cvvdp)                   \
   SCORE(flicker)
 
 #define CROWDBENCH_DECLARE(name) extern const Score score_##name;
