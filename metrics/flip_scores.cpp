@@ -111,9 +111,9 @@ ScoreResult hdr_flip_score(const ScoreInput& input, Shared& shared) {
   ScoreResult result = result_of(errors.map, input);
   result.conditions += fmt::format(", tone mapped by ACES, {} exposures of {:.4f} to {:.4f}", errors.range.exposures,
                                    errors.range.start, errors.range.stop);
-  result.pooled.emplace_back("start_exposure", errors.range.start);
-  result.pooled.emplace_back("stop_exposure", errors.range.stop);
-  result.pooled.emplace_back("exposures", errors.range.exposures);
+  result.details.emplace_back("start_exposure", errors.range.start);
+  result.details.emplace_back("stop_exposure", errors.range.stop);
+  result.details.emplace_back("exposures", errors.range.exposures);
   if (input.maps) result.drawings.emplace_back("hdr_flip_exposures", painted(errors.exposure, viridis_colours()));
   return result;
 }

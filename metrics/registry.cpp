@@ -30,6 +30,7 @@ namespace crowdbench::metrics {
   SCORE(linear_mae)               \
   SCORE(linear_rms)               \
   SCORE(hdr_flip)                 \
+  SCORE(cvvdp)                    \
   SCORE(flicker)
 
 #define CROWDBENCH_DECLARE(name) extern const Score score_##name;

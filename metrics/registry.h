@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "metrics/cvvdp/temporal_filter.h"
 #include "metrics/difference.h"
 #include "metrics/display.h"
 
@@ -48,11 +49,12 @@ struct ScoreInput {
   Buffers test;
   const Mask* region = nullptr;      // the pixels that scores of Scope::region count; none: every pixel
   const Display* display = nullptr;  //
-  // `display` was chosen by nobody: it is there for scores that cannot do without one, and a score with a default of its
-  // own keeps to that.
+  // `display` was chosen by nobody: it is there for scores that cannot do without one, and a score with a default of
+  // its own keeps to that.
   bool display_is_default = false;
-  double fps = 0;                    // of successive frames; 0: not known
-  bool maps = false;                 // fill ScoreResult::map where the score has one
+  double fps = 0;                        // of successive frames; 0: not known
+  Padding padding = Padding::replicate;  // what stands for the frames before the first
+  bool maps = false;                     // fill ScoreResult::map where the score has one
 };
 // The needs that the input meets; both sides must have a buffer for it to count. Never kNeedsFrames.
 Needs given(const ScoreInput& input);
@@ -89,6 +91,8 @@ struct ScoreResult {
   // Where the score's source pools one map in several ways: each by its name ("mean", "weighted_median"), that of
   // `value` among them. Else empty.
   std::vector<std::pair<std::string, double>> pooled;
+  // Further figures that explain `value` and are not other poolings of it: parts by channel, what was chosen.
+  std::vector<std::pair<std::string, double>> details;
   std::optional<ScoreMap> map;
   // Pictures beside the map that the score's source draws, as it draws them: file names without ending. With
   // ScoreInput::maps.

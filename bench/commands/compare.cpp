@@ -180,6 +180,7 @@ ordered_json to_json(const CompareOptions& options, const Result& result) {
   if (result.worst)
     out["worst"] = {{"difference", result.worst->worst}, {"x", result.worst->worst_x}, {"y", result.worst->worst_y}};
   if (ordered_json conditions = conditions_json(result.scores); !conditions.empty()) out["conditions"] = conditions;
+  if (ordered_json details = details_json(result.scores); !details.empty()) out["details"] = details;
   out["display"] = result.display;
   if (result.not_finite) out["not_finite"] = not_finite_json(*result.not_finite);
   if (!options.over.empty()) out["over"] = options.over;
@@ -216,8 +217,9 @@ void print_text(const Result& result) {
                  metrics::best_value(*score), scored.conditions.empty() ? "" : "; at ", scored.conditions);
     else
       fmt::print("not available: {}\n", scored.reason);
-    for (const auto& [name, value] : scored.pooled)
-      fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
+    for (const auto* figures : {&scored.pooled, &scored.details})
+      for (const auto& [name, value] : *figures)
+        fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
   }
   if (result.worst)
     fmt::print("  largest difference {} at pixel ({}, {})\n", result.worst->worst, result.worst->worst_x,
@@ -274,6 +276,11 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
   command->add_option("--maps", options->maps, "a folder for the pictures of the error; made where missing")
       ->type_name("DIR")
       ->output_folder();
+  command
+      ->add_option("--padding", options->padding,
+                   "what stands for the frames before a clip's first: replicate (the first) or symmetric (backwards)")
+      ->type_name("KIND")
+      ->capture_default_str();
   command
       ->add_option("--colours", options->colours,
                    "of maps: own (as a score's source paints it), error, magma or viridis, with a bar")

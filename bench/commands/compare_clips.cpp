@@ -165,6 +165,7 @@ ordered_json to_json(const CompareOptions& options, const CompareSetup& setup, c
     for (const auto& value : of.by_frame) out["by_frame"][name].push_back(json_number(value));
   }
   if (ordered_json conditions = conditions_json(whole); !conditions.empty()) out["conditions"] = conditions;
+  if (ordered_json details = details_json(whole); !details.empty()) out["details"] = details;
   out["display"] = display_json(setup);
   if (result.floats)
     out["not_finite"] = {{"reference", not_finite_json(result.not_finite_reference)},

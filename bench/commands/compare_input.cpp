@@ -33,6 +33,12 @@ metrics::MapColours parse_colours(const std::string& text) {
               "choose own, error, magma or viridis");
 }
 
+metrics::Padding parse_padding(const std::string& text) {
+  if (text == "replicate") return metrics::Padding::replicate;
+  if (text == "symmetric") return metrics::Padding::symmetric;
+  throw Error("--padding", fmt::format("there is no padding '{}'", printable(text)), "choose replicate or symmetric");
+}
+
 // In the table's own order, each once.
 std::vector<const metrics::Score*> chosen_scores(const std::string& text, metrics::ScoreTable table) {
   if (text == "all") return {table.begin(), table.end()};
@@ -73,6 +79,7 @@ CompareSetup compare_setup(const CompareOptions& options, metrics::ScoreTable ta
   setup.bounds = parse_bounds(options.fail_above, options.fail_below, setup.table);
   if (!options.over.empty()) setup.over = parse_colour(options.over);
   setup.colours = parse_colours(options.colours);
+  setup.padding = parse_padding(options.padding);
   setup.display_given = !options.display.empty();
   setup.display = setup.display_given ? metrics::display_of(options.display, "--display") : metrics::default_display();
   return setup;
@@ -112,6 +119,7 @@ metrics::ScoreInput score_input(const CompareSetup& setup, const std::optional<C
   if (region) input.region = &region->counted;
   input.display = &setup.display;
   input.display_is_default = !setup.display_given;
+  input.padding = setup.padding;
   return input;
 }
 

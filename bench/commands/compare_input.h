@@ -21,6 +21,7 @@ struct CompareOptions {
   std::string scores = "all";
   std::string display;
   std::string maps;
+  std::string padding = "replicate";
   std::string colours = "own";
   std::string chart;
   std::string over;
@@ -40,6 +41,7 @@ struct CompareSetup {
   std::optional<std::array<uint8_t, 3>> over;
   metrics::Display display;  // of --display, else what scores take that cannot do without
   bool display_given = false;
+  metrics::Padding padding = metrics::Padding::replicate;
   metrics::MapColours colours = metrics::MapColours::own;
 };
 // Throws Error.

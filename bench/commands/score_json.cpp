@@ -35,4 +35,11 @@ ordered_json conditions_json(std::span<const metrics::Scored> scores) {
   return out;
 }
 
+ordered_json details_json(std::span<const metrics::Scored> scores) {
+  ordered_json out = ordered_json::object();
+  for (const auto& [score, result] : scores)
+    for (const auto& [name, value] : result.details) out[std::string(score->name)][name] = json_number(value);
+  return out;
+}
+
 }  // namespace crowdbench::bench

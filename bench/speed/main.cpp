@@ -92,6 +92,8 @@ void run(const Image8& reference, const Image8& test) {
   metrics::ScoreInput codes;
   codes.reference.codes = &reference;
   codes.test.codes = &test;
+  codes.display = &metrics::default_display();
+  codes.display_is_default = true;
   metrics::ScoreInput floats;
   floats.reference.linear = &linear_reference;
   floats.test.linear = &linear_test;

@@ -55,6 +55,7 @@ struct Everything {
     ScoreInput out{buffers(), test.buffers()};
     out.region = &region;
     out.display = &display;
+    out.fps = 30;
     return out;
   }
 };
@@ -123,6 +124,7 @@ TEST(Registry, EqualPicturesScoreTheBestAndOthersWorse) {
   }
 }
 
+// The scores over time that such frames have: all of the table.
 TEST(Registry, FramesAreTakenOneByOne) {
   const Everything a;
   Everything b;
@@ -133,17 +135,25 @@ TEST(Registry, FramesAreTakenOneByOne) {
     b.codes = noise(200, 190, static_cast<uint64_t>(10 + t));
     flashing.take(a.input(b));
   }
-  ASSERT_EQ(still.finish().size(), 1U);
-  const Scored same = still.finish()[0];
-  EXPECT_EQ(same.score->name, "flicker");
-  EXPECT_EQ(same.result.value, best_value(*same.score));
-  EXPECT_TRUE(is_worse(*same.score, flashing.finish()[0].result.value.value(), 0));
+  const auto of_still = still.finish();
+  const auto of_flashing = flashing.finish();
+  ASSERT_EQ(of_still.size(), static_cast<size_t>(std::count_if(scores().begin(), scores().end(), [](const Score* s) {
+              return s->over_time != nullptr;
+            })));
+  for (size_t i = 0; i < of_still.size(); ++i) {
+    const Score& score = *of_still[i].score;
+    EXPECT_EQ(of_still[i].result.value, best_value(score)) << score.name;
+    EXPECT_TRUE(is_worse(score, of_flashing[i].result.value.value(), best_value(score))) << score.name;
+  }
   EXPECT_EQ(still.frames(), 4U);
   ClipScores two(scores());
   two.take(a.input(a));
   two.take(a.input(a));
-  EXPECT_FALSE(two.finish()[0].result.value);
-  EXPECT_NE(two.finish()[0].result.reason.find("three frames"), std::string::npos);
+  for (const Scored& one : two.finish()) {
+    if (one.score->name != "flicker") continue;
+    EXPECT_FALSE(one.result.value);
+    EXPECT_NE(one.result.reason.find("three frames"), std::string::npos);
+  }
 }
 
 TEST(Registry, WhatIsNotAvailableHasItsReasonAndWhatWasNotOfferedIsNotListed) {
@@ -196,7 +206,8 @@ TEST(Registry, MapsAreAskedForAndPainted) {
     const Image8 picture = map_picture(*one.score, *one.result.map);
     EXPECT_GE(picture.width, one.result.map->values.width);
   }
-  EXPECT_EQ(maps, 4U) << "error_pseudocolour, ssim_map, flip_map, hdr_flip_map";
+  EXPECT_EQ(maps, static_cast<size_t>(std::count_if(scores().begin(), scores().end(),
+                                                    [](const Score* s) { return !s->map_file.empty(); })));
 }
 
 TEST(Registry, ValuesForPeople) {
