@@ -1,6 +1,7 @@
 // HDR-FLIP: FLIP of pictures in linear light, whatever their range, as the worst over exposures that a person might
 // choose to look at them with.
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 

@@ -14,7 +14,6 @@
 #include "bench/commands/compare_clips.h"
 #include "bench/commands/compare_input.h"
 #include "bench/commands/compare_region.h"
-#include "bench/commands/options.h"
 #include "bench/commands/score_bounds.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
@@ -257,65 +256,7 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench compare clip.mp4                           the two halves of a clip that `pair` wrote\n"
       "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well");
   auto options = std::make_shared<CompareOptions>();
-  command
-      ->add_option("REFERENCE", options->reference,
-                   "what is right: a picture (PNG, EXR, JPEG, TIFF ...), a clip, or a folder of frames")
-      ->required();
-  command->add_option("TEST", options->test,
-                      "what is judged, of the same size and length; not needed for a clip that `pair` stacked");
-  command->add_option("--scores", options->scores, "only these, name,name,...; `crowdbench schema --scores` lists them")
-      ->type_name("LIST")
-      ->capture_default_str();
-  command
-      ->add_option("--display", options->display,
-                   "where it is looked at: a model's name, or a file with ColorVideoVDP's keys")
-      ->type_name("NAME|FILE.json");
-  command->add_option("--fps", options->fps, "frames a second, where clips do not say or frames are in folders")
-      ->type_name("F")
-      ->number(0.1, 1000);
-  command->add_option("--maps", options->maps, "a folder for the pictures of the error; made where missing")
-      ->type_name("DIR")
-      ->output_folder();
-  command
-      ->add_option("--padding", options->padding,
-                   "what stands for the frames before a clip's first: replicate (the first) or symmetric (backwards)")
-      ->type_name("KIND")
-      ->capture_default_str();
-  command
-      ->add_option("--colours", options->colours,
-                   "of maps: own (as a score's source paints it), error, magma or viridis, with a bar")
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_option("--chart", options->chart, "of clips: a page with every score against time")
-      ->type_name("FILE.html")
-      ->output_file();
-  command->add_option("--over", options->over,
-                      "composite pictures with alpha onto this colour first, '#rrggbb' (else alpha is ignored)");
-  command
-      ->add_option("--ignore", options->region.ignore,
-                   "a rectangle that does not count, x,y,width,height from the upper left; may be repeated.\nThe test "
-                   "takes the reference's pixels there; mae, mse, psnr and ssim_union are means of the rest")
-      ->type_name("X,Y,W,H")
-      ->expected(1)
-      ->take_all();
-  command->add_option("--mask", options->region.mask, "a picture of the same size: black does not count")
-      ->type_name("FILE");
-  command
-      ->add_option("--fail-above", options->fail_above,
-                   "exit 1 where a score is above this (or not available), mae=2; may be repeated")
-      ->type_name("SCORE=VALUE")
-      ->expected(1)
-      ->take_all();
-  command->add_option("--fail-below", options->fail_below, "the same for scores that are better high, ssim=0.98")
-      ->type_name("SCORE=VALUE")
-      ->expected(1)
-      ->take_all();
-  auto* ids_ref = command->add_option("--ids-ref", options->ids_reference,
-                                      "EXR with the reference's agent ids: scores by agent and of the silhouettes");
-  auto* ids_test = command->add_option("--ids-test", options->ids_test, "EXR with the test's agent ids");
-  ids_ref->needs(ids_test);
-  ids_test->needs(ids_ref);
-  add_json_option(*command, options->json);
+  add_compare_options(*command, *options);
   command->callback([options, table, &run] {
     run = [options, table] {
       if (options->test.empty() || is_sequence(options->reference) || is_sequence(options->test))
@@ -328,12 +269,7 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
         fmt::print("{}\n", to_json(*options, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));
       else
         print_text(result);
-      bool kept = true;
-      for (const BoundVerdict& verdict : result.verdicts) {
-        if (!verdict.pass) fmt::print(stderr, "crowdbench: {}\n", verdict_text(verdict));
-        kept = kept && verdict.pass;
-      }
-      return kept ? 0 : 1;
+      return say_broken_bounds(result.verdicts);
     };
   });
 }

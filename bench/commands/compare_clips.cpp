@@ -236,12 +236,7 @@ int compare_clips(const CompareOptions& options, metrics::ScoreTable table) {
     fmt::print("{}\n", to_json(options, setup, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));
   else
     print_text(options, result);
-  bool kept = true;
-  for (const BoundVerdict& verdict : result.verdicts) {
-    if (!verdict.pass) fmt::print(stderr, "crowdbench: {}\n", verdict_text(verdict));
-    kept = kept && verdict.pass;
-  }
-  return kept ? 0 : 1;
+  return say_broken_bounds(result.verdicts);
 }
 
 }  // namespace crowdbench::bench

@@ -15,6 +15,8 @@
 
 namespace crowdbench::bench {
 
+class Command;
+
 struct CompareOptions {
   std::string reference;
   std::string test;  // empty: `reference` is a stacked clip
@@ -32,6 +34,9 @@ struct CompareOptions {
   double fps = 0;
   bool json = false;
 };
+
+// `options` must outlive the command.
+void add_compare_options(Command& command, CompareOptions& options);
 
 // The options, read: whatever is wrong in them is said before a picture is opened.
 struct CompareSetup {

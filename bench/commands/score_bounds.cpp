@@ -86,4 +86,14 @@ std::string verdict_text(const BoundVerdict& v) {
                      v.bound.above ? "above" : "below", v.bound.value);
 }
 
+int say_broken_bounds(const std::vector<BoundVerdict>& verdicts) {
+  int status = 0;
+  for (const BoundVerdict& verdict : verdicts) {
+    if (verdict.pass) continue;
+    fmt::print(stderr, "crowdbench: {}\n", verdict_text(verdict));
+    status = 1;
+  }
+  return status;
+}
+
 }  // namespace crowdbench::bench

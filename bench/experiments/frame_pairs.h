@@ -3,8 +3,8 @@
 #pragma once
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/image_io.h"
