@@ -133,10 +133,8 @@ void Cvvdp::State::compare(const FramePlanes& planes, FrameComparison& compariso
   if (!options_.map) return;
   CvvdpMap out;
   out.q = frame_difference(q_.back());
-  out.jod.width = map.width;
-  out.jod.height = map.height;
-  out.jod.channels = 1;
-  out.jod.data = std::move(map.data);
+  out.jod = ImageF(map.width, map.height, 1);
+  std::copy(map.data.begin(), map.data.end(), out.jod.data.begin());
   options_.map(q_.size() - 1, std::move(out));
 }
 

@@ -2,13 +2,14 @@
 #pragma once
 #include <vector>
 
+#include "metrics/cvvdp/large_pages.h"
 #include "metrics/cvvdp/parameters.h"
 
 namespace crowdbench::metrics::vdp {
 
 struct FloatPlane {
   int width = 0, height = 0;
-  std::vector<float> data;
+  std::vector<float, LargePages<float>> data;
 
   void resize(int width_, int height_) {
     width = width_;
