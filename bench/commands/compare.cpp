@@ -42,7 +42,7 @@ struct Result {
   std::optional<metrics::Difference> worst;      // with code values
   std::optional<metrics::AgentScores> by_agent;  // with ids
   std::optional<NotFinitePair> not_finite;       // with floats
-  ordered_json display;
+  CompareSetup setup;
 };
 
 ImageU32 read_ids(const std::string& path) {
@@ -106,10 +106,10 @@ void write_maps(const std::filesystem::path& folder, const CompareSetup& setup, 
 }
 
 Result compare(const CompareOptions& options, metrics::ScoreTable table) {
-  const CompareSetup setup = compare_setup(options, table);
-  ComparedPictures pictures{read_image(options.reference), read_image(options.test), {}, {}};
   Result result;
-  result.display = display_json(setup);
+  result.setup = compare_setup(options, table);
+  const CompareSetup& setup = result.setup;
+  ComparedPictures pictures{read_image(options.reference), read_image(options.test), {}, {}};
   std::tie(result.width, result.height) = std::visit(
       [](const auto& i) {
         return std::pair{i.width, i.height};
@@ -180,7 +180,7 @@ ordered_json to_json(const CompareOptions& options, const Result& result) {
     out["worst"] = {{"difference", result.worst->worst}, {"x", result.worst->worst_x}, {"y", result.worst->worst_y}};
   if (ordered_json conditions = conditions_json(result.scores); !conditions.empty()) out["conditions"] = conditions;
   if (ordered_json details = details_json(result.scores); !details.empty()) out["details"] = details;
-  out["display"] = result.display;
+  out["display"] = display_json(result.setup);
   if (result.not_finite) out["not_finite"] = not_finite_json(*result.not_finite);
   if (!options.over.empty()) out["over"] = options.over;
   if (result.region) out["region"] = region_json(options.region, *result.region);
@@ -220,6 +220,7 @@ void print_text(const Result& result) {
       for (const auto& [name, value] : *figures)
         fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
   }
+  print_display(result.setup, result.scores);
   if (result.worst)
     fmt::print("  largest difference {} at pixel ({}, {})\n", result.worst->worst, result.worst->worst_x,
                result.worst->worst_y);

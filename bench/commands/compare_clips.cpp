@@ -179,7 +179,7 @@ ordered_json to_json(const CompareOptions& options, const CompareSetup& setup, c
   return out;
 }
 
-void print_text(const CompareOptions& options, const Result& result) {
+void print_text(const CompareOptions& options, const CompareSetup& setup, const Result& result) {
   fmt::print("{} frames of {} x {} pixels{}: {} against {}\n", result.frames, result.width, result.height,
              result.fps > 0 ? fmt::format(", {:g} a second", result.fps) : "", result.test, result.reference);
   fmt::print("  {:<16} {:>12} {:>12} {:>8}\n", "", "whole", "worst frame", "at");
@@ -194,6 +194,7 @@ void print_text(const CompareOptions& options, const Result& result) {
     else
       fmt::print("not available: {}\n", of.result.reason);
   }
+  print_display(setup, whole_scores(result));
   for (const std::string& map : result.maps) fmt::print("  wrote {}\n", map);
   if (!options.chart.empty()) fmt::print("  wrote {}\n", options.chart);
 }
@@ -235,7 +236,7 @@ int compare_clips(const CompareOptions& options, metrics::ScoreTable table) {
   if (options.json)
     fmt::print("{}\n", to_json(options, setup, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));
   else
-    print_text(options, result);
+    print_text(options, setup, result);
   return say_broken_bounds(result.verdicts);
 }
 

@@ -225,4 +225,13 @@ nlohmann::ordered_json display_json(const CompareSetup& setup) {
           {"text", metrics::display_text(setup.display)}};
 }
 
+void print_display(const CompareSetup& setup, std::span<const metrics::Scored> scores) {
+  if (std::none_of(scores.begin(), scores.end(), [](const metrics::Scored& scored) {
+        return (scored.score->needs & metrics::kNeedsDisplay) != 0 && scored.result.value;
+      }))
+    return;
+  fmt::print("  display {}{}\n", metrics::display_text(setup.display),
+             setup.display_given ? "" : " (by default; --display chooses)");
+}
+
 }  // namespace crowdbench::bench

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,5 +83,7 @@ std::vector<std::string> write_map(const std::filesystem::path& folder, const st
 
 // {"name", "given", "pixels_per_degree", "text"}
 nlohmann::ordered_json display_json(const CompareSetup& setup);
+// A line, where one of the scores needs a display.
+void print_display(const CompareSetup& setup, std::span<const metrics::Scored> scores);
 
 }  // namespace crowdbench::bench

@@ -246,8 +246,17 @@ TEST(CompareClips, TheSequenceWithAPop) {
   const std::string bare = " Infinity";
   for (size_t at = 0; (at = text.find(bare, at)) != std::string::npos;) text.replace(at, bare.size(), " null");
   const json expected = json::parse(text)["sequence"]["per_frame"];
-  const json out =
-      compared({(folder / "ref").string(), (folder / "test").string(), "--fps", "30", "--scores", "flip,ssim,mse"});
+  const json out = compared(
+      {(folder / "ref").string(), (folder / "test").string(), "--fps", "30", "--scores", "flip,ssim,mse,cvvdp"});
+  // Of ColorVideoVDP a clip has one number, on the display that compare takes by default.
+  const json cvvdp = json::parse(read_text(kShared / "cvvdp" / "expected.json", size_t{64} << 20))["cases"];
+  EXPECT_NEAR(out["scores"]["cvvdp"].get<double>(), cvvdp["sequence@standard_4k@30fps"]["jod"].get<double>(), 1e-4);
+  EXPECT_EQ(out["display"]["name"], "standard_4k");
+  EXPECT_FALSE(out["by_frame"].contains("cvvdp"));
+  const json backwards = compared({(folder / "ref").string(), (folder / "test").string(), "--fps", "30", "--scores",
+                                   "cvvdp", "--padding", "symmetric"});
+  EXPECT_NEAR(backwards["scores"]["cvvdp"].get<double>(),
+              cvvdp["sequence@standard_4k@30fps@symmetric"]["jod"].get<double>(), 1e-4);
   double sum = 0;
   for (size_t t = 0; t < 16; ++t) {
     EXPECT_NEAR(out["by_frame"]["flip"][t].get<double>(), expected[t]["flip_mean"].get<double>(), 2e-4) << t;
