@@ -78,7 +78,7 @@ void take(const CompareSetup& setup, const CompareOptions& options, ComparedPict
   }
   metrics::ScoreInput input = score_input(setup, result.region, pictures);
   input.fps = result.fps;
-  input.maps = !options.maps.empty();
+  input.maps = !options.maps.empty() || !options.chart.empty();
   comparison.take(input);
 }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -205,7 +206,10 @@ std::vector<fs::path> frames_in(const fs::path& folder) {
   static const std::set<std::string> endings = {".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff", ".webp",
                                                 ".bmp", ".tga", ".hdr", ".ppm",  ".pgm", ".pnm"};
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder))
+  std::error_code fault;
+  const fs::directory_iterator entries(folder, fault);
+  if (fault) throw Error(folder.string(), fmt::format("cannot be read: {}", fault.message()), "name a readable folder");
+  for (const auto& entry : entries)
     if (entry.is_regular_file() && endings.contains(ending_of(entry.path())) &&
         !entry.path().filename().string().starts_with('.'))
       files.push_back(entry.path());

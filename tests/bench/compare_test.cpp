@@ -125,7 +125,7 @@ TEST(Compare, WritesMaps) {
   const fs::path folder = scratch();
   const json out = compared(kImages / "p14_render_alias_ref.png", kImages / "p14_render_alias_test.png",
                             {"--maps", (folder / "maps").string()});
-  ASSERT_EQ(out["maps"].size(), 4U);
+  ASSERT_EQ(out["maps"].size(), 5U);
   const auto map = [&](const char* name) { return decode_png(read_file(folder / "maps" / name), name); };
   EXPECT_EQ(map("absdiff.png"),
             decode_png(read_file(kImages.parent_path() / "maps" / "p14_render_alias_absdiff.png"), "expected"));
@@ -134,6 +134,7 @@ TEST(Compare, WritesMaps) {
   EXPECT_EQ(map("error_pseudocolour.png").width, 480);
   EXPECT_GT(map("error_pseudocolour.png").height, 300);
   EXPECT_EQ(map("flip_map.png").height, 270);
+  EXPECT_GT(map("cvvdp_map.png").height, 300);
   fs::remove_all(folder);
 }
 
