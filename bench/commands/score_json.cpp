@@ -27,4 +27,18 @@ void put_scores(Json& values, Json& reasons, std::span<const metrics::Scored> sc
   }
 }
 
+Json conditions_json(std::span<const metrics::Scored> scores) {
+  Json out = Json::object();
+  for (const auto& [score, result] : scores)
+    if (!result.conditions.empty()) out[std::string(score->name)] = result.conditions;
+  return out;
+}
+
+Json details_json(std::span<const metrics::Scored> scores) {
+  Json out = Json::object();
+  for (const auto& [score, result] : scores)
+    for (const auto& [name, value] : result.details) out[std::string(score->name)][name] = json_number(value);
+  return out;
+}
+
 }  // namespace crowdbench::bench

@@ -18,4 +18,10 @@ Json score_json(const metrics::ScoreResult& result);
 // Adds each score to `values` by its name, and its reason to `reasons` where it is absent. Both are objects.
 void put_scores(Json& values, Json& reasons, std::span<const metrics::Scored> scores);
 
+// {"name": "67.0206 pixels/degree"}: of the scores that depend on a choice and have a value.
+Json conditions_json(std::span<const metrics::Scored> scores);
+
+// {"name": {"q": 0.4}}: the details of those that have some.
+Json details_json(std::span<const metrics::Scored> scores);
+
 }  // namespace crowdbench::bench

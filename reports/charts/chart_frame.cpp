@@ -1,0 +1,44 @@
+#include "reports/charts/chart_frame.h"
+
+namespace crowdbench::reports {
+namespace {
+
+constexpr const char* kSchema = "https://vega.github.io/schema/vega-lite/v6.json";  // a name; nothing loads it
+constexpr const char* kGrid = "#e4e7eb";
+
+Json config() {
+  return {{"background", "transparent"},
+          {"font", "inherit"},
+          {"view", {{"stroke", nullptr}}},
+          {"axis",
+           {{"labelFontSize", 12},
+            {"titleFontSize", 12},
+            {"titleFontWeight", 600},
+            {"titlePadding", 10},
+            {"labelColor", kChartInk},
+            {"titleColor", kChartInk},
+            {"gridColor", kGrid},
+            {"domainColor", "#9aa5b1"},
+            {"tickColor", "#9aa5b1"}}},
+          {"legend",
+           {{"labelFontSize", 12},
+            {"titleFontSize", 12},
+            {"labelColor", kChartInk},
+            {"titleColor", kChartInk},
+            {"orient", "top"},
+            {"title", nullptr}}}};
+}
+
+}  // namespace
+
+Json chart_frame() { return {{"$schema", kSchema}, {"config", config()}}; }
+
+Json chart_frame(int height) {
+  Json frame = chart_frame();
+  frame["width"] = "container";
+  frame["height"] = height;
+  frame["autosize"] = {{"type", "fit-x"}, {"contains", "padding"}};
+  return frame;
+}
+
+}  // namespace crowdbench::reports

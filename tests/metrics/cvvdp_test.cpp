@@ -1,0 +1,347 @@
+// ColorVideoVDP: identity, by hand, and against the scores of its authors' program (tests/data/ground-truth/cvvdp).
+#include "metrics/cvvdp/cvvdp.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "metrics/registry.h"
+#include "tests/metrics/cvvdp_cases.h"
+#include "tests/support/sanitized.h"
+
+namespace crowdbench::metrics {
+namespace {
+
+using nlohmann::json;
+
+Image8 noise(int width, int height, uint64_t seed, int channels = 3) {
+  Image8 out(width, height, channels);
+  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = static_cast<uint8_t>(random_below(seed, i, 1, 256));
+  return out;
+}
+
+Image8 flat(int width, int height, uint8_t value) {
+  Image8 out(width, height, 3);
+  std::fill(out.data.begin(), out.data.end(), value);
+  return out;
+}
+
+double largest(const CvvdpResult& result) {
+  double most = 0;
+  for (const auto& frame : result.by_frame)
+    for (const auto& channel : frame)
+      for (const double q : channel) most = std::max(most, q);
+  return most;
+}
+
+TEST(Cvvdp, EqualPicturesAndClipsScoreExactlyTen) {
+  for (const auto& [width, height] : {std::pair{2, 2}, {3, 2}, {5, 9}, {16, 200}, {97, 64}}) {
+    const Image8 a = noise(width, height, 1);
+    CvvdpOptions options;
+    options.fps = 30;
+    size_t maps = 0;
+    options.map = [&](size_t, CvvdpMap&& map) {
+      ++maps;
+      EXPECT_EQ(map.q, 0);
+      for (const float v : map.jod.data) ASSERT_EQ(v, 10.0F);
+    };
+    const CvvdpResult still = cvvdp(a, a, default_display(), options);
+    EXPECT_EQ(still.jod, 10);
+    EXPECT_EQ(largest(still), 0);
+    EXPECT_TRUE(still.still);
+    EXPECT_EQ(still.channel_q, std::vector<double>(3, 0));
+    Cvvdp clip(default_display(), options);
+    for (uint64_t f = 0; f < 4; ++f) clip.take(noise(width, height, f), noise(width, height, f));
+    const CvvdpResult moving = clip.finish();
+    EXPECT_EQ(moving.jod, 10);
+    EXPECT_EQ(largest(moving), 0);
+    EXPECT_FALSE(moving.still);
+    EXPECT_EQ(moving.channel_q, std::vector<double>(4, 0));
+    EXPECT_EQ(maps, 5U);
+  }
+}
+
+// The base band is divided by its own mean, and no other band sees a constant. Pooled powers make 1e-3 of rounding.
+TEST(Cvvdp, AUniformChangeOfLuminanceHasNoEffect) {
+  for (const int grey : {0, 64, 129, 255})
+    EXPECT_NEAR(cvvdp(flat(64, 48, 128), flat(64, 48, static_cast<uint8_t>(grey)), default_display()).jod, 10, 1e-5);
+  Image8 red = flat(64, 48, 128);
+  for (size_t i = 0; i < red.data.size(); i += 3) red.data[i] = 160;
+  EXPECT_LT(cvvdp(flat(64, 48, 128), red, default_display()).jod, 9.99) << "a uniform change of colour has one";
+}
+
+TEST(Cvvdp, ALargerDifferenceAndALargerPixelAreSeenMoreEasily) {
+  const Image8 reference = noise(64, 64, 1);
+  Image8 little = reference;
+  Image8 more = reference;
+  for (size_t i = 0; i < little.data.size(); ++i) {
+    little.data[i] = static_cast<uint8_t>(std::min(reference.data[i] + i % 7, size_t{255}));
+    more.data[i] = static_cast<uint8_t>(std::min(reference.data[i] + i % 7 * 4, size_t{255}));
+  }
+  const double jod = cvvdp(reference, little, default_display()).jod;
+  EXPECT_LT(jod, 10);
+  EXPECT_LT(cvvdp(reference, more, default_display()).jod, jod);
+  EXPECT_LT(cvvdp(reference, little, find_display("standard_fhd", "")).jod, jod);
+}
+
+TEST(Cvvdp, GreyAlphaAndSixteenBitsAreTheSamePicture) {
+  const Image8 grey = noise(40, 30, 1, 1);
+  Image8 rgb(40, 30, 3);
+  Image8 rgba(40, 30, 4);
+  for (size_t i = 0; i < grey.data.size(); ++i) {
+    std::fill_n(rgb.data.begin() + static_cast<ptrdiff_t>(3 * i), 3, grey.data[i]);
+    std::fill_n(rgba.data.begin() + static_cast<ptrdiff_t>(4 * i), 3, grey.data[i]);
+    rgba.data[4 * i + 3] = static_cast<uint8_t>(i);
+  }
+  const Image8 other = noise(40, 30, 2);
+  const double jod = cvvdp(rgb, other, default_display()).jod;
+  EXPECT_EQ(cvvdp(grey, other, default_display()).jod, jod);
+  EXPECT_EQ(cvvdp(rgba, other, default_display()).jod, jod);
+  EXPECT_EQ(cvvdp(widen(rgb), widen(other), default_display()).jod, jod);
+  ImageF floats(40, 30, 3);
+  ImageF other_floats(40, 30, 3);
+  for (size_t i = 0; i < floats.data.size(); ++i) {
+    floats.data[i] = static_cast<float>(rgb.data[i]) / 255;
+    other_floats.data[i] = static_cast<float>(other.data[i]) / 255;
+  }
+  EXPECT_NEAR(cvvdp(floats, other_floats, default_display()).jod, jod, 1e-5) << "encoded values of 0..1";
+}
+
+TEST(Cvvdp, TheBitsDoNotDependOnTheNumberOfThreads) {
+  const auto run = [](unsigned threads, int frames) {
+    CvvdpOptions options;
+    options.threads = threads;
+    options.fps = 25;
+    std::vector<float> maps;
+    options.map = [&](size_t, CvvdpMap&& map) { maps.insert(maps.end(), map.jod.data.begin(), map.jod.data.end()); };
+    Cvvdp metric(find_display("standard_fhd", ""), options);
+    for (int f = 0; f < frames; ++f) {
+      const auto seed = static_cast<uint64_t>(f);
+      metric.take(noise(331, 402, seed), noise(331, 402, 2 * seed + 1));
+    }
+    return std::pair{metric.finish(), maps};
+  };
+  for (const int frames : {1, 3}) {
+    const auto [one, map] = run(1, frames);
+    EXPECT_LT(one.jod, 10);
+    for (const unsigned threads : {2U, 5U}) {
+      const auto [other, other_map] = run(threads, frames);
+      EXPECT_EQ(other.jod, one.jod) << threads;
+      EXPECT_EQ(other.by_frame, one.by_frame) << threads;
+      EXPECT_EQ(other_map, map) << threads;
+    }
+  }
+}
+
+TEST(Cvvdp, Refusals) {
+  const auto refusal = [](const auto& work) {
+    try {
+      work();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  const auto contains = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  const Image8 a = noise(8, 8, 1);
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {9, 1}}) {
+    const std::string said =
+        refusal([&] { cvvdp(noise(width, height, 1), noise(width, height, 2), default_display()); });
+    EXPECT_TRUE(contains(said, "a side is below 2 pixels")) << said;
+  }
+  EXPECT_TRUE(contains(refusal([&] { cvvdp(a, noise(8, 9, 1), default_display()); }), "differ in size"));
+  EXPECT_TRUE(contains(refusal([&] {
+                         Cvvdp clip(default_display());
+                         clip.take(a, a);
+                         clip.take(a, a);
+                       }),
+                       "without its frame rate"));
+  EXPECT_TRUE(contains(refusal([&] {
+                         Cvvdp clip(default_display(), {.fps = 30});
+                         clip.take(a, a);
+                         clip.take(noise(9, 8, 1), noise(9, 8, 1));
+                       }),
+                       "frame 1 is 9 x 8"));
+  EXPECT_TRUE(contains(refusal([&] { Cvvdp(default_display()).finish(); }), "no picture"));
+  ImageF bad(8, 8, 3);
+  bad.at(3, 2)[1] = std::numeric_limits<float>::quiet_NaN();
+  bad.at(4, 5)[0] = std::numeric_limits<float>::infinity();
+  const Display linear = find_display("standard_hdr_linear", "");
+  const std::string said = refusal([&] { cvvdp(ImageF(8, 8, 3), bad, linear); });
+  EXPECT_TRUE(contains(said, "2 pixels of the test are not finite, the first at (3, 2)")) << said;
+}
+
+// Every case of the reference whose pictures are here. The reference's numbers have six decimals.
+TEST(CvvdpGroundTruth, EveryScoreWithin1e4Jod) {
+  constexpr double kTolerance = 1e-4;
+  const CvvdpCases cases;
+  size_t checked = 0;
+  std::string missing;
+  for (const auto& [key, expected] : cases.all().items()) {
+    // The reference copies a one-channel picture into all three planes; here it is grey.
+    if (key.starts_with("grey1_one_channel_path")) continue;
+    // Large, and no other code than the smaller ones run.
+    if (support::kSanitized &&
+        (key.starts_with("a01") || key.starts_with("p14_tiled") || key.starts_with("sequence_x4")))
+      continue;
+    const auto one = cases.load(key);
+    if (!one) {
+      missing += (missing.empty() ? "" : ", ") + key;
+      continue;
+    }
+    ++checked;
+    if (expected["jod"].is_null()) {
+      EXPECT_THROW(score(*one), Error) << key;
+      continue;
+    }
+    const CvvdpResult result = score(*one);
+    EXPECT_NEAR(result.jod, expected["jod"].get<double>(), kTolerance) << key;
+    ASSERT_EQ(result.by_frame.size(), expected["frames"].get<size_t>()) << key;
+    EXPECT_EQ(result.frequencies.size(), expected["rho_band"].size()) << key;
+    for (size_t b = 0; b < result.frequencies.size(); ++b)
+      EXPECT_NEAR(result.frequencies[b] / expected["rho_band"][b].get<double>(), 1, 1e-6) << key;
+    if (!expected["Q"].is_array()) continue;
+    for (size_t f = 0; f < result.by_frame.size(); ++f)
+      for (size_t c = 0; c < result.by_frame[f].size(); ++c)
+        for (size_t b = 0; b < result.frequencies.size(); ++b) {
+          const double q = expected["Q"][c][f][b].get<double>();
+          EXPECT_NEAR(result.by_frame[f][c][b], q, 1e-4 * q + 1e-4) << key << " frame " << f << " band " << b;
+        }
+  }
+  EXPECT_GE(checked, 100U);
+  RecordProperty("missing", missing);
+  if (!missing.empty()) std::printf("not here, not tested: %s\n", missing.c_str());
+}
+
+TEST(CvvdpGroundTruth, HeatMaps) {
+  const CvvdpCases cases;
+  const json maps = cvvdp_json("units.json")["heatmap"];
+  size_t checked = 0;
+  for (const auto& [key, expected] : maps.items()) {
+    if (key == "note") continue;
+    auto one = cases.load(key);
+    ASSERT_TRUE(one) << key;
+    ImageF jod;
+    one->options.map = [&](size_t, CvvdpMap&& map) { jod = std::move(map.jod); };
+    score(*one);
+    const json& rows = expected["map"];
+    // The reference's values are 1 - JOD / 10, kept in half precision and written with four digits.
+    const auto compare = [&](int x, int y, double value) {
+      EXPECT_NEAR(1 - *jod.at(x, y) / 10, value, 1e-3 * value + 2e-6) << key << " at " << x << ", " << y;
+      ++checked;
+    };
+    for (int y = 0; rows.is_array() && y < jod.height; ++y)
+      for (int x = 0; x < jod.width; ++x)
+        compare(x, y, rows[static_cast<size_t>(y)][static_cast<size_t>(x)].get<double>());
+    const json& samples = expected["stats"]["samples"];
+    const int w = jod.width;
+    const int h = jod.height;
+    const std::array<std::pair<int, int>, 6> places = {
+        {{0, 0}, {w - 1, 0}, {0, h - 1}, {w - 1, h - 1}, {w / 2, h / 2}, {w / 4, h / 3}}};
+    for (size_t i = 0; i < places.size(); ++i) compare(places[i].first, places[i].second, samples[i].get<double>());
+  }
+  EXPECT_GT(checked, 33U * 47U);
+}
+
+// The score of the table.
+class CvvdpScore : public testing::Test {
+ protected:
+  CvvdpScore() {
+    input_.reference.codes = &reference_;
+    input_.test.codes = &test_;
+    input_.display = &default_display();
+  }
+  static const Score& score() {
+    const auto found =
+        std::find_if(scores().begin(), scores().end(), [](const Score* s) { return s->name == "cvvdp"; });
+    return **found;
+  }
+  ScoreResult computed() {
+    Shared shared;
+    return score().compute(input_, shared);
+  }
+
+  Image8 reference_ = noise(48, 40, 1);
+  Image8 test_ = noise(48, 40, 2);
+  ScoreInput input_;
+};
+
+TEST_F(CvvdpScore, OfPicturesSaysWhatItIsMadeOf) {
+  const ScoreResult result = computed();
+  const CvvdpResult direct = cvvdp(reference_, test_, default_display());
+  EXPECT_EQ(result.value, direct.jod);
+  EXPECT_FALSE(result.map) << "not asked for";
+  ASSERT_EQ(result.details.size(), 4U);
+  EXPECT_EQ(result.details[0], (std::pair<std::string, double>("q", direct.q)));
+  EXPECT_EQ(result.details[2].first, "q_red_green");
+  for (size_t i = 1; i < 4; ++i) EXPECT_LE(result.details[i].second, direct.q);
+  input_.maps = true;
+  EXPECT_EQ(computed().map->values.width, 48);
+}
+
+TEST_F(CvvdpScore, OfAnAgentIsTheMapOverItsPixels) {
+  test_ = reference_;
+  for (int y = 8; y < 16; ++y)
+    for (int x = 8; x < 16; ++x) test_.at(x, y)[0] ^= 0x80;
+  ImageU32 ids(48, 40, 1);
+  input_.reference.ids = input_.test.ids = &ids;
+  AgentPixels changed;
+  AgentPixels far;
+  for (int i = 0; i < 8; ++i) {
+    changed.pixels.emplace_back(8 + i, 12);
+    far.pixels.emplace_back(40 + i, 39);
+  }
+  Shared shared;
+  const double value = score().by_agent(input_, shared, changed).value();
+  EXPECT_LT(value, score().by_agent(input_, shared, far).value());
+  input_.maps = true;
+  EXPECT_EQ(value, mean_over(computed().map->values, 0, 0, changed));
+}
+
+TEST_F(CvvdpScore, OfAClipIsThatOfTheFramesShown) {
+  const auto run = [&](double fps) {
+    const FrameScore clip = score().over_time();
+    for (uint64_t f = 0; f < 4; ++f) {
+      test_ = f == 2 ? noise(48, 40, 9) : reference_;
+      input_.fps = fps;
+      input_.maps = true;
+      Shared shared;
+      clip.take(input_, shared);
+    }
+    EXPECT_EQ(clip.finish().value, clip.finish().value);
+    return clip.finish();
+  };
+  const ScoreResult result = run(30);
+  Cvvdp direct(default_display(), {.fps = 30});
+  for (uint64_t f = 0; f < 4; ++f) direct.take(reference_, f == 2 ? noise(48, 40, 9) : reference_);
+  EXPECT_EQ(result.value, direct.finish().jod);
+  EXPECT_EQ(result.details.back().first, "q_transient");
+  EXPECT_TRUE(result.map);
+  EXPECT_EQ(run(0).reason, "the frame rate is not given");
+}
+
+TEST_F(CvvdpScore, WhatCannotBeScoredHasItsReason) {
+  const Image8 tiny = noise(1, 1, 1);
+  input_.reference.codes = input_.test.codes = &tiny;
+  EXPECT_EQ(computed().reason, "a side is below 2 pixels");
+  input_.reference.codes = nullptr;
+  EXPECT_NE(computed().reason.find("neither code values nor floats"), std::string::npos);
+  ImageF light(8, 8, 3);
+  input_.reference.linear = input_.test.linear = &light;
+  EXPECT_NE(computed().reason.find("linear colour space"), std::string::npos);
+  const Display linear = find_display("standard_hdr_linear", "");
+  input_.display = &linear;
+  EXPECT_EQ(computed().value, 10);
+  light.data[4] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NE(computed().reason.find("is not finite, the first at (1, 0)"), std::string::npos) << computed().reason;
+  const FrameScore clip = score().over_time();
+  Shared shared;
+  clip.take(input_, shared);
+  EXPECT_NE(clip.finish().reason.find("frame 0: 1 pixel of the reference"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace crowdbench::metrics
