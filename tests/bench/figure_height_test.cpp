@@ -1,0 +1,77 @@
+// A figure asked for at so many pixels is so many rows tall in its picture, whoever it is and in whichever clip it
+// stands.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/experiments/quality.h"
+#include "renderers/gl/context.h"
+#include "scene/cast/open_character.h"
+
+namespace crowdbench::bench {
+namespace {
+
+constexpr double kHeight = 240;  // pixels
+
+int rows_drawn(const ImageU32& ids) {
+  int first = ids.height;
+  int last = -1;
+  for (int y = 0; y < ids.height; ++y)
+    for (int x = 0; x < ids.width; ++x)
+      if (*ids.at(x, y) != 0) {
+        first = std::min(first, y);
+        last = y;
+      }
+  return last - first + 1;
+}
+
+struct Standing {
+  const char* file;  // of ../shared/characters; the mannequin where there is no dot
+  const char* clip;
+};
+
+// Clips in which nobody reaches far towards the camera, which a lens shows larger, seen from the side.
+class FigureHeight : public ::testing::TestWithParam<Standing> {};
+
+TEST_P(FigureHeight, IsTheRowsOfItsPicture) {
+  const std::string name = GetParam().file;
+  const bool shared = name.find('.') != std::string::npos;
+  const std::filesystem::path path = std::filesystem::path("../shared/characters") / name;
+  if (shared && !std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  scene::CharacterEntry entry;
+  entry.source = shared ? path.string() : name;
+  entry.clips = {GetParam().clip};
+  QualitySetup setup;
+  setup.character = std::make_shared<const scene::Character>(scene::open_character(entry));
+  setup.representations = {"mesh"};
+  const int clip = scene::require_clip(*setup.character, GetParam().clip);
+  const double start = setup.character->clips[static_cast<size_t>(clip)].start;
+  setup.views = {{kHeight, 0, 0, clip, start}, {kHeight, 90, 0, clip, start}};
+  gl::Context context;
+  std::vector<int> rows;
+  compute_quality(context, setup, [&](const QualityRow&, const QualityPictures& pictures) {
+    rows.push_back(rows_drawn(pictures.reference.ids));
+  });
+  ASSERT_EQ(rows.size(), 2U);
+  for (const int drawn : rows) EXPECT_NEAR(drawn, kHeight, 0.02 * kHeight) << name << " " << GetParam().clip;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Characters, FigureHeight,
+    ::testing::Values(Standing{"mannequin", "walk"}, Standing{"mannequin", "idle"}, Standing{"mannequin", "run"},
+                      Standing{"mannequin", "wave"}, Standing{"KayKitKnight.glb", "Walking_A"},
+                      Standing{"KayKitKnight.glb", "Idle"}, Standing{"KayKitKnight.glb", "Running_A"},
+                      Standing{"QuaterniusKnight.glb", "HumanArmature|Walking"},
+                      Standing{"QuaterniusKnight.glb", "HumanArmature|Idle"}, Standing{"Robot.glb", "Robot_Walking"},
+                      Standing{"Robot.glb", "Robot_Idle"}, Standing{"CesiumMan.glb", "0"},
+                      Standing{"RiggedFigure.glb", "0"}, Standing{"Mannequiny.glb", "walk"},
+                      Standing{"Mannequiny.glb", "idle"}, Standing{"greenman.glb", "1_idle"},
+                      Standing{"greenman.glb", "2_move"}, Standing{"Fox.glb", "Survey"}, Standing{"Fox.glb", "Walk"},
+                      Standing{"CyberpunkCharacter.glb", "CharacterArmature|Walk"},
+                      Standing{"CyberpunkCharacter.glb", "CharacterArmature|Idle_Neutral"}));
+
+}  // namespace
+}  // namespace crowdbench::bench
