@@ -8,6 +8,14 @@ namespace {
 
 constexpr double kAssumedTicks = 25;  // a second, where the file does not say
 
+// Assimp names a COLLADA animation "parent_child", and a child without a name after its parent.
+std::string clip_name(const aiAnimation& in, Format format) {
+  const std::string name = in.mName.C_Str();
+  const size_t half = name.size() / 2;
+  const bool twice = name.size() % 2 == 1 && name[half] == '_' && name.substr(0, half) == name.substr(half + 1);
+  return format == Format::collada && twice ? name.substr(0, half) : name;
+}
+
 class Animations {
  public:
   explicit Animations(Conversion& c) : c_(c) {}
@@ -21,7 +29,7 @@ class Animations {
 
  private:
   void convert(const aiAnimation& in) {
-    clip_ = in.mName.C_Str();
+    clip_ = clip_name(in, c_.request.format);
     ticks_ = in.mTicksPerSecond;
     if (!std::isfinite(ticks_) || ticks_ <= 0) {
       ticks_ = kAssumedTicks;

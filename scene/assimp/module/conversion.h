@@ -35,7 +35,7 @@ class Conversion {
     const std::string line = fmt::format("/{}/{}\t{}", list, index, text);
     request.write(request.context, Part::label, line.data(), line.size());
   }
-  // The first node of that name; -1: none.
+  // The node that a bone or an animation means by that name; -1: none.
   int node_named(const aiString& name) const {
     const auto found = node_of_name.find(name.C_Str());
     return found == node_of_name.end() ? -1 : found->second;

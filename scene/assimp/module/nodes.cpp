@@ -3,6 +3,7 @@
 // up, front and right axes with their signs, which Assimp passes on as metadata and does not apply). Of COLLADA files
 // Assimp puts both into the root's transform.
 #include <cmath>
+#include <string_view>
 
 #include "scene/assimp/module/conversion.h"
 
@@ -74,16 +75,39 @@ std::set<std::string> moved_names(const aiScene& scene) {
   return names;
 }
 
+// Whether the node, or the one that an FBX pivot's helper nodes lead to, has meshes.
+bool shows(const aiNode& node) {
+  const aiNode* at = &node;
+  while (at->mNumMeshes == 0 && at->mNumChildren == 1 &&
+         std::string_view(at->mName.C_Str()).find("$AssimpFbx$") != std::string_view::npos)
+    at = at->mChildren[0];
+  return at->mNumMeshes > 0;
+}
+
+// Assimp names what bones and animations mean, and in FBX files a mesh may have the name of the bone that moves it.
+// Such a name means the bone.
+void find_names(Conversion& c, const std::set<std::string>& moved) {
+  size_t unclear = 0;
+  for (size_t i = 0; i < c.nodes.size(); ++i) {
+    const std::string name = c.nodes[i]->mName.C_Str();
+    const auto [place, fresh] = c.node_of_name.emplace(name, static_cast<int>(i));
+    if (fresh) continue;
+    const bool first_shows = shows(*c.nodes[static_cast<size_t>(place->second)]);
+    if (first_shows == shows(*c.nodes[i]) && moved.contains(name)) ++unclear;
+    if (first_shows && !shows(*c.nodes[i])) place->second = static_cast<int>(i);
+  }
+  if (unclear > 0)
+    c.warn(fmt::format("{} moving nodes share a name with another; only the first of each name moves", unclear));
+}
+
 }  // namespace
 
 void convert_nodes(Conversion& c) {
   c.nodes = {c.scene.mRootNode};
   const std::set<std::string> moved = moved_names(c.scene);
-  size_t twice = 0;
   for (size_t i = 0; i < c.nodes.size(); ++i) {
     const aiNode& node = *c.nodes[i];
     const std::string name = node.mName.C_Str();
-    if (!c.node_of_name.emplace(name, static_cast<int>(i)).second && moved.contains(name)) ++twice;
     aiMatrix4x4 m = node.mTransformation;
     if (i == 0 && c.request.format == Format::fbx) m = metres_and_up(c.scene) * m;
     nlohmann::json out = transform_json(m, i != 0 && moved.contains(name));
@@ -94,10 +118,9 @@ void convert_nodes(Conversion& c) {
     }
     c.label("nodes", c.glb.add("nodes", std::move(out)), "node " + shown(name));
   }
+  find_names(c, moved);
   c.glb.document["scenes"] = {{{"nodes", {0}}}};
   c.glb.document["scene"] = 0;
-  if (twice > 0)
-    c.warn(fmt::format("{} moving nodes share a name with another; only the first of each name moves", twice));
 }
 
 }  // namespace crowdbench::scene::assimp_module

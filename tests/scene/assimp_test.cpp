@@ -1,0 +1,485 @@
+// FBX and COLLADA characters: the same figure as its glTF, and whatever else the bytes are, one line.
+#include "scene/assimp/assimp.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "core/random.h"
+#include "gltf_builder.h"
+#include "scene/assimp/isolated.h"
+#include "scene/cast/open_character.h"
+#include "scene/pose/pose.h"
+#include "test_paths.h"
+#include "tests/support/driver.h"
+#include "tests/support/sanitized.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench::scene {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using support::ScratchFolder;
+using test::as_is;
+
+const fs::path kData = fs::path(CROWDBENCH_TEST_DATA) / "assimp";
+
+std::string text_of(AssimpFormat format) {
+  const std::vector<uint8_t> bytes = read_file(kData / (format == AssimpFormat::fbx ? "walker.fbx" : "walker.dae"));
+  return {bytes.begin(), bytes.end()};
+}
+
+// The file with one place of it written otherwise.
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+Character load_text(const std::string& text, AssimpFormat format, const LoadOptions& options = as_is(),
+                    const fs::path& folder = kData) {
+  const std::string name = format == AssimpFormat::fbx ? "walker.fbx" : "walker.dae";
+  return load_assimp_character({text.begin(), text.end()}, format, name, folder, options);
+}
+
+std::string error_of(const auto& f) {
+  try {
+    f();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+bool has_warning(const Character& c, const std::string& fragment) {
+  return std::any_of(c.warnings.begin(), c.warnings.end(),
+                     [&](const std::string& warning) { return warning.find(fragment) != std::string::npos; });
+}
+
+class AssimpFormats : public testing::TestWithParam<AssimpFormat> {};
+INSTANTIATE_TEST_SUITE_P(Both, AssimpFormats, testing::Values(AssimpFormat::fbx, AssimpFormat::collada),
+                         [](const auto& test) { return test.param == AssimpFormat::fbx ? "Fbx" : "Collada"; });
+
+// --- the figure of make_walker.mjs, in metres and with Y up ---
+
+using Floats = std::vector<float>;
+
+std::vector<float> about_x(double degrees) {
+  const double half = degrees * 3.14159265358979323846 / 360;
+  return {static_cast<float>(std::sin(half)), 0, 0, static_cast<float>(std::cos(half))};
+}
+
+// Turned by 30 degrees about x, then about the axis that points to the front.
+std::vector<float> tilted(double degrees) {
+  const double a = 15 * 3.14159265358979323846 / 180;
+  const double b = degrees * 3.14159265358979323846 / 360;
+  return {static_cast<float>(std::sin(a) * std::cos(b)), static_cast<float>(-std::sin(a) * std::sin(b)),
+          static_cast<float>(std::cos(a) * std::sin(b)), static_cast<float>(std::cos(a) * std::cos(b))};
+}
+
+json channel(int sampler, int node, const char* path) {
+  return {{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}};
+}
+
+void add_clips(test::Builder& b) {
+  Floats swing;
+  for (const double degrees : {0, 20, 0, -20, 0})
+    for (const float q : about_x(30 + degrees)) swing.push_back(q);
+  Floats tilt = tilted(0);
+  for (const float q : tilted(40)) tilt.push_back(q);
+  const int walk = b.accessor<float>({0, 0.25F, 0.5F, 0.75F, 1}, "SCALAR");
+  const int moved = b.accessor<float>({0, 0, 0, 0, 0.05F, 0.2F, 0, 0, 0.4F, 0, 0.05F, 0.6F, 0, 0, 0.8F}, "VEC3");
+  const int swung = b.accessor<float>(swing, "VEC4");
+  const int nod = b.accessor<float>({0, 0.5F}, "SCALAR");
+  const int nodded = b.accessor<float>(tilt, "VEC4");
+  b.doc["animations"] = {{{"name", "Walk"},
+                          {"samplers", {{{"input", walk}, {"output", moved}}, {{"input", walk}, {"output", swung}}}},
+                          {"channels", {channel(0, 1, "translation"), channel(1, 2, "rotation")}}},
+                         {{"name", "Nod"},
+                          {"samplers", {{{"input", nod}, {"output", nodded}}}},
+                          {"channels", {channel(0, 2, "rotation")}}}};
+}
+
+Character walker_in_gltf() {
+  test::Builder b;
+  const int body =
+      b.accessor<float>({-.2F, 0, 0, .2F, 0, 0, -.2F, .9F, 0, .2F, .9F, 0, -.2F, 1.8F, 0, .2F, 1.8F, 0}, "VEC3");
+  const int front = b.accessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  const int uv = b.accessor<float>({0, 1, 1, 1, 0, .5F, 1, .5F, 0, 0, 1, 0}, "VEC2");
+  const int joints =
+      b.accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  const int weights =
+      b.accessor<float>({1, 0, 0, 0, 1, 0, 0, 0, .5F, .5F, 0, 0, .5F, .5F, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  const int quads = b.accessor<uint16_t>({0, 1, 3, 0, 3, 2, 2, 3, 5, 2, 5, 4}, "SCALAR");
+  const int hat = b.accessor<float>({0, 0, 0, .2F, 0, 0, .1F, .2F, 0}, "VEC3");
+  const int hat_front = b.accessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  const float c = std::cos(3.14159265F / 6);
+  const float s = std::sin(3.14159265F / 6);
+  const int binds = b.accessor<float>(
+      {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, 0, -.9F * c, .9F * s, 1},
+      "MAT4");
+  b.doc["materials"] = {{{"name", "cloth"}},
+                        {{"name", "felt"}, {"pbrMetallicRoughness", {{"baseColorFactor", {.5, .25, .125, 1}}}}}};
+  b.doc["meshes"] = {
+      {{"primitives",
+        {{{"attributes",
+           {{"POSITION", body}, {"NORMAL", front}, {"TEXCOORD_0", uv}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}},
+          {"indices", quads},
+          {"material", 0}}}}},
+      {{"primitives", {{{"attributes", {{"POSITION", hat}, {"NORMAL", hat_front}}}, {"material", 1}}}}}};
+  b.doc["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", binds}}};
+  b.doc["nodes"] = {{{"mesh", 0}, {"skin", 0}},
+                    {{"name", "hips"}, {"children", {2}}},
+                    {{"name", "chest"}, {"translation", {0, .9, 0}}, {"rotation", about_x(30)}, {"children", {3}}},
+                    {{"name", "hat"}, {"mesh", 1}, {"translation", {0, .9, .1}}, {"scale", {-1, 1, 1}}}};
+  b.doc["scenes"] = {{{"nodes", {0, 1}}}};
+  add_clips(b);
+  return test::load(b);
+}
+
+std::vector<glm::dvec3> posed(const Character& c, int clip, double time) {
+  return skin_positions(c.mesh, joint_matrices(c, clip, time));
+}
+
+// Of each vertex of `reference` that of `c` that lies there in the bind pose.
+std::vector<size_t> counterparts(const Character& reference, const Character& c) {
+  const auto from = posed(reference, -1, 0);
+  const auto to = posed(c, -1, 0);
+  std::vector<size_t> out;
+  for (const glm::dvec3& p : from)
+    out.push_back(static_cast<size_t>(
+        std::min_element(to.begin(), to.end(),
+                         [&](const auto& a, const auto& b) { return glm::distance(a, p) < glm::distance(b, p); }) -
+        to.begin()));
+  return out;
+}
+
+void expect_same_clip(const Character& reference, const Character& c, int clip) {
+  const std::vector<size_t> other = counterparts(reference, c);
+  ASSERT_EQ(std::set<size_t>(other.begin(), other.end()).size(), reference.mesh.positions.size());
+  const double seconds = reference.clips[static_cast<size_t>(clip)].duration();
+  for (int step = -1; step <= 10; ++step) {
+    const auto from = posed(reference, step < 0 ? -1 : clip, seconds * step / 10);
+    const auto to = posed(c, step < 0 ? -1 : clip, seconds * step / 10);
+    for (size_t v = 0; v < from.size(); ++v)
+      EXPECT_LT(glm::distance(from[v], to[other[v]]), 1e-4 * 1.8) << "vertex " << v << ", step " << step;
+  }
+}
+
+TEST_P(AssimpFormats, PosesAsTheSameFigureInGltf) {
+  const Character reference = walker_in_gltf();
+  const Character c = load_text(text_of(GetParam()), GetParam());
+  ASSERT_EQ(c.mesh.positions.size(), reference.mesh.positions.size());
+  expect_same_clip(reference, c, 0);
+  EXPECT_EQ(c.clips[0].name, "Walk");
+  EXPECT_NEAR(c.clips[0].duration(), 1.0, 1e-6);
+  EXPECT_NEAR(c.placement.height, reference.placement.height, 1e-4);
+  EXPECT_NEAR(c.motion[0].ground_speed, reference.motion[0].ground_speed, 1e-3);
+  EXPECT_EQ(c.triangles(), reference.triangles());
+  const std::vector<size_t> other = counterparts(reference, c);
+  for (size_t v = 0; v < other.size(); ++v) {
+    EXPECT_LT(glm::distance(c.mesh.uvs[other[v]], reference.mesh.uvs[v]), 1e-5F) << v;
+    EXPECT_NEAR(c.mesh.weights[other[v]].x, reference.mesh.weights[v].x, 1e-5F) << v;
+  }
+}
+
+TEST_P(AssimpFormats, WindingAndNormalsFollowMirroredNodes) {
+  const Character reference = walker_in_gltf();
+  const Character c = load_text(text_of(GetParam()), GetParam());
+  ASSERT_EQ(c.mesh.primitives.size(), 2U);
+  for (const Primitive& primitive : c.mesh.primitives) {
+    EXPECT_EQ(primitive.mirrored, c.skeleton.joints[c.mesh.joints[primitive.first_vertex].x].rigid);
+    const auto at = posed(c, -1, 0);
+    const uint32_t* i = &c.mesh.indices[primitive.first_index];
+    const glm::dvec3 normal = glm::cross(at[i[1]] - at[i[0]], at[i[2]] - at[i[0]]);
+    EXPECT_GT(normal.z * (primitive.mirrored ? -1 : 1), 0);  // the card and the hat show their front
+    EXPECT_FALSE(primitive.flat);
+  }
+}
+
+TEST(Assimp, FbxTakesAreClips) {
+  const Character c = load_text(text_of(AssimpFormat::fbx), AssimpFormat::fbx);
+  ASSERT_EQ(c.clips.size(), 2U);
+  EXPECT_EQ(c.clips[1].name, "Nod");
+  EXPECT_NEAR(c.clips[1].duration(), 0.5, 1e-6);
+  EXPECT_EQ(c.placement.default_clip, 0);
+  expect_same_clip(walker_in_gltf(), c, 1);
+}
+
+TEST(Assimp, ColladaClipsAreSaidToPlayAtOnce) {
+  const std::string text =
+      changed(text_of(AssimpFormat::collada), "<library_visual_scenes>",
+              "<library_animation_clips><animation_clip id=\"a\"><instance_animation url=\"#Walk\"/>"
+              "</animation_clip></library_animation_clips><library_visual_scenes>");
+  EXPECT_TRUE(has_warning(load_text(text, AssimpFormat::collada), "its clips are not told apart"));
+}
+
+// --- units and axes ---
+
+glm::dvec3 extent(const Character& c) {
+  glm::dvec3 low(1e9);
+  glm::dvec3 high(-1e9);
+  for (const glm::dvec3& p : posed(c, -1, 0)) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  return high - low;
+}
+
+TEST(Assimp, UnitsBecomeMetres) {
+  const std::string fbx = text_of(AssimpFormat::fbx);
+  const double tall = extent(load_text(fbx, AssimpFormat::fbx)).y;
+  EXPECT_NEAR(tall, 1.8026, 1e-3);
+  const std::string unit = "\"UnitScaleFactor\", \"double\", \"Number\", \"\",";
+  EXPECT_NEAR(extent(load_text(changed(fbx, unit + "1", unit + "2.54"), AssimpFormat::fbx)).y, 2.54 * tall, 1e-4);
+  const std::string dae = text_of(AssimpFormat::collada);
+  EXPECT_NEAR(extent(load_text(changed(dae, "meter=\"0.01\"", "meter=\"0.0254\""), AssimpFormat::collada)).y,
+              2.54 * tall, 1e-4);
+}
+
+TEST(Assimp, AxesAreTurned) {
+  const std::string axis = "\"int\", \"Integer\", \"\",";
+  std::string fbx = changed(text_of(AssimpFormat::fbx), "\"UpAxis\", " + axis + "2", "\"UpAxis\", " + axis + "1");
+  fbx = changed(fbx, "\"FrontAxis\", " + axis + "1", "\"FrontAxis\", " + axis + "2");
+  const Character as_said = load_text(
+      changed(fbx, "\"FrontAxisSign\", " + axis + "-1", "\"FrontAxisSign\", " + axis + "1"), AssimpFormat::fbx);
+  EXPECT_NEAR(extent(as_said).z, 1.8026, 1e-3);  // the figure stands along the file's z, which now points to the front
+  const Character dae = load_text(changed(text_of(AssimpFormat::collada), "Z_UP", "Y_UP"), AssimpFormat::collada);
+  EXPECT_NEAR(extent(dae).z, 1.8026, 1e-3);
+  const std::string two = changed(text_of(AssimpFormat::fbx), "\"UpAxis\", " + axis + "2", "\"UpAxis\", " + axis + "1");
+  EXPECT_NE(error_of([&] { load_text(two, AssimpFormat::fbx); }).find("axes of which two are one"), std::string::npos);
+}
+
+// --- pictures ---
+
+TEST_P(AssimpFormats, PicturesAreFoundByTheirNameInTheFolder) {
+  const Character c = load_text(text_of(GetParam()), GetParam());
+  ASSERT_EQ(c.images.size(), 1U);
+  EXPECT_EQ(c.images[0].image.data[0], 255);  // red is the upper left texel
+  EXPECT_EQ(c.images[0].image.data[1], 0);
+  const auto cloth =
+      std::find_if(c.materials.begin(), c.materials.end(), [](const auto& m) { return m.name == "cloth"; });
+  ASSERT_NE(cloth, c.materials.end());
+  EXPECT_EQ(cloth->base_colour, glm::vec4(1.0F));  // the picture stands in the colour's place
+  EXPECT_EQ(cloth->base_colour_image, 0);
+}
+
+TEST_P(AssimpFormats, PicturesThatCannotBeReadAreWhiteAndSaid) {
+  ScratchFolder outside;
+  ScratchFolder folder;
+  const std::string text = text_of(GetParam());
+  const auto load = [&] { return load_text(text, GetParam(), as_is(), folder.path()); };
+  Character c = load();
+  EXPECT_TRUE(has_warning(c, "is not in the file's folder, and is drawn white"));
+  EXPECT_TRUE(c.images.empty());
+  fs::create_directory(folder / "walker.fbm");
+  fs::copy_file(kData / "walker.png", folder / "walker.fbm/walker.png");
+  EXPECT_EQ(load().images.size(), 1U);
+  write_file(folder / "walker.png", "TRUEVISION-XFILE");
+  c = load();
+  EXPECT_TRUE(has_warning(c, "is not a PNG, JPEG or WebP picture, and is drawn white"));
+  fs::remove_all(folder / "walker.fbm");
+  fs::remove(folder / "walker.png");
+  fs::copy_file(kData / "walker.png", outside / "walker.png");
+  fs::create_symlink(outside / "walker.png", folder / "walker.png");
+  EXPECT_TRUE(has_warning(load(), "is not in the file's folder"));
+}
+
+TEST(Assimp, WhatIsLostIsSaidOnce) {
+  EXPECT_TRUE(
+      has_warning(load_text(text_of(AssimpFormat::fbx), AssimpFormat::fbx), "lost, as nothing here shows it: lights"));
+  EXPECT_FALSE(has_warning(load_text(text_of(AssimpFormat::collada), AssimpFormat::collada), "lost"));
+  const std::string constrained = changed(text_of(AssimpFormat::fbx), "Material: 30",
+                                          "Constraint: 60, \"Constraint::aim\", \"Aim\" {\n}\nMaterial: 30");
+  EXPECT_TRUE(has_warning(load_text(constrained, AssimpFormat::fbx), "constraints, lights"));
+}
+
+// --- which files ---
+
+TEST(Assimp, FormatsAreToldByTheirBytesElseByTheirName) {
+  const auto told = [](const std::string& start, const char* path) {
+    return assimp_format({reinterpret_cast<const uint8_t*>(start.data()), start.size()}, path);
+  };
+  EXPECT_EQ(told(std::string("Kaydara FBX Binary  \0\x1A", 22), "a"), AssimpFormat::fbx);
+  EXPECT_EQ(told("; FBX 7.4.0 project file", "a.txt"), AssimpFormat::fbx);
+  EXPECT_EQ(told("FBXHeaderExtension: {", "a.FBX"), AssimpFormat::fbx);
+  EXPECT_EQ(told("\xEF\xBB\xBF<?xml version=\"1.0\"?><COLLADA>", "a.xml"), AssimpFormat::collada);
+  EXPECT_EQ(told("<?xml version=\"1.0\"?>", "a.dae"), AssimpFormat::collada);
+  EXPECT_EQ(told("glTF", "a.fbx"), std::nullopt);
+  EXPECT_EQ(told("{\"asset\"", "a.dae"), std::nullopt);
+  EXPECT_EQ(told("solid cube", "a.stl"), std::nullopt);
+  EXPECT_EQ(told("", "a.glb"), std::nullopt);
+}
+
+TEST(Assimp, EveryCommandsCharacterMayBeSuchAFile) {
+  EXPECT_EQ(open_character((kData / "walker.fbx").string(), as_is()).triangles(), 5U);
+  EXPECT_EQ(open_character((kData / "walker.dae").string(), as_is()).triangles(), 5U);
+  ScratchFolder folder;
+  fs::copy_file(kData / "walker.dae", folder / "walker");
+  const Character c = open_character((folder / "walker").string(), as_is());
+  EXPECT_EQ(c.triangles(), 5U);
+  save_character(c, folder / "saved.glb");
+  expect_same_clip(c, load_character(folder / "saved.glb", as_is()), 0);
+  LoadOptions bare = as_is();
+  bare.hide = {"hat"};
+  EXPECT_EQ(open_character((kData / "walker.fbx").string(), bare).triangles(), 4U);
+}
+
+// --- what is refused ---
+
+TEST(Assimp, FaultsAreNamedAsTheFileNamesThem) {
+  const std::string far = changed(text_of(AssimpFormat::fbx), "20,0,180", "20,0,1e22");
+  const std::string error = error_of([&] { load_text(far, AssimpFormat::fbx); });
+  EXPECT_NE(error.find("walker.fbx: positions of mesh body: element"), std::string::npos) << error;
+  EXPECT_EQ(error.find("glTF validator"), std::string::npos) << error;
+  LoadOptions options = as_is();
+  options.hide = {"cape"};
+  EXPECT_NE(
+      error_of([&] { load_text(text_of(AssimpFormat::fbx), AssimpFormat::fbx, options); }).find("no node named cape"),
+      std::string::npos);
+}
+
+TEST_P(AssimpFormats, LimitsHold) {
+  const std::string text = text_of(GetParam());
+  const auto refused = [&](const std::string& fragment, const auto& set) {
+    LoadOptions options = as_is();
+    set(options.limits);
+    const std::string error = error_of([&] { load_text(text, GetParam(), options); });
+    EXPECT_NE(error.find(fragment), std::string::npos) << error;
+  };
+  refused("nodes, more than the limit of 3", [](GltfLimits& l) { l.nodes = 3; });
+  refused("triangles, more than the limit of 4", [](GltfLimits& l) { l.triangles = 4; });
+  refused("animation numbers, more than the limit of 20", [](GltfLimits& l) { l.keys = 20; });
+  refused("clips, more than the limit of 0", [](GltfLimits& l) { l.clips = 0; });
+  refused("clips times nodes, more than the limit of 4", [](GltfLimits& l) { l.clip_nodes = 4; });
+  refused("bytes, more than the limit of 100", [](GltfLimits& l) { l.file_bytes = 100; });
+  refused("the limit is 4", [](GltfLimits& l) { l.vertices = 4; });
+  refused("the limit is 1", [](GltfLimits& l) { l.joints = 1; });
+  refused("the limit is 1 a side", [](GltfLimits& l) { l.image_side = 1; });
+}
+
+// A sound character or one line.
+void expect_answer(const std::string& text, AssimpFormat format) {
+  try {
+    const Character c = load_text(text, format);
+    for (const glm::dvec3& p : posed(c, c.placement.default_clip, 0.3)) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    EXPECT_EQ(error.where.rfind("walker.", 0), 0U) << error.what();
+    EXPECT_FALSE(error.wrong.empty());
+  }
+}
+
+TEST_P(AssimpFormats, CutShortAnywhereItIsAnswered) {
+  const std::string text = text_of(GetParam());
+  for (size_t part = 0; part < 16; ++part) expect_answer(text.substr(0, text.size() * part / 16), GetParam());
+  EXPECT_NE(error_of([&] { load_text("", GetParam()); }), "no error");
+}
+
+TEST_P(AssimpFormats, DamagedAnywhereItIsAnswered) {
+  const std::string text = text_of(GetParam());
+  const uint32_t tries = support::kSanitized ? 10 : 60;
+  for (uint32_t i = 0; i < tries; ++i) {
+    std::string damaged = text;
+    for (uint32_t k = 0; k < 8; ++k) {
+      const uint64_t r = hash64(i, k);
+      damaged[r % damaged.size()] ^= static_cast<char>(1U << (r >> 60 & 7));
+    }
+    expect_answer(damaged, GetParam());
+  }
+}
+
+TEST(Assimp, AFileThatGoesRoundInCirclesIsRefused) {
+  // A node that is its own child, which Assimp follows until its stack ends.
+  const std::string circle = changed(text_of(AssimpFormat::collada), "<scale>-1 1 1</scale>",
+                                     "<scale>-1 1 1</scale><instance_node url=\"#hips\"/>");
+  const std::string error = error_of([&] { load_text(circle, AssimpFormat::collada); });
+  EXPECT_NE(error.find("walker.dae: "), std::string::npos) << error;
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+}
+
+// --- the child process ---
+
+TEST(Isolated, GivesBackWhatIsWritten) {
+  const IsolatedOutput out = run_isolated("test", [](int fd) { ASSERT_EQ(::write(fd, "abc", 3), 3); });
+  EXPECT_EQ(std::string(out.bytes.begin(), out.bytes.end()), "abc");
+  EXPECT_EQ(out.failure, "");
+}
+
+TEST(Isolated, SurvivesWhateverEndsTheChild) {
+  EXPECT_EQ(run_isolated("test", [](int) { std::abort(); }).failure, "crashes its reader (signal 6)");
+  EXPECT_EQ(run_isolated("test", [](int) { throw std::bad_alloc(); }).failure, "needs more than 2048 MiB to be read");
+  EXPECT_EQ(run_isolated("test", [](int) { throw 7; }).failure, "ends its reader (status 70)");
+  IsolationLimits limits;
+  limits.cpu_seconds = 1;
+  EXPECT_EQ(run_isolated(
+                "test",
+                [](int) {
+                  for (volatile int i = 0;; i = i + 1) {
+                  }
+                },
+                limits)
+                .failure,
+            "takes more than 1 s to be read");
+  limits.output_bytes = 2;
+  EXPECT_EQ(run_isolated(
+                "test", [](int fd) { ASSERT_EQ(::write(fd, "abc", 3), 3); }, limits)
+                .failure,
+            "becomes more than 0 MiB");
+}
+
+TEST(Isolated, MemoryIsBounded) {
+  if (support::kSanitized) GTEST_SKIP() << "a sanitizer ends the process where memory ends";
+  const auto greedy = [](int) {
+    std::vector<std::unique_ptr<char[]>> all;
+    while (true) all.push_back(std::make_unique<char[]>(size_t{64} << 20));
+  };
+  EXPECT_EQ(run_isolated("test", greedy).failure, "needs more than 2048 MiB to be read");
+}
+
+// --- without the module or its library ---
+
+TEST(Assimp, WithoutItsLibraryOneLineNamesThePackage) {
+  CROWDBENCH_SKIP_SANITIZED("nothing else, but it starts a driver of its own");
+  if (!support::driver_is_built()) GTEST_SKIP() << "needs the driver";
+  ScratchFolder folder;
+  fs::copy_file(program_directory() / "crowdbench", folder / "crowdbench");
+  const std::string command =
+      fmt::format("'{}' inspect '{}' 2>&1", (folder / "crowdbench").string(), (kData / "walker.fbx").string());
+  support::Outcome out = support::run_shell(command);
+  EXPECT_EQ(out.status, 2);
+  EXPECT_NE(out.text.find("crowdbench_assimp.so: reading FBX and COLLADA needs this module"), std::string::npos)
+      << out.text;
+  std::vector<uint8_t> module = read_file(program_directory() / "crowdbench_assimp.so");
+  const std::string name = "libassimp.so.";
+  const auto at = std::search(module.begin(), module.end(), name.begin(), name.end());
+  ASSERT_NE(at, module.end());
+  at[static_cast<std::ptrdiff_t>(name.size())] = 'x';  // a library that no machine has
+  write_file(folder / "crowdbench_assimp.so", module.data(), module.size());
+  out = support::run_shell(command);
+  EXPECT_EQ(out.status, 2);
+  EXPECT_NE(out.text.find("install Debian's package libassimp5"), std::string::npos) << out.text;
+  EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+}
+
+TEST(Assimp, TheFilesAreWhatTheirScriptWrites) {
+  if (support::run_shell("command -v node").status != 0) GTEST_SKIP() << "needs node";
+  ScratchFolder folder;
+  ASSERT_EQ(
+      support::run_shell(fmt::format("node '{}' '{}'", (kData / "make_walker.mjs").string(), folder.path().string()))
+          .status,
+      0);
+  for (const char* name : {"walker.fbx", "walker.dae", "walker.png"})
+    EXPECT_EQ(read_file(folder / name), read_file(kData / name)) << name;
+}
+
+}  // namespace
+}  // namespace crowdbench::scene
