@@ -56,7 +56,11 @@ fallback() {
   esac
 }
 
-objects=("$driver" "$build/bin/crowdbench_window.so")
+objects=("$driver")
+for module in window draco assimp; do
+  [ -f "$build/bin/crowdbench_$module.so" ] || fail "no crowdbench_$module.so in $build/bin; run ./run build first"
+  objects+=("$build/bin/crowdbench_$module.so")
+done
 if [ -n "$with_tests" ]; then
   [ -x "$build/bin/test_renderers" ] || fail "no test_renderers in $build/bin; build it first"
   objects+=("$build/bin/test_renderers")

@@ -2,6 +2,7 @@
 // Based on: Autodesk, "FBX SDK Programmer's Guide", FbxAxisSystem and FbxSystemUnit (a file's unit in centimetres; its
 // up, front and right axes with their signs, which Assimp passes on as metadata and does not apply). Of COLLADA files
 // Assimp puts both into the root's transform.
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -75,52 +76,96 @@ std::set<std::string> moved_names(const aiScene& scene) {
   return names;
 }
 
+bool is_pivot(const aiNode& node) {
+  return std::string_view(node.mName.C_Str()).find("$AssimpFbx$") != std::string_view::npos;
+}
+
 // Whether the node, or the one that an FBX pivot's helper nodes lead to, has meshes.
 bool shows(const aiNode& node) {
   const aiNode* at = &node;
-  while (at->mNumMeshes == 0 && at->mNumChildren == 1 &&
-         std::string_view(at->mName.C_Str()).find("$AssimpFbx$") != std::string_view::npos)
-    at = at->mChildren[0];
+  while (at->mNumMeshes == 0 && at->mNumChildren == 1 && is_pivot(*at)) at = at->mChildren[0];
   return at->mNumMeshes > 0;
 }
 
-// Assimp names what bones and animations mean, and in FBX files a mesh may have the name of the bone that moves it.
-// Such a name means the bone.
-void find_names(Conversion& c, const std::set<std::string>& moved) {
-  size_t unclear = 0;
-  for (size_t i = 0; i < c.nodes.size(); ++i) {
-    const std::string name = c.nodes[i]->mName.C_Str();
-    const auto [place, fresh] = c.node_of_name.emplace(name, static_cast<int>(i));
-    if (fresh) continue;
-    const bool first_shows = shows(*c.nodes[static_cast<size_t>(place->second)]);
-    if (first_shows == shows(*c.nodes[i]) && moved.contains(name)) ++unclear;
-    if (first_shows && !shows(*c.nodes[i])) place->second = static_cast<int>(i);
+class Nodes {
+ public:
+  explicit Nodes(Conversion& c) : c_(c), moved_(moved_names(c.scene)) {}
+
+  void run() {
+    collect();
+    fold_pivots();
+    write();
+    find_names();
   }
-  if (unclear > 0)
-    c.warn(fmt::format("{} moving nodes share a name with another; only the first of each name moves", unclear));
-}
+
+ private:
+  bool moves(size_t node) const { return moved_.contains(c_.nodes[node]->mName.C_Str()); }
+
+  void collect() {
+    c_.nodes = {c_.scene.mRootNode};
+    parents_ = {0};
+    for (size_t i = 0; i < c_.nodes.size(); ++i) {
+      const aiNode& node = *c_.nodes[i];
+      local_.push_back(node.mTransformation);
+      c_.nodes.insert(c_.nodes.end(), node.mChildren, node.mChildren + node.mNumChildren);
+      parents_.insert(parents_.end(), node.mNumChildren, i);
+    }
+    if (c_.request.format == Format::fbx) local_[0] = metres_and_up(c_.scene) * local_[0];
+  }
+
+  // Where a node has no pivot but is turned before its own rotation, Assimp 5.2 makes a helper node of that turn and
+  // yet animates the node by its whole transform. What its helpers do goes into the node then, and they do nothing.
+  void fold_pivots() {
+    if (c_.request.format != Format::fbx) return;
+    for (size_t i = 1; i < c_.nodes.size(); ++i) {
+      if (!moves(i) || is_pivot(*c_.nodes[i])) continue;
+      const std::string prefix = std::string(c_.nodes[i]->mName.C_Str()) + "_$AssimpFbx$_";
+      std::vector<size_t> helpers;
+      const auto helps = [&](size_t n) { return std::string_view(c_.nodes[n]->mName.C_Str()).starts_with(prefix); };
+      for (size_t at = parents_[i]; at != 0 && helps(at); at = parents_[at]) helpers.push_back(at);
+      if (std::any_of(helpers.begin(), helpers.end(), [&](size_t n) { return moves(n); })) continue;
+      for (const size_t helper : helpers) {
+        local_[i] = local_[helper] * local_[i];
+        local_[helper] = aiMatrix4x4();
+      }
+    }
+  }
+
+  void write() {
+    for (size_t i = 0; i < c_.nodes.size(); ++i) {
+      const std::string name = c_.nodes[i]->mName.C_Str();
+      nlohmann::json out = transform_json(local_[i], i != 0 && moves(i));
+      out["name"] = name;
+      c_.label("nodes", c_.glb.add("nodes", std::move(out)), "node " + shown(name));
+    }
+    for (size_t i = 1; i < c_.nodes.size(); ++i) c_.glb.document["nodes"][parents_[i]]["children"].push_back(i);
+    c_.glb.document["scenes"] = {{{"nodes", {0}}}};
+    c_.glb.document["scene"] = 0;
+  }
+
+  // Assimp names what bones and animations mean, and in FBX files a mesh may have the name of the bone that moves it.
+  // Such a name means the bone.
+  void find_names() {
+    size_t unclear = 0;
+    for (size_t i = 0; i < c_.nodes.size(); ++i) {
+      const auto [place, fresh] = c_.node_of_name.emplace(c_.nodes[i]->mName.C_Str(), static_cast<int>(i));
+      if (fresh) continue;
+      const bool first_shows = shows(*c_.nodes[static_cast<size_t>(place->second)]);
+      if (first_shows == shows(*c_.nodes[i]) && moves(i)) ++unclear;
+      if (first_shows && !shows(*c_.nodes[i])) place->second = static_cast<int>(i);
+    }
+    if (unclear > 0)
+      c_.warn(fmt::format("{} moving nodes share a name with another; only the first of each name moves", unclear));
+  }
+
+  Conversion& c_;
+  const std::set<std::string> moved_;
+  std::vector<size_t> parents_;  // the root's is itself
+  std::vector<aiMatrix4x4> local_;
+};
 
 }  // namespace
 
-void convert_nodes(Conversion& c) {
-  c.nodes = {c.scene.mRootNode};
-  const std::set<std::string> moved = moved_names(c.scene);
-  for (size_t i = 0; i < c.nodes.size(); ++i) {
-    const aiNode& node = *c.nodes[i];
-    const std::string name = node.mName.C_Str();
-    aiMatrix4x4 m = node.mTransformation;
-    if (i == 0 && c.request.format == Format::fbx) m = metres_and_up(c.scene) * m;
-    nlohmann::json out = transform_json(m, i != 0 && moved.contains(name));
-    out["name"] = name;
-    for (unsigned k = 0; k < node.mNumChildren; ++k) {
-      out["children"].push_back(c.nodes.size());
-      c.nodes.push_back(node.mChildren[k]);
-    }
-    c.label("nodes", c.glb.add("nodes", std::move(out)), "node " + shown(name));
-  }
-  find_names(c, moved);
-  c.glb.document["scenes"] = {{{"nodes", {0}}}};
-  c.glb.document["scene"] = 0;
-}
+void convert_nodes(Conversion& c) { Nodes(c).run(); }
 
 }  // namespace crowdbench::scene::assimp_module
