@@ -254,10 +254,15 @@ void add_inspect(Command& app, Run& run) {
   Command* command = app.add_subcommand("inspect", "Say what a character file holds; write it as glTF");
   command->footer(
       "Examples:\n  crowdbench inspect knight.glb\n  crowdbench inspect knight.glb --json --hide 2H_Sword\n"
-      "  crowdbench inspect mannequin:joints=53 --out mannequin.glb\n" +
+      "  crowdbench inspect mannequin:joints=53 --out mannequin.glb\n  crowdbench inspect mixed.fbx --out mixed.glb\n"
+      "\nFBX (2011 or later) and COLLADA are read by Assimp, in metres and with +Y up whatever the file's unit and "
+      "axes\n"
+      "are. Lost, with a warning: blend shapes, cameras, lights, constraints, pictures other than of base colour and\n"
+      "emission, bent curves between keys; COLLADA's animation clips play at once, as one.\n" +
       limits_text());
   auto options = std::make_shared<Options>();
-  command->add_option("CHARACTER", options->file, "a glTF file, or mannequin[:triangles=N,joints=N]")->required();
+  command->add_option("CHARACTER", options->file, "a glTF, FBX or COLLADA file, or mannequin[:triangles=N,joints=N]")
+      ->required();
   add_json_option(*command, options->json);
   command->add_option("--out", options->out, "write the character as a self-contained file")
       ->type_name("FILE.glb")

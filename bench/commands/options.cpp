@@ -6,7 +6,7 @@
 namespace crowdbench::bench {
 namespace {
 
-constexpr const char* kCharacterMeaning = "a glTF file, or mannequin[:triangles=N,joints=N]";
+constexpr const char* kCharacterMeaning = "a glTF, FBX or COLLADA file, or mannequin[:triangles=N,joints=N]";
 
 [[noreturn]] void blame(const std::string& where, const Error& error) {
   throw Error(where, error.where.empty() ? error.wrong : error.where + ": " + error.wrong, error.advice);

@@ -289,7 +289,7 @@ void add_light_keys(std::vector<Key>& keys) {
 void add_character_keys(std::vector<Key>& keys) {
   keys.push_back(key<std::string>(
       "character", "source", KeyType::text, "", {},
-      "`mannequin[:triangles=N,joints=N]`, or a glTF file seen from the scenario's folder",
+      "`mannequin[:triangles=N,joints=N]`, or a glTF, FBX or COLLADA file seen from the scenario's folder",
       [](Scenario & s, size_t i) -> auto& { return s.characters[i].source; }));
   keys.push_back(or_else(
       key<std::optional<double>>(

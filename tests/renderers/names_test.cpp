@@ -37,6 +37,7 @@ struct Exception {
 const std::vector<Exception>& exceptions() {
   static const std::vector<Exception> all = {
       {"scene/gltf/", "mesh", "a key of glTF files"},
+      {"scene/assimp/module/", "mesh", "a key of glTF files"},
       {"scene/gltf/gltf_load.cpp", "flat", "flat normals, glTF's word"},
       {"scene/gltf/gltf_check_nodes.cpp", "rigid", "meshes that hang on a joint without a skin"},
       {"bench/commands/inspect.cpp", "mesh", "bytes of a character's mesh"},
