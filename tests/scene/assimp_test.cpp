@@ -1,25 +1,15 @@
-// FBX and COLLADA characters: the same figure as its glTF, and whatever else the bytes are, one line.
+// FBX and COLLADA characters: the same figure as its glTF.
 #include "scene/assimp/assimp.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 
-#include "core/error.h"
-#include "core/files.h"
-#include "core/random.h"
-#include "gltf_builder.h"
-#include "scene/assimp/isolated.h"
+#include "assimp_walker.h"
 #include "scene/cast/open_character.h"
-#include "scene/pose/pose.h"
-#include "test_paths.h"
 #include "tests/support/driver.h"
-#include "tests/support/sanitized.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::scene {
@@ -28,41 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using support::ScratchFolder;
-using test::as_is;
-
-const fs::path kData = fs::path(CROWDBENCH_TEST_DATA) / "assimp";
-
-std::string text_of(AssimpFormat format) {
-  const std::vector<uint8_t> bytes = read_file(kData / (format == AssimpFormat::fbx ? "walker.fbx" : "walker.dae"));
-  return {bytes.begin(), bytes.end()};
-}
-
-// The file with one place of it written otherwise.
-std::string changed(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
-Character load_text(const std::string& text, AssimpFormat format, const LoadOptions& options = as_is(),
-                    const fs::path& folder = kData) {
-  const std::string name = format == AssimpFormat::fbx ? "walker.fbx" : "walker.dae";
-  return load_assimp_character({text.begin(), text.end()}, format, name, folder, options);
-}
-
-std::string error_of(const auto& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-bool has_warning(const Character& c, const std::string& fragment) {
-  return std::any_of(c.warnings.begin(), c.warnings.end(),
-                     [&](const std::string& warning) { return warning.find(fragment) != std::string::npos; });
-}
+using namespace test;
 
 class AssimpFormats : public testing::TestWithParam<AssimpFormat> {};
 INSTANTIATE_TEST_SUITE_P(Both, AssimpFormats, testing::Values(AssimpFormat::fbx, AssimpFormat::collada),
@@ -143,10 +99,6 @@ Character walker_in_gltf() {
   b.doc["scenes"] = {{{"nodes", {0, 1}}}};
   add_clips(b);
   return test::load(b);
-}
-
-std::vector<glm::dvec3> posed(const Character& c, int clip, double time) {
-  return skin_positions(c.mesh, joint_matrices(c, clip, time));
 }
 
 // Of each vertex of `reference` that of `c` that lies there in the bind pose.
@@ -350,146 +302,6 @@ TEST(Assimp, EveryCommandsCharacterMayBeSuchAFile) {
   LoadOptions bare = as_is();
   bare.hide = {"hat"};
   EXPECT_EQ(open_character((kData / "walker.fbx").string(), bare).triangles(), 4U);
-}
-
-// --- what is refused ---
-
-TEST(Assimp, FaultsAreNamedAsTheFileNamesThem) {
-  const std::string far = changed(text_of(AssimpFormat::fbx), "20,0,180", "20,0,1e22");
-  const std::string error = error_of([&] { load_text(far, AssimpFormat::fbx); });
-  EXPECT_NE(error.find("walker.fbx: positions of mesh body: element"), std::string::npos) << error;
-  EXPECT_EQ(error.find("glTF validator"), std::string::npos) << error;
-  LoadOptions options = as_is();
-  options.hide = {"cape"};
-  EXPECT_NE(
-      error_of([&] { load_text(text_of(AssimpFormat::fbx), AssimpFormat::fbx, options); }).find("no node named cape"),
-      std::string::npos);
-}
-
-TEST_P(AssimpFormats, LimitsHold) {
-  const std::string text = text_of(GetParam());
-  const auto refused = [&](const std::string& fragment, const auto& set) {
-    LoadOptions options = as_is();
-    set(options.limits);
-    const std::string error = error_of([&] { load_text(text, GetParam(), options); });
-    EXPECT_NE(error.find(fragment), std::string::npos) << error;
-  };
-  refused("nodes, more than the limit of 3", [](GltfLimits& l) { l.nodes = 3; });
-  refused("triangles, more than the limit of 4", [](GltfLimits& l) { l.triangles = 4; });
-  refused("animation numbers, more than the limit of 20", [](GltfLimits& l) { l.keys = 20; });
-  refused("clips, more than the limit of 0", [](GltfLimits& l) { l.clips = 0; });
-  refused("clips times nodes, more than the limit of 4", [](GltfLimits& l) { l.clip_nodes = 4; });
-  refused("bytes, more than the limit of 100", [](GltfLimits& l) { l.file_bytes = 100; });
-  refused("the limit is 4", [](GltfLimits& l) { l.vertices = 4; });
-  refused("has 2 joints, more than the limit of 1", [](GltfLimits& l) { l.joints = 1; });
-  refused("the limit is 1 a side", [](GltfLimits& l) { l.image_side = 1; });
-}
-
-// A sound character or one line.
-void expect_answer(const std::string& text, AssimpFormat format) {
-  try {
-    const Character c = load_text(text, format);
-    for (const glm::dvec3& p : posed(c, c.placement.default_clip, 0.3)) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    EXPECT_EQ(error.where.rfind("walker.", 0), 0U) << error.what();
-    EXPECT_FALSE(error.wrong.empty());
-  }
-}
-
-// Eight of its bits are others.
-std::string damaged(std::string text, uint32_t which) {
-  for (uint32_t k = 0; k < 8; ++k) {
-    const uint64_t r = random_bits(7, which, k);
-    text[r % text.size()] ^= static_cast<char>(1U << (r >> 60 & 7));
-  }
-  return text;
-}
-
-TEST_P(AssimpFormats, CutShortAnywhereItIsAnswered) {
-  const std::string text = text_of(GetParam());
-  for (size_t part = 0; part < 16; ++part) expect_answer(text.substr(0, text.size() * part / 16), GetParam());
-  EXPECT_NE(error_of([&] { load_text("", GetParam()); }), "no error");
-}
-
-TEST_P(AssimpFormats, DamagedAnywhereItIsAnswered) {
-  const std::string text = text_of(GetParam());
-  const uint32_t tries = support::kSanitized ? 10 : 60;
-  for (uint32_t i = 0; i < tries; ++i) expect_answer(damaged(text, i), GetParam());
-}
-
-TEST(Assimp, ABinaryFileThatIsCutOrDamagedIsAnswered) {
-  const std::vector<uint8_t> bytes = read_file(kData / "walker_binary.fbx");
-  const std::string text(bytes.begin(), bytes.end());
-  for (size_t part = 0; part < 16; ++part) expect_answer(text.substr(0, text.size() * part / 16), AssimpFormat::fbx);
-  const uint32_t tries = support::kSanitized ? 10 : 60;
-  for (uint32_t i = 0; i < tries; ++i) expect_answer(damaged(text, i), AssimpFormat::fbx);
-}
-
-TEST(Assimp, AFileThatGoesRoundInCirclesIsRefused) {
-  // A node that is its own child, which Assimp follows until its stack ends.
-  const std::string circle = changed(text_of(AssimpFormat::collada), "<scale>-1 1 1</scale>",
-                                     "<scale>-1 1 1</scale><instance_node url=\"#hips\"/>");
-  const std::string error = error_of([&] { load_text(circle, AssimpFormat::collada); });
-  EXPECT_NE(error.find("walker.dae: "), std::string::npos) << error;
-  EXPECT_EQ(error.find('\n'), std::string::npos);
-}
-
-// --- the child process ---
-
-TEST(Isolated, GivesBackWhatIsWritten) {
-  const IsolatedOutput out = run_isolated("test", [](int fd) { ASSERT_EQ(::write(fd, "abc", 3), 3); });
-  EXPECT_EQ(std::string(out.bytes.begin(), out.bytes.end()), "abc");
-  EXPECT_EQ(out.failure, "");
-}
-
-TEST(Isolated, SurvivesWhateverEndsTheChild) {
-  EXPECT_EQ(run_isolated("test", [](int) { std::abort(); }).failure, "crashes its reader (signal 6)");
-  EXPECT_EQ(run_isolated("test", [](int) { throw std::bad_alloc(); }).failure, "needs more than 2048 MiB to be read");
-  EXPECT_EQ(run_isolated("test", [](int) { throw 7; }).failure, "ends its reader (status 70)");
-  const auto endless = [](int) {
-    for (std::atomic<int> i = 0;;) ++i;
-  };
-  IsolationLimits limits;
-  limits.cpu_seconds = 1;
-  EXPECT_EQ(run_isolated("test", endless, limits).failure, "takes more than 1 s to be read");
-  const auto wordy = [](int fd) { ASSERT_EQ(::write(fd, "abc", 3), 3); };
-  limits.output_bytes = 2;
-  EXPECT_EQ(run_isolated("test", wordy, limits).failure, "becomes more than 0 MiB");
-}
-
-TEST(Isolated, MemoryIsBounded) {
-  if (support::kSanitized) GTEST_SKIP() << "a sanitizer ends the process where memory ends";
-  const auto greedy = [](int) {
-    std::vector<std::unique_ptr<char[]>> all;
-    while (true) all.emplace_back(new char[size_t{64} << 20]);  // untouched, so that the machine need not have it
-  };
-  EXPECT_EQ(run_isolated("test", greedy).failure, "needs more than 2048 MiB to be read");
-}
-
-// --- without the module or its library ---
-
-TEST(Assimp, WithoutItsLibraryOneLineNamesThePackage) {
-  CROWDBENCH_SKIP_SANITIZED("nothing else, but it starts a driver of its own");
-  if (!support::driver_is_built()) GTEST_SKIP() << "needs the driver";
-  ScratchFolder folder;
-  fs::copy_file(program_directory() / "crowdbench", folder / "crowdbench");
-  const std::string command =
-      fmt::format("'{}' inspect '{}' 2>&1", (folder / "crowdbench").string(), (kData / "walker.fbx").string());
-  support::Outcome out = support::run_shell(command);
-  EXPECT_EQ(out.status, 2);
-  EXPECT_NE(out.text.find("crowdbench_assimp.so: reading FBX and COLLADA needs this module"), std::string::npos)
-      << out.text;
-  std::vector<uint8_t> module = read_file(program_directory() / "crowdbench_assimp.so");
-  const std::string name = "libassimp.so.";
-  const auto at = std::search(module.begin(), module.end(), name.begin(), name.end());
-  ASSERT_NE(at, module.end());
-  at[static_cast<std::ptrdiff_t>(name.size())] = 'x';  // a library that no machine has
-  write_file(folder / "crowdbench_assimp.so", module.data(), module.size());
-  out = support::run_shell(command);
-  EXPECT_EQ(out.status, 2);
-  EXPECT_NE(out.text.find("install Debian's package libassimp5"), std::string::npos) << out.text;
-  EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
 }
 
 TEST(Assimp, TheFilesAreWhatTheirScriptWrites) {

@@ -176,6 +176,10 @@ TEST_F(ScriptsGl, Bundle) {
       support::run_shell("cd " + quoted(folder_.path()) + " && tar -xzf bundle.tar.gz && mv crowdbench-* unpacked")
           .status,
       0);
+  const std::string walker = quoted(kTop / "tests/data/assimp/walker.fbx");
+  const Outcome inspected =
+      support::run_shell("env -i " + quoted(folder_ / "unpacked/crowdbench") + " inspect " + walker + " 2>&1");
+  EXPECT_EQ(inspected.status, 0) << inspected.text;
   const auto check = [&](const std::string& arguments) {
     return support::run_shell("cd " + quoted(folder_.path()) + " && CROWDBENCH_DEVICE= unpacked/gpu_check " +
                               arguments + " 2>&1");

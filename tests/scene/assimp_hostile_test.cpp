@@ -1,0 +1,131 @@
+// Malformed and hostile FBX and COLLADA files: each is answered by a sound character or by one line.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "assimp_walker.h"
+#include "core/random.h"
+#include "tests/support/driver.h"
+#include "tests/support/sanitized.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench::scene {
+namespace {
+
+namespace fs = std::filesystem;
+using support::ScratchFolder;
+using namespace test;
+
+class AssimpHostile : public testing::TestWithParam<AssimpFormat> {};
+INSTANTIATE_TEST_SUITE_P(Both, AssimpHostile, testing::Values(AssimpFormat::fbx, AssimpFormat::collada),
+                         [](const auto& test) { return test.param == AssimpFormat::fbx ? "Fbx" : "Collada"; });
+
+TEST(AssimpFaults, FaultsAreNamedAsTheFileNamesThem) {
+  const std::string far = changed(text_of(AssimpFormat::fbx), "20,0,180", "20,0,1e22");
+  const std::string error = error_of([&] { load_text(far, AssimpFormat::fbx); });
+  EXPECT_NE(error.find("walker.fbx: positions of mesh body: element"), std::string::npos) << error;
+  EXPECT_EQ(error.find("glTF validator"), std::string::npos) << error;
+  LoadOptions options = as_is();
+  options.hide = {"cape"};
+  EXPECT_NE(
+      error_of([&] { load_text(text_of(AssimpFormat::fbx), AssimpFormat::fbx, options); }).find("no node named cape"),
+      std::string::npos);
+}
+
+TEST_P(AssimpHostile, LimitsHold) {
+  const std::string text = text_of(GetParam());
+  const auto refused = [&](const std::string& fragment, const auto& set) {
+    LoadOptions options = as_is();
+    set(options.limits);
+    const std::string error = error_of([&] { load_text(text, GetParam(), options); });
+    EXPECT_NE(error.find(fragment), std::string::npos) << error;
+  };
+  refused("nodes, more than the limit of 3", [](GltfLimits& l) { l.nodes = 3; });
+  refused("triangles, more than the limit of 4", [](GltfLimits& l) { l.triangles = 4; });
+  refused("animation numbers, more than the limit of 20", [](GltfLimits& l) { l.keys = 20; });
+  refused("clips, more than the limit of 0", [](GltfLimits& l) { l.clips = 0; });
+  refused("clips times nodes, more than the limit of 4", [](GltfLimits& l) { l.clip_nodes = 4; });
+  refused("bytes, more than the limit of 100", [](GltfLimits& l) { l.file_bytes = 100; });
+  refused("the limit is 4", [](GltfLimits& l) { l.vertices = 4; });
+  refused("has 2 joints, more than the limit of 1", [](GltfLimits& l) { l.joints = 1; });
+  refused("the limit is 1 a side", [](GltfLimits& l) { l.image_side = 1; });
+}
+
+// A sound character or one line.
+void expect_answer(const std::string& text, AssimpFormat format) {
+  try {
+    const Character c = load_text(text, format);
+    for (const glm::dvec3& p : posed(c, c.placement.default_clip, 0.3)) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    EXPECT_EQ(error.where.rfind("walker.", 0), 0U) << error.what();
+    EXPECT_FALSE(error.wrong.empty());
+  }
+}
+
+// Eight of its bits are others.
+std::string damaged(std::string text, uint32_t which) {
+  for (uint32_t k = 0; k < 8; ++k) {
+    const uint64_t r = random_bits(7, which, k);
+    text[r % text.size()] ^= static_cast<char>(1U << (r >> 60 & 7));
+  }
+  return text;
+}
+
+TEST_P(AssimpHostile, CutShortAnywhereItIsAnswered) {
+  const std::string text = text_of(GetParam());
+  for (size_t part = 0; part < 16; ++part) expect_answer(text.substr(0, text.size() * part / 16), GetParam());
+  EXPECT_NE(error_of([&] { load_text("", GetParam()); }), "no error");
+}
+
+TEST_P(AssimpHostile, DamagedAnywhereItIsAnswered) {
+  const std::string text = text_of(GetParam());
+  const uint32_t tries = support::kSanitized ? 10 : 60;
+  for (uint32_t i = 0; i < tries; ++i) expect_answer(damaged(text, i), GetParam());
+}
+
+TEST(AssimpFaults, ABinaryFileThatIsCutOrDamagedIsAnswered) {
+  const std::vector<uint8_t> bytes = read_file(kData / "walker_binary.fbx");
+  const std::string text(bytes.begin(), bytes.end());
+  for (size_t part = 0; part < 16; ++part) expect_answer(text.substr(0, text.size() * part / 16), AssimpFormat::fbx);
+  const uint32_t tries = support::kSanitized ? 10 : 60;
+  for (uint32_t i = 0; i < tries; ++i) expect_answer(damaged(text, i), AssimpFormat::fbx);
+}
+
+TEST(AssimpFaults, AFileThatGoesRoundInCirclesIsRefused) {
+  // A node that is its own child, which Assimp follows until its stack ends.
+  const std::string circle = changed(text_of(AssimpFormat::collada), "<scale>-1 1 1</scale>",
+                                     "<scale>-1 1 1</scale><instance_node url=\"#hips\"/>");
+  const std::string error = error_of([&] { load_text(circle, AssimpFormat::collada); });
+  EXPECT_NE(error.find("walker.dae: "), std::string::npos) << error;
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+}
+
+// --- without the module or its library ---
+
+TEST(AssimpFaults, WithoutItsLibraryOneLineNamesThePackage) {
+  CROWDBENCH_SKIP_SANITIZED("nothing else, but it starts a driver of its own");
+  if (!support::driver_is_built()) GTEST_SKIP() << "needs the driver";
+  ScratchFolder folder;
+  fs::copy_file(program_directory() / "crowdbench", folder / "crowdbench");
+  const std::string command =
+      fmt::format("'{}' inspect '{}' 2>&1", (folder / "crowdbench").string(), (kData / "walker.fbx").string());
+  support::Outcome out = support::run_shell(command);
+  EXPECT_EQ(out.status, 2);
+  EXPECT_NE(out.text.find("crowdbench_assimp.so: reading FBX and COLLADA needs this module"), std::string::npos)
+      << out.text;
+  std::vector<uint8_t> module = read_file(program_directory() / "crowdbench_assimp.so");
+  const std::string name = "libassimp.so.";
+  const auto at = std::search(module.begin(), module.end(), name.begin(), name.end());
+  ASSERT_NE(at, module.end());
+  at[static_cast<std::ptrdiff_t>(name.size())] = 'x';  // a library that no machine has
+  write_file(folder / "crowdbench_assimp.so", module.data(), module.size());
+  out = support::run_shell(command);
+  EXPECT_EQ(out.status, 2);
+  EXPECT_NE(out.text.find("install Debian's package libassimp5"), std::string::npos) << out.text;
+  EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+}
+
+}  // namespace
+}  // namespace crowdbench::scene
