@@ -157,6 +157,23 @@ TEST_P(AssimpFormats, WindingAndNormalsFollowMirroredNodes) {
   }
 }
 
+// A part of the upper joint's place as an offset of its pivot, another as a pivot that it turns about and that is taken
+// back: Assimp then has helper nodes, and animations that name them.
+TEST(Assimp, FbxPivotsPoseExactly) {
+  std::string text = changed(text_of(AssimpFormat::fbx), "\"Lcl Translation\", \"\", \"A\",0,0,90",
+                             "\"Lcl Translation\", \"\", \"A\",0,0,80");
+  const std::string turned = "P: \"PreRotation\", \"Vector3D\", \"\", \"A\",30,0,0\n";
+  const std::string vector = "\"Vector3D\", \"\", \"A\",";
+  const Character offset =
+      load_text(changed(text, turned, turned + "P: \"RotationOffset\", " + vector + "0,0,10\n"), AssimpFormat::fbx);
+  expect_same_clip(walker_in_gltf(), offset, 0);
+  expect_same_clip(walker_in_gltf(), offset, 1);
+  text = changed(text, turned,
+                 turned + "P: \"RotationOffset\", " + vector + "0,0,-10\nP: \"RotationPivot\", " + vector +
+                     "0,0,20\nP: \"ScalingOffset\", " + vector + "0,0,20\n");
+  expect_same_clip(walker_in_gltf(), load_text(text, AssimpFormat::fbx), 0);
+}
+
 TEST(Assimp, FbxTakesAreClips) {
   const Character c = load_text(text_of(AssimpFormat::fbx), AssimpFormat::fbx);
   ASSERT_EQ(c.clips.size(), 2U);
