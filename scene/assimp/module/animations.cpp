@@ -1,5 +1,6 @@
 // Takes as clips. Assimp has sampled every curve at its keys; between them values go straight, as in glTF.
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "scene/assimp/module/conversion.h"
 

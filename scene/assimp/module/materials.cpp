@@ -5,6 +5,7 @@
 // them. A material said to be wholly transparent is drawn opaque: exporters that mean "opaque" write that too.
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "scene/assimp/module/conversion.h"
@@ -72,7 +73,7 @@ class Materials {
     out["emissiveFactor"] = {light.r / strength, light.g / strength, light.b / strength};
     if (strength > 1.0F) {
       out["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
-      c_.glb.document["extensionsUsed"] = {"KHR_materials_emissive_strength"};
+      c_.glb.document()["extensionsUsed"] = {"KHR_materials_emissive_strength"};
     }
   }
 

@@ -3,8 +3,7 @@
 // Assimp has a mesh for each material, with bones of its own, and FBX files a vertex for each corner. Vertices that are
 // the same to the bit become one again, and meshes share a skin wherever no node is bound in two ways.
 #include <algorithm>
-#include <numeric>
-#include <string_view>
+#include <nlohmann/json.hpp>
 
 #include "scene/assimp/module/conversion.h"
 
@@ -57,10 +56,10 @@ class Meshes {
       if (!first) {
         at = static_cast<size_t>(c_.glb.add("nodes", {{"name", name}}));
         c_.label("nodes", static_cast<int>(at), "node " + shown(name));
-        c_.glb.document["nodes"][n]["children"].push_back(at);
+        c_.glb.document()["nodes"][n]["children"].push_back(at);
       }
-      c_.glb.document["nodes"][at]["mesh"] = index;
-      if (skin >= 0) c_.glb.document["nodes"][at]["skin"] = skin;
+      c_.glb.document()["nodes"][at]["mesh"] = index;
+      if (skin >= 0) c_.glb.document()["nodes"][at]["skin"] = skin;
       first = false;
     }
   }

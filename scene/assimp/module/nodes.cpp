@@ -4,6 +4,7 @@
 // Assimp puts both into the root's transform.
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "scene/assimp/module/conversion.h"
@@ -138,9 +139,9 @@ class Nodes {
       out["name"] = name;
       c_.label("nodes", c_.glb.add("nodes", std::move(out)), "node " + shown(name));
     }
-    for (size_t i = 1; i < c_.nodes.size(); ++i) c_.glb.document["nodes"][parents_[i]]["children"].push_back(i);
-    c_.glb.document["scenes"] = {{{"nodes", {0}}}};
-    c_.glb.document["scene"] = 0;
+    for (size_t i = 1; i < c_.nodes.size(); ++i) c_.glb.document()["nodes"][parents_[i]]["children"].push_back(i);
+    c_.glb.document()["scenes"] = {{{"nodes", {0}}}};
+    c_.glb.document()["scene"] = 0;
   }
 
   // Assimp names what bones and animations mean, and in FBX files a mesh may have the name of the bone that moves it.
