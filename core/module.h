@@ -1,4 +1,5 @@
-// Modules: shared objects beside the program that bring heavy libraries (OpenImageIO, FFmpeg, Draco, Assimp), loaded at first use.
+// Modules: shared objects beside the program that bring heavy libraries (OpenImageIO, FFmpeg, Draco, Assimp), loaded at
+// first use.
 #pragma once
 #include <string>
 

@@ -244,7 +244,7 @@ void add_inspect(Command& app, Run& run) {
   Command* command = app.add_subcommand("inspect", "Say what a character file holds; write it as glTF");
   command->footer(
       "Examples:\n  crowdbench inspect knight.glb\n  crowdbench inspect knight.glb --json --hide 2H_Sword\n"
-      "  crowdbench inspect mannequin:joints=53 --out mannequin.glb\n  crowdbench inspect mixed.fbx --out mixed.glb\n"
+      "  crowdbench inspect mannequin:joints=53 --out mannequin.glb\n  crowdbench inspect hero.fbx --out hero.glb\n"
       "\nFBX (2011 or later) and COLLADA are read by Assimp, in metres and with +Y up whatever the file's unit and "
       "axes\n"
       "are. Lost, with a warning: blend shapes, cameras, lights, constraints, pictures other than of base colour and\n"

@@ -104,7 +104,8 @@ void add_pose(Command& app, Run& run) {
       "Vertices count through the nodes by ascending index, then primitives, then vertices; a mesh on two nodes counts "
       "twice.\nTime is the file's own, clamped to each channel's keys; curves are evaluated in double precision.");
   auto options = std::make_shared<Options>();
-  command->add_option("CHARACTER", options->file, "a glTF, FBX or COLLADA file, or mannequin[:triangles=N,joints=N]")->required();
+  command->add_option("CHARACTER", options->file, "a glTF, FBX or COLLADA file, or mannequin[:triangles=N,joints=N]")
+      ->required();
   command->add_option("--clip", options->clip, "a clip's name, else its index; none for the bind pose (none)")
       ->type_name("CLIP");
   command->add_option("--time", options->time, "seconds on the file's own axis")

@@ -134,14 +134,20 @@ struct Converted {
   std::string refusal;
 };
 
+constexpr size_t kMostWarnings = 32;
+constexpr uint64_t kMostBesides = uint64_t{64} << 20;  // bytes of warnings and labels
+
 void add_part(Converted& out, Part part, std::string_view text) {
   switch (part) {
     case Part::refusal: out.refusal = text; break;
-    case Part::warning: out.warnings.emplace_back(text); break;
+    case Part::warning:
+      if (out.warnings.size() < kMostWarnings) out.warnings.push_back(printable(text, 400));
+      if (out.warnings.size() == kMostWarnings) out.warnings.back() = "there are further warnings";
+      break;
     case Part::glb: out.glb.assign(text.begin(), text.end()); break;
     case Part::label:
       if (const size_t tab = text.find('\t'); tab != std::string_view::npos)
-        out.labels.emplace(text.substr(0, tab), text.substr(tab + 1));
+        out.labels.emplace(text.substr(0, tab), printable(text.substr(tab + 1), 200));
       break;
   }
 }
@@ -168,13 +174,16 @@ Converted convert(const std::vector<uint8_t>& bytes, AssimpFormat format, const 
   const assimp_module::Api& module = api();
   std::error_code ignored;
   Child child{-1, folder.empty() ? fs::path() : fs::canonical(folder, ignored), fs::path(where).stem().string()};
-  const IsolatedOutput output = run_isolated("reading " + printable(where, 80), [&](int fd) {
+  const auto work = [&](int fd) {
     child.fd = fd;
     const assimp_module::Request request = {bytes.data(),      bytes.size(), static_cast<assimp_module::Format>(format),
                                             limits_of(limits), &child,       find_picture,
                                             judge_picture,     write_part};
     module.convert(&request);
-  });
+  };
+  IsolationLimits isolation;
+  isolation.output_bytes = limits.file_bytes + kMostBesides;
+  const IsolatedOutput output = run_isolated("reading " + printable(where, 80), work, isolation);
   Converted out;
   const bool whole = read_parts(output.bytes, out);
   if (!output.failure.empty()) throw Error(printable(where, 300), output.failure, kExportAgain);

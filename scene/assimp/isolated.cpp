@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <new>
 
@@ -98,18 +99,46 @@ class Descriptor {
   int fd_;
 };
 
-// False: it writes more than it may.
-bool read_all(int fd, uint64_t most, Progress& progress, std::vector<uint8_t>& out) {
+// Whether a process uses no CPU time. A child has one thread, and what another held when it was forked (a lock of a
+// sanitizer's allocator, say) is never let go there.
+class Standstill {
+ public:
+  explicit Standstill(pid_t pid) { known_ = ::clock_getcpuclockid(pid, &clock_) == 0; }
+  // To be asked again and again: how often in a row there was nothing new.
+  int count() {
+    timespec now{};
+    if (!known_ || ::clock_gettime(clock_, &now) != 0) return 0;
+    const bool same = now.tv_sec == last_.tv_sec && now.tv_nsec == last_.tv_nsec;
+    last_ = now;
+    return times_ = same ? times_ + 1 : 0;
+  }
+
+ private:
+  clockid_t clock_{};
+  bool known_ = false;
+  timespec last_{};
+  int times_ = 0;
+};
+
+constexpr int kPollMilliseconds = 100;
+
+// What the child writes until its end; what is wrong with it, empty: nothing.
+std::string read_all(int fd, pid_t child, const IsolationLimits& limits, Progress& progress,
+                     std::vector<uint8_t>& out) {
   std::array<uint8_t, 65536> buffer{};
+  Standstill idle(child);
   while (true) {
     pollfd ready{fd, POLLIN, 0};
-    const int count = ::poll(&ready, 1, 100);
+    const int count = ::poll(&ready, 1, kPollMilliseconds);
     progress.advance(0);
+    if (count == 0 && idle.count() >= limits.idle_seconds * 1000 / kPollMilliseconds)
+      return "stands still in its reader";
     if (count <= 0) continue;
     const ssize_t size = ::read(fd, buffer.data(), buffer.size());
     if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) return true;
-    if (out.size() + static_cast<size_t>(size) > most) return false;
+    if (size <= 0) return {};
+    if (out.size() + static_cast<size_t>(size) > limits.output_bytes)
+      return fmt::format("becomes more than {} MiB", limits.output_bytes >> 20);
     out.insert(out.end(), buffer.begin(), buffer.begin() + size);
   }
 }
@@ -132,19 +161,16 @@ IsolatedOutput run_isolated(const std::string& what, const std::function<void(in
   if (::pipe2(ends, O_CLOEXEC) != 0) throw Error("pipe", std::strerror(errno), "close other programs");
   const Descriptor from(ends[0]);
   Descriptor to(ends[1]);
-  Progress progress(what, 0);
   const uint64_t memory = address_space() + limits.memory_bytes;
   const pid_t pid = ::fork();
   if (pid < 0) throw Error("fork", std::strerror(errno), "close other programs");
   if (pid == 0) run_child(work, to.get(), limits, memory);
   Child child(pid);
   to.close();
+  Progress progress(what, 0);  // after the fork: it may begin a thread
   IsolatedOutput out;
-  if (!read_all(from.get(), limits.output_bytes, progress, out.bytes)) {
-    out.failure = fmt::format("becomes more than {} MiB", limits.output_bytes >> 20);
-    return out;
-  }
-  out.failure = failure_of(child.wait(), limits);
+  out.failure = read_all(from.get(), pid, limits, progress, out.bytes);
+  if (out.failure.empty()) out.failure = failure_of(child.wait(), limits);
   return out;
 }
 

@@ -37,6 +37,13 @@ TEST(Isolated, SurvivesWhateverEndsTheChild) {
   EXPECT_EQ(run_isolated("test", wordy, limits).failure, "becomes more than 0 MiB");
 }
 
+TEST(Isolated, AStandstillEnds) {
+  IsolationLimits limits;
+  limits.idle_seconds = 1;
+  const auto waiting = [](int) { ::pause(); };
+  EXPECT_EQ(run_isolated("test", waiting, limits).failure, "stands still in its reader");
+}
+
 TEST(Isolated, MemoryIsBounded) {
   if (support::kSanitized) GTEST_SKIP() << "a sanitizer ends the process where memory ends";
   const auto greedy = [](int) {

@@ -40,7 +40,7 @@ void find_lost(Conversion& c) {
   if (fbx && (mentions(c.request, "Constraint::"sv) || mentions(c.request, "\0\1Constraint"sv)))
     c.lost.insert("constraints");
   if (!fbx && mentions(c.request, ">BEZIER"sv)) c.lost.insert("bent curves between keys");
-  // Assimp's issue 4746.
+  // Assimp 5.2 looks for what a clip names beside the clip.
   if (!fbx && mentions(c.request, "<animation_clip"sv))
     c.warn("its clips are not told apart: what they animate plays at once, in one clip");
 }

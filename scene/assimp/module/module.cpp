@@ -95,7 +95,7 @@ const aiScene& import(Assimp::Importer& importer, const Request& request) {
   keep_only(importer, extension);
   importer.SetIOHandler(new OneFile(name, request.bytes, request.size));
   // FBX nodes have pivots and rotations before and after their own. Kept as nodes, they pose exactly; folded into one
-  // node, animations would still name the kept ones (Assimp's issues 1068 and 6114).
+  // node, animations would still name the kept ones.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, true);
