@@ -228,6 +228,16 @@ const LinearDifference& linear_errors(const ScoreInput& input, Shared& shared) {
       .of;
 }
 
+// An infinity that only one picture has is no distance, and neither is what is not a number.
+ScoreResult finite(double value, const ScoreInput& input, Shared& shared) {
+  if (!std::isfinite(value)) return absent(not_finite_reason(input, shared));
+  ScoreResult result;
+  result.value = value;
+  return result;
+}
+
+constexpr std::string_view kNotFinite = "a pixel is not a number, or infinite in one of the pictures";
+
 }  // namespace
 
 const LumaPair& luma_pair(const ScoreInput& input, Shared& shared) {
@@ -321,13 +331,9 @@ extern const Score score_linear_mae = {
     .needs = kNeedsLinear,
     .computes = "mean of abs(a - b) over pixels and colours, in the pictures' own unit",
     .source = "",
-    .absence = "a pixel is not a number",
-    .compute =
-        [](const ScoreInput& input, Shared& shared) {
-          ScoreResult result;
-          result.value = linear_errors(input, shared).mae;
-          return result;
-        },
+    .absence = kNotFinite,
+    .compute = [](const ScoreInput& input,
+                  Shared& shared) { return finite(linear_errors(input, shared).mae, input, shared); },
 };
 
 extern const Score score_linear_rms = {
@@ -342,13 +348,9 @@ extern const Score score_linear_rms = {
     .needs = kNeedsLinear,
     .computes = "root of the mean of (a - b)^2 over pixels and colours, in the pictures' own unit",
     .source = "",
-    .absence = "a pixel is not a number",
-    .compute =
-        [](const ScoreInput& input, Shared& shared) {
-          ScoreResult result;
-          result.value = linear_errors(input, shared).rms;
-          return result;
-        },
+    .absence = kNotFinite,
+    .compute = [](const ScoreInput& input,
+                  Shared& shared) { return finite(linear_errors(input, shared).rms, input, shared); },
 };
 
 }  // namespace crowdbench::metrics

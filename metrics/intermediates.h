@@ -1,6 +1,7 @@
 // What several scores are made of, computed once for an input. Each is called with its needs met.
 #pragma once
 #include <optional>
+#include <string>
 
 #include "metrics/registry.h"
 #include "metrics/silhouette.h"
@@ -18,6 +19,9 @@ const std::optional<Ssim>& similarity(const ScoreInput& input, Shared& shared);
 
 // difference() over the region, or over every pixel where there is none. kNeedsCodes
 const std::optional<Difference>& region_difference(const ScoreInput& input, Shared& shared);
+
+// not_finite_text() of both pictures: why no score is made of them; empty where all pixels are finite. kNeedsLinear
+const std::string& not_finite_reason(const ScoreInput& input, Shared& shared);
 
 struct SilhouettePair {
   Mask reference, test;

@@ -43,7 +43,7 @@ double distance(const Triple& a, const Triple& b) { return std::hypot(a[0] - b[0
 
 // A polyline through OKLab, walked at constant speed. Its corners lie on the edge of what a display can show, which
 // makes it long (0.9, about 45 steps that an eye can tell apart): small errors show.
-std::array<std::array<uint8_t, 3>, 256> make_colours() {
+ColourTable make_colours() {
   constexpr std::array<Triple, 6> kStops = {
       {{0, 0, 64}, {0, 0, 205}, {118, 0, 238}, {198, 0, 205}, {238, 0, 112}, {255, 0, 0}}};
   std::array<Triple, kStops.size()> lab{};
@@ -52,7 +52,7 @@ std::array<std::array<uint8_t, 3>, 256> make_colours() {
     lab[i] = oklab_of(kStops[i]);
     along[i] = i == 0 ? 0 : along[i - 1] + distance(lab[i - 1], lab[i]);
   }
-  std::array<std::array<uint8_t, 3>, 256> colours{};
+  ColourTable colours{};
   size_t leg = 0;
   for (size_t i = 0; i < colours.size(); ++i) {
     const double at = along.back() * static_cast<double>(i) / 255;
@@ -84,7 +84,7 @@ Image8 error_levels_of(const Image<T>& a, const Image<T>& b) {
 
 }  // namespace
 
-const std::array<std::array<uint8_t, 3>, 256>& error_colours() {
+const ColourTable& error_colours() {
   static const auto colours = make_colours();
   return colours;
 }
@@ -92,15 +92,15 @@ const std::array<std::array<uint8_t, 3>, 256>& error_colours() {
 Image8 error_levels(const Image8& a, const Image8& b) { return error_levels_of(a, b); }
 Image8 error_levels(const Image16& a, const Image16& b) { return error_levels_of(a, b); }
 
-Image8 pseudocolour(const Image8& levels) {
-  const auto& colours = error_colours();
+Image8 pseudocolour(const Image8& levels, const ColourTable& colours) {
   Image8 out(levels.width, levels.height, 3);
   for (size_t i = 0; i < levels.data.size(); ++i)
     std::copy_n(colours[levels.data[i]].begin(), 3, out.data.begin() + static_cast<ptrdiff_t>(3 * i));
   return out;
 }
 
-Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first, double last) {
+Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first, double last,
+                       const ColourTable& colours) {
   constexpr int kNarrowest = 360;
   const double scale = std::max(1.0, std::min(picture.width, picture.height * 2) / 960.0);
   const auto scaled = [&](double pixels) { return static_cast<int>(std::lround(pixels * scale)); };
@@ -115,7 +115,6 @@ Image8 with_colour_bar(const Image8& picture, const std::string& caption, double
   for (int y = 0; y < picture.height; ++y)
     std::copy_n(picture.at(0, y), static_cast<size_t>(picture.width) * 3, out.at(left, y));
 
-  const auto& colours = error_colours();
   for (int x = 0; x < bar_width; ++x) {
     const auto level = static_cast<size_t>(std::lround(255.0 * x / (bar_width - 1)));
     for (int y = 0; y < bar_height; ++y) std::copy_n(colours[level].begin(), 3, out.at(bar_left + x, bar_top + y));
@@ -129,10 +128,10 @@ Image8 with_colour_bar(const Image8& picture, const std::string& caption, double
     cv::putText(canvas, words, {centre - extent.width / 2, baseline}, cv::FONT_HERSHEY_SIMPLEX, size * scale, ink,
                 thickness, cv::LINE_AA);
   };
-  for (const int level : {0, 64, 128, 191, 255}) {
-    const int x = bar_left + static_cast<int>(std::lround(level / 255.0 * (bar_width - 1)));
+  for (int quarter = 0; quarter <= 4; ++quarter) {
+    const int x = bar_left + static_cast<int>(std::lround(quarter / 4.0 * (bar_width - 1)));
     cv::line(canvas, {x, bar_top + bar_height}, {x, bar_top + bar_height + scaled(4)}, ink, thickness);
-    text(fmt::format("{:.3g}", first + level / 255.0 * (last - first)), x, bar_top + bar_height + scaled(17), 0.4);
+    text(fmt::format("{:.3g}", first + quarter / 4.0 * (last - first)), x, bar_top + bar_height + scaled(17), 0.4);
   }
   text(caption, width / 2, bar_top + bar_height + scaled(34), 0.4);
   return out;

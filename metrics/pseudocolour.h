@@ -8,21 +8,29 @@
 
 namespace crowdbench::metrics {
 
+// 256 sRGB colours, for values from the one end of a scale to the other.
+using ColourTable = std::array<std::array<uint8_t, 3>, 256>;
+
 // 256 sRGB colours from dark blue (0) over violet to red (255). Lightness rises all the way and neighbours are equally
 // far apart in OKLab, so that a larger error never looks like a smaller one, in print and to colour-blind readers too.
-const std::array<std::array<uint8_t, 3>, 256>& error_colours();
+const ColourTable& error_colours();
+// Perceptually uniform and dark at 0: black over violet to pale yellow, and dark violet over green to yellow. FLIP's
+// tool paints errors in the first and exposures in the second.
+const ColourTable& magma_colours();
+const ColourTable& viridis_colours();
 
 // The mean of |a - b| over R, G and B, rounded: one channel. Its mean is the MAE up to rounding. Throws Error when the
 // sizes differ.
 Image8 error_levels(const Image8& a, const Image8& b);
 Image8 error_levels(const Image16& a, const Image16& b);
 
-// One channel of 0..255 through error_colours(): RGB, same size.
-Image8 pseudocolour(const Image8& levels);
+// One channel of 0..255 through a table: RGB, same size.
+Image8 pseudocolour(const Image8& levels, const ColourTable& colours = error_colours());
 
-// `picture` (RGB) with the colour bar below it, its ends and quarters labelled from `first` (dark blue) to `last` (red)
-// and `caption` beneath. At least 360 pixels wide: a narrow picture is centred on white. Larger pictures get a larger
-// bar.
-Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first = 0, double last = 255);
+// `picture` (RGB) with the colour bar below it, its ends and quarters labelled from `first` (the table's first colour)
+// to `last` and `caption` beneath. At least 360 pixels wide: a narrow picture is centred on white. Larger pictures get
+// a larger bar.
+Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first = 0, double last = 255,
+                       const ColourTable& colours = error_colours());
 
 }  // namespace crowdbench::metrics

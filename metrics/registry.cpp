@@ -12,21 +12,25 @@
 namespace crowdbench::metrics {
 
 // One line a score; each is defined in the file of what it computes.
-#define CROWDBENCH_SCORES(SCORE) \
-  SCORE(silhouette_iou)          \
-  SCORE(boundary_px_mean)        \
-  SCORE(boundary_px_p95)         \
-  SCORE(ssim)                    \
-  SCORE(ssim_union)              \
-  SCORE(ms_ssim)                 \
-  SCORE(psnr)                    \
-  SCORE(mae)                     \
-  SCORE(mse)                     \
-  SCORE(gmsd)                    \
-  SCORE(depth_mae)               \
-  SCORE(linear_mae)              \
-  SCORE(linear_rms)              \
-  SCORE(cvvdp)                   \
+#define CROWDBENCH_SCORES(SCORE)  \
+  SCORE(silhouette_iou)           \
+  SCORE(boundary_px_mean)         \
+  SCORE(boundary_px_p95)          \
+  SCORE(silhouette_hausdorff_px)  \
+  SCORE(silhouette_difference_px) \
+  SCORE(ssim)                     \
+  SCORE(ssim_union)               \
+  SCORE(ms_ssim)                  \
+  SCORE(flip)                     \
+  SCORE(psnr)                     \
+  SCORE(mae)                      \
+  SCORE(mse)                      \
+  SCORE(gmsd)                     \
+  SCORE(depth_mae)                \
+  SCORE(linear_mae)               \
+  SCORE(linear_rms)               \
+  SCORE(hdr_flip)                 \
+  SCORE(cvvdp)                    \
   SCORE(flicker)
 
 #define CROWDBENCH_DECLARE(name) extern const Score score_##name;
@@ -161,8 +165,8 @@ std::string value_text(const Score& score, const std::optional<double>& value) {
   return fmt::format("{:.{}f}", *value, score.digits);
 }
 
-Image8 map_picture(const Score& score, const ScoreMap& map) {
-  if (score.paint) return score.paint(map);
+Image8 map_picture(const Score& score, const ScoreMap& map, MapColours colours) {
+  if (colours == MapColours::own && score.paint) return score.paint(map);
   Image8 levels(map.values.width, map.values.height, 1);
   for (size_t i = 0; i < levels.data.size(); ++i) {
     const double share = (map.values.data[i] - map.equal) / (map.worst - map.equal);
@@ -170,7 +174,10 @@ Image8 map_picture(const Score& score, const ScoreMap& map) {
   }
   const std::string caption =
       map.unit.empty() ? std::string(score.title) : fmt::format("{} ({})", score.title, map.unit);
-  return with_colour_bar(pseudocolour(levels), caption, map.equal, map.worst);
+  const ColourTable& table = colours == MapColours::magma     ? magma_colours()
+                             : colours == MapColours::viridis ? viridis_colours()
+                                                              : error_colours();
+  return with_colour_bar(pseudocolour(levels, table), caption, map.equal, map.worst, table);
 }
 
 std::optional<double> mean_over(const Plane& map, int left, int top, const AgentPixels& agent) {

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "metrics/cvvdp/temporal_filter.h"
 #include "metrics/difference.h"
 #include "metrics/display.h"
 
@@ -48,8 +49,12 @@ struct ScoreInput {
   Buffers test;
   const Mask* region = nullptr;      // the pixels that scores of Scope::region count; none: every pixel
   const Display* display = nullptr;  //
-  double fps = 0;                    // of successive frames; 0: not known
-  bool maps = false;                 // fill ScoreResult::map where the score has one
+  // `display` was chosen by nobody: it is there for scores that cannot do without one, and a score with a default of
+  // its own keeps to that.
+  bool display_is_default = false;
+  double fps = 0;                        // of successive frames; 0: not known
+  Padding padding = Padding::replicate;  // what stands for the frames before the first
+  bool maps = false;                     // fill ScoreResult::map where the score has one
 };
 // The needs that the input meets; both sides must have a buffer for it to count. Never kNeedsFrames.
 Needs given(const ScoreInput& input);
@@ -82,10 +87,16 @@ struct ScoreMap {
 struct ScoreResult {
   std::optional<double> value;  // never NaN; infinite where the score's range says so
   std::string reason;           // why there is no value; empty where there is one
+  std::string conditions;       // what it was computed under, where that is a choice: "67.02 pixels/degree"
   // Where the score's source pools one map in several ways: each by its name ("mean", "weighted_median"), that of
   // `value` among them. Else empty.
   std::vector<std::pair<std::string, double>> pooled;
+  // Further figures that explain `value` and are not other poolings of it: parts by channel, what was chosen.
+  std::vector<std::pair<std::string, double>> details;
   std::optional<ScoreMap> map;
+  // Pictures beside the map that the score's source draws, as it draws them: file names without ending. With
+  // ScoreInput::maps.
+  std::vector<std::pair<std::string, Image8>> drawings;
 };
 // Not available, because ...
 ScoreResult absent(std::string reason);
@@ -139,7 +150,7 @@ struct Score {
   // The same over one agent's pixels of the whole pictures; nothing where it does not exist. Called with ids, and its
   // needs but kNeedsRegion met. nullptr: not defined for an agent.
   std::optional<double> (*by_agent)(const ScoreInput& input, Shared& shared, const AgentPixels& agent) = nullptr;
-  // A picture of the map; nullptr: pseudocolours with their colour bar.
+  // A picture of the map as MapColours::own; nullptr: as MapColours::error.
   Image8 (*paint)(const ScoreMap& map) = nullptr;
 };
 
@@ -185,8 +196,12 @@ class ClipScores {
 
 // For people: the value at the score's digits, "inf", or "-" where there is none.
 std::string value_text(const Score& score, const std::optional<double>& value);
+
+// How a map is painted: as the score's source does, where it says so (Score::paint), or with a colour bar below that
+// names score and unit, in dark blue to red (error_colours()), or in a perceptually uniform table.
+enum class MapColours : uint8_t { own, error, magma, viridis };
 // The map as a picture. RGB or grey.
-Image8 map_picture(const Score& score, const ScoreMap& map);
+Image8 map_picture(const Score& score, const ScoreMap& map, MapColours colours = MapColours::own);
 // The mean of a map over the pixels of an agent that it covers, NaN left out; nothing where there is none. left, top:
 // the pixel of the map's first element.
 std::optional<double> mean_over(const Plane& map, int left, int top, const AgentPixels& agent);

@@ -69,6 +69,13 @@ std::optional<double> silhouette_iou(const Mask& a, const Mask& b) {
   return static_cast<double>(both) / static_cast<double>(either);
 }
 
+uint64_t symmetric_difference(const Mask& a, const Mask& b) {
+  require_same_size(a, b);
+  uint64_t count = 0;
+  for (size_t i = 0; i < a.data.size(); ++i) count += (a.data[i] != 0) != (b.data[i] != 0) ? 1 : 0;
+  return count;
+}
+
 std::optional<BoundaryDistance> boundary_distance(const Mask& a, const Mask& b) {
   require_same_size(a, b);
   size_t count_a = 0;
@@ -82,7 +89,8 @@ std::optional<BoundaryDistance> boundary_distance(const Mask& a, const Mask& b) 
   append_distances(boundary_b, boundary_a, distances);
   double sum = 0;
   for (const double d : distances) sum += d;
-  return BoundaryDistance{sum / static_cast<double>(distances.size()), quantile(distances, 0.95)};
+  return BoundaryDistance{sum / static_cast<double>(distances.size()), quantile(distances, 0.95),
+                          *std::max_element(distances.begin(), distances.end())};
 }
 
 std::optional<Box> crop_box(const Mask& a, const Mask& b, int margin) {
@@ -130,6 +138,44 @@ std::optional<double> overlap_of_agent(const ScoreInput& input, Shared&, const A
   size_t both = 0;
   for (const auto& [x, y] : agent.pixels) both += *input.reference.ids->at(x, y) == *input.test.ids->at(x, y) ? 1 : 0;
   return static_cast<double>(both) / static_cast<double>(agent.pixels.size());
+}
+
+double difference_of_agent(const ScoreInput& input, const AgentPixels& agent) {
+  uint64_t count = 0;
+  for (const auto& [x, y] : agent.pixels) count += *input.reference.ids->at(x, y) != *input.test.ids->at(x, y) ? 1 : 0;
+  return static_cast<double>(count);
+}
+
+// The masks of one agent, cut to its box and a pixel around: where that is the picture's edge the figure is cut off
+// there, and has no boundary.
+SilhouettePair masks_of_agent(const ScoreInput& input, const AgentPixels& agent) {
+  int left = input.reference.ids->width;
+  int top = input.reference.ids->height;
+  int right = 0;
+  int bottom = 0;
+  for (const auto& [x, y] : agent.pixels) {
+    left = std::min(left, x);
+    right = std::max(right, x);
+    top = std::min(top, y);
+    bottom = std::max(bottom, y);
+  }
+  left = std::max(left - 1, 0);
+  top = std::max(top - 1, 0);
+  right = std::min(right + 1, input.reference.ids->width - 1);
+  bottom = std::min(bottom + 1, input.reference.ids->height - 1);
+  const Mask empty(right - left + 1, bottom - top + 1, 1);
+  SilhouettePair pair{empty, empty};
+  for (const auto& [x, y] : agent.pixels) {
+    *pair.reference.at(x - left, y - top) = *input.reference.ids->at(x, y) == agent.id ? 255 : 0;
+    *pair.test.at(x - left, y - top) = *input.test.ids->at(x, y) == agent.id ? 255 : 0;
+  }
+  return pair;
+}
+
+std::optional<double> hausdorff_of_agent(const ScoreInput& input, Shared&, const AgentPixels& agent) {
+  const SilhouettePair pair = masks_of_agent(input, agent);
+  const auto distance = boundary_distance(pair.reference, pair.test);
+  return distance ? std::optional(distance->greatest) : std::nullopt;
 }
 
 ScoreResult boundary(const ScoreInput& input, Shared& shared, double BoundaryDistance::*member) {
@@ -207,6 +253,48 @@ extern const Score score_boundary_px_p95 = {
     .source = "",
     .absence = kNoBoundary,
     .compute = [](const ScoreInput& input, Shared& shared) { return boundary(input, shared, &BoundaryDistance::p95); },
+};
+
+extern const Score score_silhouette_hausdorff_px = {
+    .name = "silhouette_hausdorff_px",
+    .title = "Hausdorff distance of the silhouettes",
+    .column = "Hausdorff",
+    .unit = "px",
+    .direction = Direction::lower_is_better,
+    .digits = 2,
+    .least = 0,
+    .greatest = std::numeric_limits<double>::infinity(),
+    .needs = kNeedsIds,
+    .computes = "greatest of the same distances",
+    .source = "",
+    .absence = kNoBoundary,
+    .compute = [](const ScoreInput& input,
+                  Shared& shared) { return boundary(input, shared, &BoundaryDistance::greatest); },
+    .by_agent = hausdorff_of_agent,
+};
+
+extern const Score score_silhouette_difference_px = {
+    .name = "silhouette_difference_px",
+    .title = "symmetric difference of the silhouettes",
+    .column = "sym diff",
+    .unit = "px",
+    .direction = Direction::lower_is_better,
+    .digits = 0,
+    .least = 0,
+    .greatest = std::numeric_limits<double>::infinity(),
+    .needs = kNeedsIds,
+    .computes = "count of the pixels that exactly one covers",
+    .source = "",
+    .compute =
+        [](const ScoreInput& input, Shared& shared) {
+          const SilhouettePair& pair = silhouettes(input, shared);
+          ScoreResult result;
+          result.value = static_cast<double>(symmetric_difference(pair.reference, pair.test));
+          return result;
+        },
+    .by_agent = [](const ScoreInput& input, Shared&, const AgentPixels& agent) -> std::optional<double> {
+      return difference_of_agent(input, agent);
+    },
 };
 
 }  // namespace crowdbench::metrics

@@ -15,14 +15,18 @@ Mask union_of(const Mask& a, const Mask& b);
 // |A and B| / |A or B|: 1 = equal, 0 = disjoint. Nothing when both are empty. Throws Error when the sizes differ.
 std::optional<double> silhouette_iou(const Mask& a, const Mask& b);
 
+// The pixels that exactly one of them covers: 0 = equal. Throws Error when the sizes differ.
+uint64_t symmetric_difference(const Mask& a, const Mask& b);
+
 // A mask's boundary: its pixels of which one of the four neighbours inside the picture is outside the mask (where the
 // picture's edge cuts a figure there is no boundary). From every boundary pixel of A the Euclidean distance to the
-// nearest one of B is taken, and from every one of B to the nearest of A; mean and 95th percentile (type 7) are over
-// all of these together. In pixels; 0 = equal. Nothing when either mask has no boundary. Throws Error when sizes
-// differ.
+// nearest one of B is taken, and from every one of B to the nearest of A; mean, 95th percentile (type 7) and greatest
+// (the Hausdorff distance of the boundaries) are over all of these together. In pixels; 0 = equal. Nothing when either
+// mask has no boundary. Throws Error when sizes differ.
 struct BoundaryDistance {
   double mean = 0;
   double p95 = 0;
+  double greatest = 0;
 };
 std::optional<BoundaryDistance> boundary_distance(const Mask& a, const Mask& b);
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,11 +11,13 @@
 #include <vector>
 
 #include "bench/commands/command_line.h"
+#include "bench/commands/compare_clips.h"
+#include "bench/commands/compare_input.h"
 #include "bench/commands/compare_region.h"
-#include "bench/commands/options.h"
 #include "bench/commands/score_bounds.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
+#include "bench/experiments/frame_pairs.h"
 #include "core/colour_tags.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -30,24 +31,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
-  std::string reference;
-  std::string test;
-  std::string maps;
-  std::string over;
-  std::string ids_reference;
-  std::string ids_test;
-  RegionOptions region;
-  std::vector<std::string> fail_above, fail_below;
-  bool json = false;
-};
-
-// The two pictures as they were read, brought to one kind of number.
-struct Pictures {
-  AnyImage reference, test;
-  ImageU32 reference_ids, test_ids;  // empty: not asked for
-};
-
 struct Result {
   int width = 0;
   int height = 0;
@@ -58,20 +41,9 @@ struct Result {
   std::vector<std::string> maps;
   std::optional<metrics::Difference> worst;      // with code values
   std::optional<metrics::AgentScores> by_agent;  // with ids
+  std::optional<NotFinitePair> not_finite;       // with floats
+  CompareSetup setup;
 };
-
-std::array<uint8_t, 3> parse_colour(const std::string& text) {
-  const bool shape =
-      text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == text.npos;
-  if (!shape) throw Error("--over", fmt::format("'{}' is no colour", printable(text)), "write it as '#rrggbb'");
-  std::array<uint8_t, 3> colour{};
-  for (size_t c = 0; c < 3; ++c) colour[c] = static_cast<uint8_t>(std::stoi(text.substr(1 + 2 * c, 2), nullptr, 16));
-  return colour;
-}
-
-int channels_of(const AnyImage& image) {
-  return std::visit([](const auto& i) { return i.channels; }, image);
-}
 
 ImageU32 read_ids(const std::string& path) {
   AnyImage image = read_image(path);
@@ -91,7 +63,7 @@ void require_size(const AnyImage& image, int width, int height, const std::strin
       image);
 }
 
-void read_both_ids(const Options& options, Pictures& pictures, const Result& result) {
+void read_both_ids(const CompareOptions& options, ComparedPictures& pictures, const Result& result) {
   if (!std::holds_alternative<Image8>(pictures.reference) || !std::holds_alternative<Image8>(pictures.test))
     throw Error("--ids-ref", "scores by agent need 8-bit pictures", "compare the PNG files");
   for (auto& [ids, path] : {std::pair<ImageU32&, const std::string&>{pictures.reference_ids, options.ids_reference},
@@ -101,35 +73,8 @@ void read_both_ids(const Options& options, Pictures& pictures, const Result& res
   }
 }
 
-bool has_codes(const AnyImage& image) {
-  return std::holds_alternative<Image8>(image) || std::holds_alternative<Image16>(image);
-}
-
-// Alpha is composited away where a colour was given, else ignored with a warning; 8 bits beside 16 become 16.
-void prepare(const Options& options, Pictures& pictures, Result& result) {
-  const auto colour = options.over.empty() ? std::nullopt : std::optional(parse_colour(options.over));
-  for (auto& [image, path] : {std::pair<AnyImage&, const std::string&>{pictures.reference, options.reference},
-                              std::pair<AnyImage&, const std::string&>{pictures.test, options.test}}) {
-    if (channels_of(image) != 4) continue;
-    if (!colour || !has_codes(image))
-      result.warnings.push_back(printable(path) + ": alpha is ignored" +
-                                (has_codes(image) ? "; --over '#rrggbb' composites first" : ""));
-    else if (const auto* eight = std::get_if<Image8>(&image))
-      image = metrics::over(*eight, *colour);
-    else
-      image = metrics::over(std::get<Image16>(image), *colour);
-  }
-  const bool both_have_codes = has_codes(pictures.reference) && has_codes(pictures.test);
-  if (both_have_codes && pictures.reference.index() != pictures.test.index())
-    for (AnyImage* image : {&pictures.reference, &pictures.test})
-      if (const auto* eight = std::get_if<Image8>(image)) *image = metrics::widen(*eight);
-  if (both_have_codes) return;
-  if (!options.maps.empty()) result.warnings.push_back("no maps: the pictures have no 8-bit code values");
-  if (!options.over.empty()) result.warnings.push_back("--over has no effect: the pictures have no 8-bit code values");
-}
-
 // Code values are compared as they are stored; where the files give them different colours, that is not what is seen.
-void compare_tags(const Options& options, Result& result) {
+void compare_tags(const CompareOptions& options, Result& result) {
   const std::string reference = colour_tags(std::filesystem::path(options.reference));
   const std::string test = colour_tags(std::filesystem::path(options.test));
   if (reference == test) return;
@@ -139,38 +84,32 @@ void compare_tags(const Options& options, Result& result) {
                                         said(test)));
 }
 
-metrics::Buffers buffers_of(const AnyImage& image, const ImageU32& ids) {
-  metrics::Buffers out;
-  out.codes = std::get_if<Image8>(&image);
-  out.codes16 = std::get_if<Image16>(&image);
-  out.linear = std::get_if<ImageF>(&image);
-  if (!ids.empty()) out.ids = &ids;
-  return out;
-}
-
-void write_maps(const std::filesystem::path& folder, const metrics::ScoreInput& input, Result& result) {
+void write_maps(const std::filesystem::path& folder, const CompareSetup& setup, const metrics::ScoreInput& input,
+                Result& result) {
   make_folder(folder);
-  const auto save = [&](const std::string& name, const Image8& image) {
-    write_png(folder / name, image);
-    result.maps.push_back((folder / name).string());
-  };
-  save("absdiff.png", input.reference.codes
-                          ? metrics::absolute_difference(*input.reference.codes, *input.test.codes)
-                          : metrics::absolute_difference(*input.reference.codes16, *input.test.codes16));
+  const bool codes = (metrics::given(input) & metrics::kNeedsCodes) != 0;
+  if (codes) {
+    const std::filesystem::path file = folder / "absdiff.png";
+    write_png(file, input.reference.codes
+                        ? metrics::absolute_difference(*input.reference.codes, *input.test.codes)
+                        : metrics::absolute_difference(*input.reference.codes16, *input.test.codes16));
+    result.maps.push_back(file.string());
+  } else {
+    result.warnings.emplace_back("no maps of code values: the pictures have none");
+  }
   for (const auto& [score, scored] : result.scores) {
-    if (score->map_file.empty()) continue;
-    const std::string name = std::string(score->map_file) + ".png";
-    if (scored.map)
-      save(name, metrics::map_picture(*score, *scored.map));
-    else
-      result.warnings.push_back(fmt::format("no {}: {}", name, scored.reason));
+    if (score->map_file.empty() || (!codes && (score->needs & metrics::kNeedsCodes) != 0)) continue;
+    if (!scored.map) result.warnings.push_back(fmt::format("no {}.png: {}", score->map_file, scored.reason));
+    for (std::string& file : write_map(folder, "", *score, scored, setup.colours))
+      result.maps.push_back(std::move(file));
   }
 }
 
-Result compare(const Options& options, metrics::ScoreTable table) {
-  const std::vector<ScoreBound> bounds = parse_bounds(options.fail_above, options.fail_below, table);
-  Pictures pictures{read_image(options.reference), read_image(options.test), {}, {}};
+Result compare(const CompareOptions& options, metrics::ScoreTable table) {
   Result result;
+  result.setup = compare_setup(options, table);
+  const CompareSetup& setup = result.setup;
+  ComparedPictures pictures{read_image(options.reference), read_image(options.test), {}, {}};
   std::tie(result.width, result.height) = std::visit(
       [](const auto& i) {
         return std::pair{i.width, i.height};
@@ -178,25 +117,24 @@ Result compare(const Options& options, metrics::ScoreTable table) {
       pictures.reference);
   require_size(pictures.test, result.width, result.height, options.test, options.reference + " is",
                "compare pictures of one size");
-  prepare(options, pictures, result);
-  compare_tags(options, result);
   result.region = compare_region(options.region, result.width, result.height);
-  if (result.region && pictures.reference.index() == pictures.test.index())
-    equal_outside(*result.region, pictures.reference, pictures.test);
+  bring_together(setup, result.region, pictures, options.reference, options.test, result.warnings);
+  compare_tags(options, result);
   if (!options.ids_reference.empty()) read_both_ids(options, pictures, result);
 
-  metrics::ScoreInput input{buffers_of(pictures.reference, pictures.reference_ids),
-                            buffers_of(pictures.test, pictures.test_ids)};
-  const bool codes = (metrics::given(input) & metrics::kNeedsCodes) != 0;
-  input.maps = codes && !options.maps.empty();
-  if (result.region) input.region = &result.region->counted;
+  metrics::ScoreInput input = score_input(setup, result.region, pictures);
+  input.maps = !options.maps.empty();
   metrics::Shared shared;
-  // Scores of code values are what people expect: pictures without them say why there are none.
-  result.scores = metrics::score_pictures(table, input, shared, metrics::kNeedsCodes);
-  result.verdicts = check_bounds(bounds, result.scores);
-  if (codes) result.worst = metrics::region_difference(input, shared);
-  if (input.maps) write_maps(options.maps, input, result);
-  if (input.reference.ids) result.by_agent = metrics::score_agents(table, input, shared);
+  result.scores = metrics::score_pictures(setup.table, input, shared, setup.also);
+  result.verdicts = check_bounds(setup.bounds, result.scores);
+  result.not_finite = not_finite_of(pictures);
+  if (result.not_finite)
+    if (std::string text = metrics::not_finite_text(result.not_finite->reference, result.not_finite->test);
+        !text.empty())
+      result.warnings.push_back(std::move(text));
+  if ((metrics::given(input) & metrics::kNeedsCodes) != 0) result.worst = metrics::region_difference(input, shared);
+  if (input.maps) write_maps(options.maps, setup, input, result);
+  if (input.reference.ids) result.by_agent = metrics::score_agents(setup.table, input, shared);
   return result;
 }
 
@@ -223,7 +161,16 @@ ordered_json agents_json(const metrics::AgentScores& scores) {
   return out;
 }
 
-ordered_json to_json(const Options& options, const Result& result) {
+ordered_json not_finite_json(const NotFinitePair& pair) {
+  ordered_json out = ordered_json::object();
+  for (const auto& [side, found] : {std::pair{"reference", &pair.reference}, std::pair{"test", &pair.test}}) {
+    out[side] = {{"nan", found->nan}, {"infinite", found->infinite}};
+    if (found->pixels() > 0) out[side]["first"] = {found->x, found->y};
+  }
+  return out;
+}
+
+ordered_json to_json(const CompareOptions& options, const Result& result) {
   ordered_json scores = ordered_json::object();
   ordered_json reasons = ordered_json::object();
   put_scores(scores, reasons, result.scores);
@@ -231,6 +178,10 @@ ordered_json to_json(const Options& options, const Result& result) {
                       {"height", result.height},        {"scores", scores},     {"reasons", reasons}};
   if (result.worst)
     out["worst"] = {{"difference", result.worst->worst}, {"x", result.worst->worst_x}, {"y", result.worst->worst_y}};
+  if (ordered_json conditions = conditions_json(result.scores); !conditions.empty()) out["conditions"] = conditions;
+  if (ordered_json details = details_json(result.scores); !details.empty()) out["details"] = details;
+  out["display"] = display_json(result.setup);
+  if (result.not_finite) out["not_finite"] = not_finite_json(*result.not_finite);
   if (!options.over.empty()) out["over"] = options.over;
   if (result.region) out["region"] = region_json(options.region, *result.region);
   if (!result.verdicts.empty()) out["bounds"] = bounds_json(result.verdicts);
@@ -261,13 +212,15 @@ void print_text(const Result& result) {
   for (const auto& [score, scored] : result.scores) {
     fmt::print("  {:<16} {:>12}  ", score->name, metrics::value_text(*score, scored.value));
     if (scored.value)
-      fmt::print("{}{}{}; {:g} = equal\n", score->title, score->unit.empty() ? "" : ", ", score->unit,
-                 metrics::best_value(*score));
+      fmt::print("{}{}{}; {:g} = equal{}{}\n", score->title, score->unit.empty() ? "" : ", ", score->unit,
+                 metrics::best_value(*score), scored.conditions.empty() ? "" : "; at ", scored.conditions);
     else
       fmt::print("not available: {}\n", scored.reason);
-    for (const auto& [name, value] : scored.pooled)
-      fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
+    for (const auto* figures : {&scored.pooled, &scored.details})
+      for (const auto& [name, value] : *figures)
+        fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
   }
+  print_display(result.setup, result.scores);
   if (result.worst)
     fmt::print("  largest difference {} at pixel ({}, {})\n", result.worst->worst, result.worst->worst_x,
                result.worst->worst_y);
@@ -288,7 +241,7 @@ std::string maps_text(metrics::ScoreTable table) {
 void add_compare(Command& app, Run& run) { add_compare(app, run, metrics::scores()); }
 
 void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
-  Command* command = app.add_subcommand("compare", "Score how far one picture is from another, and draw where");
+  Command* command = app.add_subcommand("compare", "Score how far one picture or clip is from another, and draw where");
   command->footer(
       std::string(
           "Scores are over sRGB code values of 0..255 as they lie in the files, those of structure over BT.601 luma;\n"
@@ -300,55 +253,24 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench compare mesh.png flat.png --maps maps --json\n"
       "  crowdbench compare old.png new.png --ignore 0,0,640,24 --fail-above mae=0.5    status 1 where it is more\n"
       "  crowdbench compare a.png b.png --over '#808080'       pictures with alpha, in front of grey\n"
+      "  crowdbench compare a.mp4 b.mp4 --maps maps --chart c.html    every frame, the worst with its map\n"
+      "  crowdbench compare clip.mp4                           the two halves of a clip that `pair` wrote\n"
       "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well");
-  auto options = std::make_shared<Options>();
-  command->add_option("REFERENCE", options->reference, "the picture that is right (PNG, EXR, JPEG, TIFF ...)")
-      ->required();
-  command->add_option("TEST", options->test, "the picture that is judged, of the same size")->required();
-  command->add_option("--maps", options->maps, "a folder for the pictures of the error; made where missing")
-      ->type_name("DIR")
-      ->output_folder();
-  command->add_option("--over", options->over,
-                      "composite pictures with alpha onto this colour first, '#rrggbb' (else alpha is ignored)");
-  command
-      ->add_option("--ignore", options->region.ignore,
-                   "a rectangle that does not count, x,y,width,height from the upper left; may be repeated.\nThe test "
-                   "takes the reference's pixels there; mae, mse, psnr and ssim_union are means of the rest")
-      ->type_name("X,Y,W,H")
-      ->expected(1)
-      ->take_all();
-  command->add_option("--mask", options->region.mask, "a picture of the same size: black does not count")
-      ->type_name("FILE");
-  command
-      ->add_option("--fail-above", options->fail_above,
-                   "exit 1 where a score is above this (or not available), mae=2; may be repeated")
-      ->type_name("SCORE=VALUE")
-      ->expected(1)
-      ->take_all();
-  command->add_option("--fail-below", options->fail_below, "the same for scores that are better high, ssim=0.98")
-      ->type_name("SCORE=VALUE")
-      ->expected(1)
-      ->take_all();
-  auto* ids_ref = command->add_option("--ids-ref", options->ids_reference,
-                                      "EXR with the reference's agent ids: scores by agent and of the silhouettes");
-  auto* ids_test = command->add_option("--ids-test", options->ids_test, "EXR with the test's agent ids");
-  ids_ref->needs(ids_test);
-  ids_test->needs(ids_ref);
-  add_json_option(*command, options->json);
+  auto options = std::make_shared<CompareOptions>();
+  add_compare_options(*command, *options);
   command->callback([options, table, &run] {
     run = [options, table] {
+      if (options->test.empty() || is_sequence(options->reference) || is_sequence(options->test))
+        return compare_clips(*options, table);
+      if (!options->chart.empty())
+        throw Error("--chart", "a chart is of frames over time", "compare two clips or folders of frames");
       const Result result = compare(*options, table);
       for (const std::string& warning : result.warnings) fmt::print(stderr, "crowdbench: warning: {}\n", warning);
       if (options->json)
         fmt::print("{}\n", to_json(*options, result).dump(2, ' ', false, ordered_json::error_handler_t::replace));
       else
         print_text(result);
-      bool kept = true;
-      for (const BoundVerdict& verdict : result.verdicts) {
-        if (!verdict.pass) fmt::print(stderr, "crowdbench: {}\n", verdict_text(verdict));
-        kept = kept && verdict.pass;
-      }
-      return kept ? 0 : 1;
+      return say_broken_bounds(result.verdicts);
     };
   });
 }

@@ -11,19 +11,19 @@
 #include "core/error.h"
 
 namespace crowdbench::bench {
-namespace {
-
 const metrics::Score& score_named(const std::string& name, const std::string& option, metrics::ScoreTable table) {
   std::vector<std::string> names;
   for (const metrics::Score* score : table) {
     if (score->name == name) return *score;
-    if (score->compute != nullptr) names.emplace_back(score->name);
+    names.emplace_back(score->name);
   }
   const std::string nearest = nearest_name(name, names);
   throw Error(option, fmt::format("there is no score '{}'", printable(name)),
               nearest.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
                               : fmt::format("did you mean '{}'?", nearest));
 }
+
+namespace {
 
 ScoreBound parse_bound(const std::string& text, bool above, metrics::ScoreTable table) {
   const std::string option = above ? "--fail-above" : "--fail-below";
@@ -84,6 +84,16 @@ std::string verdict_text(const BoundVerdict& v) {
   if (!v.result.value) return fmt::format("{} is not available: {}", v.bound.score->name, v.result.reason);
   return fmt::format("{} is {:g}, {}{} {:g}", v.bound.score->name, *v.result.value, v.pass ? "not " : "",
                      v.bound.above ? "above" : "below", v.bound.value);
+}
+
+int say_broken_bounds(const std::vector<BoundVerdict>& verdicts) {
+  int status = 0;
+  for (const BoundVerdict& verdict : verdicts) {
+    if (verdict.pass) continue;
+    fmt::print(stderr, "crowdbench: {}\n", verdict_text(verdict));
+    status = 1;
+  }
+  return status;
 }
 
 }  // namespace crowdbench::bench

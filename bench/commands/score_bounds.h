@@ -8,6 +8,9 @@
 
 namespace crowdbench::bench {
 
+// By its name. option: the one that gave it. Throws Error with the nearest name.
+const metrics::Score& score_named(const std::string& name, const std::string& option, metrics::ScoreTable table);
+
 struct ScoreBound {
   const metrics::Score* score = nullptr;
   double value = 0;
@@ -30,5 +33,7 @@ std::vector<BoundVerdict> check_bounds(const std::vector<ScoreBound>& bounds,
 nlohmann::ordered_json bounds_json(const std::vector<BoundVerdict>& verdicts);
 // "mae is 2.31, above 2"
 std::string verdict_text(const BoundVerdict& verdict);
+// Says those that are broken on stderr; the exit status: 1 where there is one, else 0.
+int say_broken_bounds(const std::vector<BoundVerdict>& verdicts);
 
 }  // namespace crowdbench::bench

@@ -28,4 +28,18 @@ void put_scores(ordered_json& values, ordered_json& reasons, std::span<const met
   }
 }
 
+ordered_json conditions_json(std::span<const metrics::Scored> scores) {
+  ordered_json out = ordered_json::object();
+  for (const auto& [score, result] : scores)
+    if (!result.conditions.empty()) out[std::string(score->name)] = result.conditions;
+  return out;
+}
+
+ordered_json details_json(std::span<const metrics::Scored> scores) {
+  ordered_json out = ordered_json::object();
+  for (const auto& [score, result] : scores)
+    for (const auto& [name, value] : result.details) out[std::string(score->name)][name] = json_number(value);
+  return out;
+}
+
 }  // namespace crowdbench::bench

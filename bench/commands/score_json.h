@@ -19,4 +19,10 @@ nlohmann::ordered_json score_json(const metrics::ScoreResult& result);
 void put_scores(nlohmann::ordered_json& values, nlohmann::ordered_json& reasons,
                 std::span<const metrics::Scored> scores);
 
+// {"name": "67.0206 pixels/degree"}: of the scores that depend on a choice and have a value.
+nlohmann::ordered_json conditions_json(std::span<const metrics::Scored> scores);
+
+// {"name": {"q": 0.4}}: the details of those that have some.
+nlohmann::ordered_json details_json(std::span<const metrics::Scored> scores);
+
 }  // namespace crowdbench::bench

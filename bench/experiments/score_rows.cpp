@@ -16,7 +16,8 @@ std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores) {
   for (const auto& [score, result] : scores) {
     const std::string name(score->name);
     rows.push_back({name, result.value, result.reason});
-    for (const auto& [pool, value] : result.pooled) rows.push_back({name + "." + pool, value, ""});
+    for (const auto* figures : {&result.pooled, &result.details})
+      for (const auto& [figure, value] : *figures) rows.push_back({name + "." + figure, value, ""});
   }
   return rows;
 }

@@ -13,7 +13,7 @@ namespace crowdbench::bench {
 // What was drawn, for the scores: borrowed, the capture must outlive it.
 metrics::Buffers buffers_of(const renderers::Capture& capture);
 
-// One row a score, absent ones with their reason; further pooled figures as "name.pooled".
+// One row a score, absent ones with their reason; further figures as "name.figure".
 std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores);
 
 // In the table's order.

@@ -58,8 +58,8 @@ ScoreResult result_of(const CvvdpResult& result) {
   constexpr std::array<const char*, 4> kParts = {"q_achromatic", "q_red_green", "q_violet_yellow", "q_transient"};
   ScoreResult out;
   out.value = result.jod;
-  out.pooled = {{"jod", result.jod}, {"q", result.q}};
-  for (size_t c = 0; c < result.channel_q.size(); ++c) out.pooled.emplace_back(kParts.at(c), result.channel_q[c]);
+  out.details = {{"q", result.q}};
+  for (size_t c = 0; c < result.channel_q.size(); ++c) out.details.emplace_back(kParts.at(c), result.channel_q[c]);
   return out;
 }
 
@@ -141,6 +141,7 @@ class ClipScore {
   void begin(const ScoreInput& input) {
     CvvdpOptions options;
     options.fps = input.fps;
+    options.padding = input.padding;
     if (input.maps)
       options.map = [this](size_t, CvvdpMap&& map) {
         if (!worst_ || map.q > worst_->q) worst_ = std::move(map);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "reports/charts/chart_frame.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
@@ -14,38 +15,6 @@ namespace crowdbench::reports {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* kSchema = "https://vega.github.io/schema/vega-lite/v6.json";  // a name; nothing loads it
-constexpr const char* kInk = "#1f2933";
-constexpr const char* kGrid = "#e4e7eb";
-
-Json frame(int height) {
-  return {{"$schema", kSchema},
-          {"width", "container"},
-          {"height", height},
-          {"autosize", {{"type", "fit-x"}, {"contains", "padding"}}},
-          {"config",
-           {{"background", "transparent"},
-            {"font", "inherit"},
-            {"view", {{"stroke", nullptr}}},
-            {"axis",
-             {{"labelFontSize", 12},
-              {"titleFontSize", 12},
-              {"titleFontWeight", 600},
-              {"titlePadding", 10},
-              {"labelColor", kInk},
-              {"titleColor", kInk},
-              {"gridColor", kGrid},
-              {"domainColor", "#9aa5b1"},
-              {"tickColor", "#9aa5b1"}}},
-            {"legend",
-             {{"labelFontSize", 12},
-              {"titleFontSize", 12},
-              {"labelColor", kInk},
-              {"titleColor", kInk},
-              {"orient", "top"},
-              {"title", nullptr}}}}}};
-}
 
 // legend: the same in all layers of a chart; where they disagree, Vega-Lite warns and draws none.
 Json colour_of(const Scene& scene, bool legend) {
@@ -184,7 +153,7 @@ std::string time_chart(const Scene& scene, double occupancy) {
 
   const double least = range.least / 1.3;
   const double greatest = range.greatest * 1.3;
-  Json spec = frame(kHeight);
+  Json spec = chart_frame(kHeight);
   const Json x = agents_x(scene);
   Json y = {
       {"field", "ms"},
@@ -264,7 +233,7 @@ std::string speed_chart(const Scene& scene) {
   if (values.empty()) return {};
   const double least = range.least / 1.3;
   const double greatest = range.greatest * 1.3;
-  Json spec = frame(kHeight);
+  Json spec = chart_frame(kHeight);
   const Json x = agents_x(scene);
   const Json y = {{"field", "ratio"},
                   {"type", "quantitative"},
@@ -327,7 +296,7 @@ std::string score_chart(const Scene& scene, const ScoreDoc& score) {
   }
   std::sort(heights.begin(), heights.end());
   heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
-  Json spec = frame(240);
+  Json spec = chart_frame(240);
   const Json x = {
       {"field", "height"},
       {"type", "quantitative"},
@@ -376,13 +345,13 @@ std::string pop_chart(const PopSize& size, const std::vector<ScoreDoc>& scores, 
       values.push_back(std::move(value));
     }
   if (values.empty()) return {};
-  Json spec = frame(0);
+  Json spec = chart_frame(0);
   for (const char* key : {"width", "height", "autosize"}) spec.erase(key);
   const auto tip = [](const std::string& field, const std::string& title) {
     return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
   };
-  spec["config"]["header"] = {{"labelFontSize", 12}, {"labelColor", kInk}, {"labelPadding", 4}};
-  spec["config"]["title"] = {{"anchor", "start"}, {"fontSize", 12}, {"fontWeight", 600}, {"color", kInk}};
+  spec["config"]["header"] = {{"labelFontSize", 12}, {"labelColor", kChartInk}, {"labelPadding", 4}};
+  spec["config"]["title"] = {{"anchor", "start"}, {"fontSize", 12}, {"fontWeight", 600}, {"color", kChartInk}};
   spec["data"] = {{"values", values}};
   spec["spacing"] = 12;
   spec["vconcat"] = Json::array();

@@ -106,6 +106,7 @@ class ClipReader {
   struct Tags {
     std::string codec, pixel_format, primaries, transfer, matrix, range, title;
     int fps_numerator = 0, fps_denominator = 1;
+    int64_t frames = 0;  // as many as to expect, for a progress; 0: unknown
   };
   const Tags& tags() const;
 

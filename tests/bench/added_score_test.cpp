@@ -134,7 +134,8 @@ TEST(AddedScore, IsInCompare) {
   const json out = json::parse(output_of(add_compare, with_json));
   EXPECT_EQ(out.at("scores").at("first_red"), json::parse(R"({"mean": 4.2, "q3": 1.5})"));
   EXPECT_EQ(out.at("agents").at(0).at("first_red"), 2.0);
-  EXPECT_FALSE(out.at("scores").contains("of_a_display"));
+  EXPECT_EQ(out.at("scores").at("of_a_display"), metrics::default_display().pixels_per_degree)
+      << "compare gives the default display to scores that cannot do without one";
   EXPECT_TRUE(std::filesystem::exists(folder / "maps" / "first_red_map.png"));
   const std::string text = output_of(add_compare, arguments);
   EXPECT_TRUE(contains(text, "first_red")) << text;

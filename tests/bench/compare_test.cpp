@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -83,6 +84,10 @@ TEST(Compare, PrintsTheScoresThatAPairMustHave) {
   EXPECT_NEAR(out["scores"]["ssim"].get<double>(), contract["ssim_luma601"].get<double>(), 1e-6);
   EXPECT_NEAR(out["scores"]["ms_ssim"].get<double>(), contract["ms_ssim_luma601"].get<double>(), 1e-5);
   EXPECT_NEAR(out["scores"]["gmsd"].get<double>(), contract["gmsd_luma601"].get<double>(), 1e-6);
+  const json& flip = contract["flip"]["67.0206"];
+  EXPECT_NEAR(out["scores"]["flip"]["mean"].get<double>(), flip["mean"].get<double>(), 2e-4);
+  EXPECT_NEAR(out["scores"]["flip"]["q3"].get<double>(), flip["q3_weighted"].get<double>(), 2e-4);
+  EXPECT_EQ(out["scores"]["flip"].size(), 6U);
   EXPECT_TRUE(out["reasons"].empty());
   EXPECT_TRUE(out["warnings"].empty());
 }
@@ -116,11 +121,11 @@ TEST(Compare, AlphaIsIgnoredWithAWarningOrComposited) {
   EXPECT_NE(error_of(reference, test, {"--over", "#12345g"}), "");
 }
 
-TEST(Compare, WritesThreeMaps) {
+TEST(Compare, WritesMaps) {
   const fs::path folder = scratch();
   const json out = compared(kImages / "p14_render_alias_ref.png", kImages / "p14_render_alias_test.png",
                             {"--maps", (folder / "maps").string()});
-  ASSERT_EQ(out["maps"].size(), 3U);
+  ASSERT_EQ(out["maps"].size(), 4U);
   const auto map = [&](const char* name) { return decode_png(read_file(folder / "maps" / name), name); };
   EXPECT_EQ(map("absdiff.png"),
             decode_png(read_file(kImages.parent_path() / "maps" / "p14_render_alias_absdiff.png"), "expected"));
@@ -128,10 +133,11 @@ TEST(Compare, WritesThreeMaps) {
   EXPECT_EQ(map("ssim_map.png").height, 260);
   EXPECT_EQ(map("error_pseudocolour.png").width, 480);
   EXPECT_GT(map("error_pseudocolour.png").height, 300);
+  EXPECT_EQ(map("flip_map.png").height, 270);
   fs::remove_all(folder);
 }
 
-TEST(Compare, FloatPicturesHaveLinearErrorsOnly) {
+TEST(Compare, FloatPicturesHaveScoresOfFloatsOnly) {
   const fs::path folder = scratch();
   ImageF a(12, 12, 3);
   ImageF b = a;
@@ -145,7 +151,68 @@ TEST(Compare, FloatPicturesHaveLinearErrorsOnly) {
   }
   EXPECT_NEAR(out["scores"]["linear_mae"].get<double>(), 0.01, 1e-8);
   EXPECT_NEAR(out["scores"]["linear_rms"].get<double>(), 4.32 / std::sqrt(432.0), 1e-7);
-  EXPECT_EQ(out["warnings"].size(), 1U);
+  EXPECT_TRUE(out["scores"]["hdr_flip"].is_null());
+  EXPECT_NE(out["reasons"]["hdr_flip"].get<std::string>().find("the reference is black"), std::string::npos);
+  EXPECT_EQ(out["not_finite"]["test"], json::parse(R"({"nan": 0, "infinite": 0})"));
+  EXPECT_EQ(out["warnings"][0], "no maps of code values: the pictures have none");
+  fs::remove_all(folder);
+}
+
+// The error and exposure maps, the range that was chosen, and a pixel that is not a number, which is placed.
+TEST(Compare, HdrFlipSaysItsExposuresAndRefusesWhatIsNotFinite) {
+  const fs::path folder = scratch();
+  const fs::path reference = kImages.parent_path() / "hdr" / "h03_half_exposure_ref.exr";
+  ImageF half = std::get<ImageF>(read_image(reference));
+  for (float& v : half.data) v *= 0.5F;
+  write_exr(folder / "half.exr", half);
+  const json expected = json::parse(
+      read_text(kImages.parent_path() / "expected.json"))["hdr"]["h03_half_exposure"]["hdrflip_aces_default"];
+  const json out = compared(reference, folder / "half.exr", {"--maps", (folder / "maps").string()});
+  EXPECT_NEAR(out["scores"]["hdr_flip"]["mean"].get<double>(), expected["mean"].get<double>(), 2e-4);
+  const json& details = out["details"]["hdr_flip"];
+  EXPECT_NEAR(details["start_exposure"].get<double>(), expected["start_exposure"].get<double>(), 1e-4);
+  EXPECT_NEAR(details["stop_exposure"].get<double>(), expected["stop_exposure"].get<double>(), 1e-4);
+  EXPECT_EQ(details["exposures"], 9);
+  EXPECT_NE(out["conditions"]["hdr_flip"].get<std::string>().find("ACES, 9 exposures"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder / "maps" / "hdr_flip_map.png"));
+  EXPECT_TRUE(fs::exists(folder / "maps" / "hdr_flip_exposures.png"));
+  half.at(9, 4)[2] = std::numeric_limits<float>::quiet_NaN();
+  write_exr(folder / "half.exr", half);
+  const json broken = compared(reference, folder / "half.exr");
+  EXPECT_EQ(broken["not_finite"]["test"], json::parse(R"({"nan": 1, "infinite": 0, "first": [9, 4]})"));
+  for (const char* score : {"hdr_flip", "linear_mae", "linear_rms"}) {
+    EXPECT_TRUE(broken["scores"][score].is_null()) << score;
+    EXPECT_EQ(broken["reasons"][score], "the test has 1 pixel that is not a number, the first at (9, 4)");
+  }
+  fs::remove_all(folder);
+}
+
+// FLIP keeps to its own default where no display is given; what is asked for by name says why it is not there.
+TEST(Compare, DisplayAndScoresAreChosen) {
+  const json all = json::parse(read_text(kImages.parent_path() / "expected.json"));
+  const json& contract = all["pairs"]["p14_render_alias"]["contract"]["flip"];
+  const fs::path reference = kImages / "p14_render_alias_ref.png";
+  const fs::path test = kImages / "p14_render_alias_test.png";
+  const fs::path folder = scratch();
+  write_file(folder / "d.json",
+             std::string_view(R"({"name": "mine", "pixels_per_degree": 33.5, "max_luminance": 200})"));
+  const json out =
+      compared(reference, test, {"--scores", "flip,ssim,depth_mae", "--display", (folder / "d.json").string()});
+  EXPECT_EQ(out["scores"].size(), 3U);
+  EXPECT_NEAR(out["scores"]["flip"]["mean"].get<double>(), contract["33.5"]["mean"].get<double>(), 2e-4);
+  EXPECT_EQ(out["conditions"]["flip"], "33.5000 pixels/degree");
+  EXPECT_EQ(out["display"]["given"], true);
+  EXPECT_EQ(out["display"]["pixels_per_degree"], 33.5);
+  EXPECT_EQ(out["reasons"]["depth_mae"], "no agent ids are given");
+  const json own = compared(reference, test, {"--scores", "flip"});
+  EXPECT_NEAR(own["scores"]["flip"]["mean"].get<double>(), contract["67.0206"]["mean"].get<double>(), 2e-4);
+  EXPECT_EQ(own["display"]["given"], false);
+  EXPECT_EQ(own["conditions"]["flip"], "67.0206 pixels/degree, FLIP's own default");
+  EXPECT_EQ(error_of(reference, test, {"--scores", "flip,flop"}),
+            "--scores: there is no score 'flop'; did you mean 'flip'?");
+  EXPECT_NE(error_of(reference, test, {"--display", "standard_5k"}).find("--display"), std::string::npos);
+  EXPECT_NE(error_of(reference, test, {"--chart", (folder / "c.html").string()}).find("--chart"), std::string::npos);
+  EXPECT_NE(error_of(reference, test, {"--padding", "none"}).find("choose replicate or symmetric"), std::string::npos);
   fs::remove_all(folder);
 }
 

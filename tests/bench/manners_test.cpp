@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/files.h"
+#include "core/image_io.h"
 #include "tests/support/driver.h"
 #include "tests/support/driver_help.h"
 #include "tests/support/running_driver.h"
@@ -90,6 +91,25 @@ INSTANTIATE_TEST_SUITE_P(
         Long{"Ratio", {"ratio", "--of", "mesh", "--to", "mesh", "--agents", "20000"}, SIGTERM},
         Long{"Pair", {"pair", "--a", "mesh", "--b", "mesh", "--agents", "3000", "--out", "x.mp4"}, SIGTERM}),
     [](const auto& command) { return std::string(command.param.name); });
+
+// Frames of one folder that is compared with itself: two hundred names of one picture of noise.
+TEST_F(Manners, CompareStopsBetweenFrames) {
+  CROWDBENCH_SKIP_SANITIZED("Compare");
+  Image8 noise(1920, 1080, 3);
+  for (size_t i = 0; i < noise.data.size(); ++i) noise.data[i] = static_cast<uint8_t>(i * i >> 7U);
+  fs::create_directories(work_ / "frames");
+  write_png(work_ / "frames" / "0.png", noise);
+  for (int t = 1; t < 200; ++t)
+    fs::create_hard_link(work_ / "frames" / "0.png", work_ / "frames" / fmt::format("{}.png", t));
+  RunningDriver driver({"compare", "frames", "frames", "--chart", "chart.html"}, work_, folder_.path());
+  driver.wait_for_end(1);
+  ASSERT_LT(driver.status(), 0) << driver.said();
+  driver.send(SIGINT);
+  EXPECT_LE(driver.wait_for_end(60), kAnswerSeconds);
+  EXPECT_EQ(driver.status(), 128 + SIGINT);
+  EXPECT_NE(driver.said().find("crowdbench: interrupted; "), std::string::npos) << driver.said();
+  EXPECT_FALSE(fs::exists(work_ / "chart.html"));
+}
 
 // ---- stdout
 

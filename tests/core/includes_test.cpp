@@ -60,6 +60,7 @@ const std::map<std::string, Doors>& inner_doors() {
       {"studies", {{"stimuli", {}}}},
       {"bench",
        {{"", {"commands"}},
+        {"speed", {}},
         {"stage", {}},
         {"timing", {"stage"}},
         {"experiments", {"stage", "timing"}},

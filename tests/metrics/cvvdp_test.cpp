@@ -274,12 +274,11 @@ TEST_F(CvvdpScore, OfPicturesSaysWhatItIsMadeOf) {
   const CvvdpResult direct = cvvdp(reference_, test_, default_display());
   EXPECT_EQ(result.value, direct.jod);
   EXPECT_FALSE(result.map) << "not asked for";
-  ASSERT_EQ(result.pooled.size(), 5U);
-  EXPECT_EQ(result.pooled[0], (std::pair<std::string, double>("jod", direct.jod)));
-  EXPECT_EQ(result.pooled[1], (std::pair<std::string, double>("q", direct.q)));
-  EXPECT_EQ(result.pooled[3].first, "q_red_green");
+  ASSERT_EQ(result.details.size(), 4U);
+  EXPECT_EQ(result.details[0], (std::pair<std::string, double>("q", direct.q)));
+  EXPECT_EQ(result.details[2].first, "q_red_green");
   // A part is at most the whole, which the source's powers lower by 1e-5^(1/4) once more.
-  for (size_t i = 2; i < 5; ++i) EXPECT_LE(result.pooled[i].second, direct.q + 0.06);
+  for (size_t i = 1; i < 4; ++i) EXPECT_LE(result.details[i].second, direct.q + 0.06);
   input_.maps = true;
   EXPECT_EQ(computed().map->values.width, 48);
 }
@@ -320,7 +319,7 @@ TEST_F(CvvdpScore, OfAClipIsThatOfTheFramesShown) {
   Cvvdp direct(default_display(), {.fps = 30});
   for (uint64_t f = 0; f < 4; ++f) direct.take(reference_, f == 2 ? noise(48, 40, 9) : reference_);
   EXPECT_EQ(result.value, direct.finish().jod);
-  EXPECT_EQ(result.pooled.back().first, "q_transient");
+  EXPECT_EQ(result.details.back().first, "q_transient");
   EXPECT_TRUE(result.map);
   EXPECT_EQ(run(0).reason, "the frame rate is not given");
 }

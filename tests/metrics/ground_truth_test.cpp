@@ -1,5 +1,7 @@
 // The outside oracle: scores by other people's tools. The small pairs lie in tests/data; the whole set is read where
 // the project's shared folder is present.
+#include "tests/metrics/ground_truth.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,28 +12,15 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/files.h"
-#include "core/image_io.h"
 #include "metrics/difference.h"
 #include "metrics/ssim.h"
 #include "metrics/temporal.h"
-#include "test_paths.h"
 
 namespace crowdbench::metrics {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-Image8 picture(const fs::path& path) { return decode_png(read_file(path), path.filename().string()); }
-
-// The file has a bare Infinity, which is not JSON.
-json expected_of(const fs::path& folder) {
-  std::string text = read_text(folder / "expected.json");
-  const std::string bare = " Infinity";
-  for (size_t at = 0; (at = text.find(bare, at)) != std::string::npos;) text.replace(at, bare.size(), " null");
-  return json::parse(text);
-}
 
 void expect_score(const json& expected, std::optional<double> value, double tolerance, const std::string& what) {
   if (expected.is_null()) {
@@ -96,9 +85,6 @@ int check_maps(const fs::path& folder) {
   }
   return checked;
 }
-
-const fs::path kOwn = fs::path(CROWDBENCH_TEST_DATA) / "ground-truth";
-const fs::path kShared = fs::path(CROWDBENCH_SHARED_DIR) / "ground-truth";
 
 TEST(GroundTruth, ScoresOfTheBundledPairs) { EXPECT_EQ(check_pairs(kOwn), 14); }
 

@@ -320,6 +320,83 @@ std::optional<double> of_agent(const AgentScores& all, size_t agent, std::string
   return std::nullopt;
 }
 
+// A square of four pixels a side and the same three to the right and one down: the far corners lie sqrt(10) apart, and
+// all other boundary pixels are nearer.
+TEST(Silhouette, HausdorffAndSymmetricDifference) {
+  ImageU32 a(20, 16, 1);
+  ImageU32 b(20, 16, 1);
+  for (int y = 4; y < 8; ++y)
+    for (int x = 5; x < 9; ++x) {
+      *a.at(x, y) = 7;
+      *b.at(x + 3, y + 1) = 7;
+    }
+  *a.at(19, 15) = *b.at(19, 15) = 9;  // another agent, equal and cut off by the corner
+  EXPECT_EQ(symmetric_difference(mask_of(a), mask_of(b)), 2U * (16 - 3));
+  EXPECT_EQ(symmetric_difference(mask_of(a), mask_of(a)), 0U);
+  ScoreInput input;
+  input.reference.ids = &a;
+  input.test.ids = &b;
+  Shared shared;
+  for (const Scored& one : score_pictures(scores(), input, shared)) {
+    if (one.score->name == "silhouette_hausdorff_px") {
+      EXPECT_NEAR(*one.result.value, std::sqrt(10.0), 1e-6);
+    }
+    if (one.score->name == "silhouette_difference_px") {
+      EXPECT_EQ(one.result.value, 26.0);
+    }
+  }
+  const AgentScores agents = score_agents(scores(), input, shared);
+  ASSERT_EQ(agents.agents.size(), 2U);
+  for (size_t s = 0; s < agents.scores.size(); ++s) {
+    if (agents.scores[s]->name == "silhouette_hausdorff_px") {
+      EXPECT_NEAR(agents.agents[0].values[s].value(), std::sqrt(10.0), 1e-6);
+      EXPECT_EQ(agents.agents[1].values[s], 0.0) << "its left and upper neighbours make it a boundary";
+    }
+    if (agents.scores[s]->name == "silhouette_difference_px") {
+      EXPECT_EQ(agents.agents[0].values[s], 26.0);
+      EXPECT_EQ(agents.agents[1].values[s], 0.0);
+    }
+  }
+}
+
+// Against every pair of boundary pixels, on blobs.
+TEST(Silhouette, HausdorffIsThatOfAllPairs) {
+  const auto blob = [](uint64_t seed) {
+    Mask mask(40, 30, 1);
+    for (int k = 0; k < 6; ++k) {
+      const auto at = [&](uint64_t purpose, uint64_t n) {
+        return static_cast<int>(random_below(seed, static_cast<uint64_t>(k), purpose, n));
+      };
+      const int left = 3 + at(1, 25);
+      const int top = 3 + at(2, 15);
+      for (int y = top; y < top + 3 + at(3, 6); ++y)
+        for (int x = left; x < left + 3 + at(4, 6); ++x) *mask.at(x, y) = 255;
+    }
+    return mask;
+  };
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Mask a = blob(seed);
+    const Mask b = blob(seed + 100);
+    const auto boundary = [](const Mask& mask) {
+      std::vector<std::pair<int, int>> out;
+      for (int y = 1; y + 1 < mask.height; ++y)
+        for (int x = 1; x + 1 < mask.width; ++x)
+          if (*mask.at(x, y) != 0 && (*mask.at(x - 1, y) == 0 || *mask.at(x + 1, y) == 0 || *mask.at(x, y - 1) == 0 ||
+                                      *mask.at(x, y + 1) == 0))
+            out.emplace_back(x, y);
+      return out;
+    };
+    double greatest = 0;
+    for (const auto& [from, to] : {std::pair(boundary(a), boundary(b)), std::pair(boundary(b), boundary(a))})
+      for (const auto& [x, y] : from) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const auto& [u, v] : to) nearest = std::min(nearest, std::hypot(x - u, y - v));
+        greatest = std::max(greatest, nearest);
+      }
+    EXPECT_NEAR(boundary_distance(a, b)->greatest, greatest, 1e-5) << seed;
+  }
+}
+
 TEST(Agents, EachAgentIsScoredOverItsOwnUnion) {
   // Agent 7: pixels 0, 1 in the reference, 1, 2 in the test; agent 4000000000 only in the test, at pixel 3; agent 2 at
   // pixel 4 in both. Differences of the pixels: 0, 3, 6, 9, 0 in every channel.

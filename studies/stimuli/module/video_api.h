@@ -6,7 +6,7 @@
 
 namespace crowdbench::studies::video {
 
-inline constexpr uint32_t kApiVersion = 1;
+inline constexpr uint32_t kApiVersion = 2;
 inline constexpr int kMessageBytes = 512;
 
 enum class Codec : int32_t {
@@ -32,6 +32,7 @@ struct Info {
   int32_t height = 0;
   int32_t fps_numerator = 0;
   int32_t fps_denominator = 1;
+  int64_t frames = 0;  // as the container says or its duration lets expect; 0: unknown
   char codec[32] = {};
   char pixel_format[32] = {};
   char primaries[32] = {};

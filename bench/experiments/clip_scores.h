@@ -1,0 +1,51 @@
+// Scores of two sequences of frames: each frame's where a score is of pictures, one for the whole where it is over
+// time.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "metrics/registry.h"
+
+namespace crowdbench::bench {
+
+// One score of a sequence.
+struct ClipScore {
+  const metrics::Score* score = nullptr;
+  // Of the whole sequence. Over time: as the score itself pools. Else the mean over the frames that have a finite
+  // value, of `value` and of every pooled figure; infinite where all are.
+  metrics::ScoreResult result;
+  bool over_time = false;
+  std::vector<std::optional<double>> by_frame;  // empty where the score is over time
+  size_t infinite = 0;                          // frames of an infinite value (equal pictures, for some scores)
+  size_t absent = 0;                            // frames without a value
+  std::optional<size_t> worst_frame;            // the first of the worst value
+  metrics::ScoreResult worst;                   // there: its value, map and drawings
+};
+
+// While frames are shown to it, in order and one at a time.
+class ClipComparison {
+ public:
+  // table: of scores that outlive it. also: as score_pictures().
+  ClipComparison(metrics::ScoreTable table, metrics::Needs also);
+  // A score that is over time is not computed of single frames too. frame.maps: keep the map of each score's worst.
+  void take(const metrics::ScoreInput& frame);
+  // In the table's order.
+  std::vector<ClipScore> finish();
+  size_t frames() const { return frames_; }
+
+ private:
+  std::vector<const metrics::Score*> still_, moving_;
+  metrics::Needs also_;
+  metrics::ClipScores over_time_;
+  metrics::ScoreTable table_;
+  std::vector<ClipScore> by_frame_;
+  std::vector<std::vector<double>> pooled_;  // sums of each score's pooled figures over frames with finite ones
+  std::vector<std::vector<size_t>> counts_;
+  size_t frames_ = 0;
+};
+
+// "mean over frames", "over time": how `result` follows from the frames.
+std::string pooling_text(const ClipScore& score);
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,46 @@
+// Two sequences of frames, read side by side and one pair at a time: clips, folders of pictures, the two halves of one
+// stacked clip.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/image_io.h"
+
+namespace crowdbench::bench {
+
+struct FramePair {
+  AnyImage reference, test;
+};
+
+class FramePairs {
+ public:
+  virtual ~FramePairs() = default;
+  // The next pair into `pair`; false at the end of both. Throws Error: a damaged frame, one of another size than the
+  // first, or one sequence that ends before the other.
+  virtual bool next(FramePair& pair) = 0;
+
+  std::string reference, test;  // what the sides are called
+  double fps = 0;               // 0: they do not say
+  size_t frames = 0;            // as many as to expect; 0: unknown
+};
+
+// Whether the path names a sequence and not one picture: a folder, or a file whose name ends as a video's does.
+bool is_sequence(const std::filesystem::path& path);
+
+// Two sequences, each a clip or a folder. Frame rates that differ are an Error. Throws Error.
+std::unique_ptr<FramePairs> open_frame_pairs(const std::filesystem::path& reference, const std::filesystem::path& test);
+
+// A clip that `pair` wrote: half `a` of its manifest (the same name with .json) is the reference, half `b` the test.
+// Throws Error.
+std::unique_ptr<FramePairs> open_stacked(const std::filesystem::path& clip);
+
+// The pictures of a folder in the order in which people count: frame2.png before frame10.png. Hidden files and those
+// that are no pictures by their ending are left out. Throws Error where there is none.
+std::vector<std::filesystem::path> frames_in(const std::filesystem::path& folder);
+// Whether a name stands before another there: runs of digits by their number, all else by its bytes.
+bool in_natural_order(std::string_view a, std::string_view b);
+
+}  // namespace crowdbench::bench

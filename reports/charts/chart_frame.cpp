@@ -1,0 +1,39 @@
+#include "reports/charts/chart_frame.h"
+
+namespace crowdbench::reports {
+namespace {
+
+constexpr const char* kSchema = "https://vega.github.io/schema/vega-lite/v6.json";  // a name; nothing loads it
+constexpr const char* kGrid = "#e4e7eb";
+
+}  // namespace
+
+nlohmann::ordered_json chart_frame(int height) {
+  return {{"$schema", kSchema},
+          {"width", "container"},
+          {"height", height},
+          {"autosize", {{"type", "fit-x"}, {"contains", "padding"}}},
+          {"config",
+           {{"background", "transparent"},
+            {"font", "inherit"},
+            {"view", {{"stroke", nullptr}}},
+            {"axis",
+             {{"labelFontSize", 12},
+              {"titleFontSize", 12},
+              {"titleFontWeight", 600},
+              {"titlePadding", 10},
+              {"labelColor", kChartInk},
+              {"titleColor", kChartInk},
+              {"gridColor", kGrid},
+              {"domainColor", "#9aa5b1"},
+              {"tickColor", "#9aa5b1"}}},
+            {"legend",
+             {{"labelFontSize", 12},
+              {"titleFontSize", 12},
+              {"labelColor", kChartInk},
+              {"titleColor", kChartInk},
+              {"orient", "top"},
+              {"title", nullptr}}}}}};
+}
+
+}  // namespace crowdbench::reports

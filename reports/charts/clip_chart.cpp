@@ -1,0 +1,59 @@
+#include "reports/charts/clip_chart.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "reports/charts/chart_frame.h"
+
+namespace crowdbench::reports {
+
+std::string clip_chart(const ClipSeries& series, double fps) {
+  using Json = nlohmann::ordered_json;
+  const char* const at = fps > 0 ? "seconds" : "frame";
+  Json values = Json::array();
+  Json worst = Json::array();
+  size_t drawn = 0;
+  for (size_t frame = 0; frame < series.by_frame.size(); ++frame) {
+    const std::optional<double>& value = series.by_frame[frame];
+    Json point = {{"frame", frame}, {"value", nullptr}, {"text", value ? score_text(series.doc, *value) : "–"}};
+    if (fps > 0) point["seconds"] = static_cast<double>(frame) / fps;
+    if (value && std::isfinite(*value)) {
+      point["value"] = *value;
+      ++drawn;
+      if (series.worst_frame == frame) {
+        worst.push_back(point);
+        worst.back()["label"] = fmt::format("frame {}", frame);
+      }
+    }
+    values.push_back(std::move(point));
+  }
+  if (drawn == 0) return {};
+  Json spec = chart_frame(180);
+  const Json x = {{"field", at}, {"type", "quantitative"}, {"axis", {{"title", fps > 0 ? "seconds" : "frame"}}}};
+  const Json y = {{"field", "value"},
+                  {"type", "quantitative"},
+                  {"scale", {{"zero", false}, {"nice", true}}},
+                  {"axis", {{"title", heading(series.doc)}, {"tickCount", 5}}}};
+  const auto tip = [](const char* field, const char* title) {
+    return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
+  };
+  const std::string colour = "#0072b2";
+  const std::string mark = "#d55e00";
+  spec["data"] = {{"values", values}};
+  spec["layer"] = Json::array(
+      {{{"mark", {{"type", "line"}, {"strokeWidth", 2}, {"color", colour}, {"invalid", "break-paths-show-domains"}}},
+        {"encoding", {{"x", x}, {"y", y}}}},
+       {{"data", {{"values", worst}}},
+        {"mark", {{"type", "point"}, {"filled", true}, {"size", 80}, {"opacity", 1}, {"color", mark}}},
+        {"encoding", {{"x", x}, {"y", y}}}},
+       {{"data", {{"values", worst}}},
+        {"mark", {{"type", "text"}, {"dx", 8}, {"align", "left"}, {"fontSize", 12}, {"color", mark}}},
+        {"encoding", {{"x", x}, {"y", y}, {"text", {{"field", "label"}}}}}},
+       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 300}, {"opacity", 0}}},
+        {"encoding", {{"x", x}, {"y", y}, {"tooltip", Json::array({tip("frame", "frame"), tip("text", "value")})}}}}});
+  return spec.dump();
+}
+
+}  // namespace crowdbench::reports

@@ -1,0 +1,295 @@
+// `compare` of clips, folders of frames and stacked clips, run in this process as the driver runs it.
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/commands/command_line.h"
+#include "bench/commands/commands.h"
+#include "bench/experiments/clip_scores.h"
+#include "bench/experiments/frame_pairs.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/image_io.h"
+#include "metrics/flip.h"
+#include "reports/page/libraries.h"
+#include "studies/stimuli/clip.h"
+#include "studies/stimuli/stack.h"
+#include "test_paths.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const fs::path kShared = fs::path(CROWDBENCH_SHARED_DIR) / "ground-truth";
+
+json compared(std::vector<std::string> arguments, int expected_status = 0) {
+  CLI::App app;
+  Run run;
+  Command program(app);
+  add_compare(program, run);
+  arguments.insert(arguments.begin(), "compare");
+  arguments.emplace_back("--json");
+  std::reverse(arguments.begin(), arguments.end());
+  app.parse(arguments);
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  int status = -1;
+  std::string fault;
+  try {
+    status = run();
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  std::fflush(stdout);
+  ::testing::internal::GetCapturedStderr();
+  const std::string text = ::testing::internal::GetCapturedStdout();
+  if (!fault.empty()) return {{"error", fault}};
+  EXPECT_EQ(status, expected_status);
+  return json::parse(text);
+}
+
+std::string error_of(std::vector<std::string> arguments) { return compared(std::move(arguments)).value("error", ""); }
+
+// A bright square on grey that moves by two pixels a frame.
+Image8 frame_of(int t, int brighter = 0) {
+  Image8 out(64, 48, 3);
+  std::fill(out.data.begin(), out.data.end(), static_cast<uint8_t>(100 + brighter));
+  for (int y = 10; y < 30; ++y)
+    for (int x = 4 + 2 * t; x < 20 + 2 * t; ++x) out.at(x, y)[0] = 220;
+  return out;
+}
+
+// Frames whose names sort otherwise by letters, in folders a and b; b's frame 2 is 12 code values brighter.
+class CompareFolders : public ::testing::Test {
+ protected:
+  CompareFolders() {
+    fs::create_directories(a);
+    fs::create_directories(b);
+    for (int t = 0; t < 4; ++t) {
+      const std::string name = fmt::format("frame{}.png", 9 + t);
+      write_png(a / name, frame_of(t));
+      write_png(b / name, frame_of(t, t == 2 ? 12 : 0));
+    }
+    write_file(a / "notes.txt", std::string_view("not a picture"));
+  }
+  support::ScratchFolder folder;
+  fs::path a = folder / "a", b = folder / "b";
+};
+
+TEST(FramePairs, NamesAreOrderedAsPeopleCount) {
+  std::vector<std::string> names = {"f10.png", "f9.png", "f1.png", "e100.png", "f010.png", "f1a.png", "f.png"};
+  std::sort(names.begin(), names.end(), in_natural_order);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"e100.png", "f.png", "f1.png", "f1a.png", "f9.png", "f010.png", "f10.png"}));
+  EXPECT_FALSE(in_natural_order("f1.png", "f1.png"));
+  EXPECT_TRUE(in_natural_order("f99999999999999999999998.png", "f99999999999999999999999.png"));
+}
+
+TEST_F(CompareFolders, EveryFrameTheWholeAndTheWorst) {
+  const json out = compared({a.string(), b.string(), "--maps", (folder / "maps").string()});
+  EXPECT_EQ(out["frames"], 4);
+  EXPECT_EQ(out["width"], 64);
+  EXPECT_TRUE(out["fps"].is_null());
+  // 12 in all samples but the red of the square's 16 x 20 pixels.
+  const double mae = 12.0 * (3 * 64 * 48 - 16 * 20) / (3 * 64 * 48);
+  for (size_t t = 0; t < 4; ++t) EXPECT_NEAR(out["by_frame"]["mae"][t].get<double>(), t == 2 ? mae : 0, 1e-12);
+  EXPECT_NEAR(out["scores"]["mae"].get<double>(), mae / 4, 1e-12);
+  EXPECT_EQ(out["worst_frames"]["mae"]["frame"], 2);
+  EXPECT_NEAR(out["worst_frames"]["mae"]["value"].get<double>(), mae, 1e-12);
+  EXPECT_EQ(out["pooling"]["mae"], "mean over frames");
+  // Three frames are equal, whose PSNR is infinite: the mean is that of the fourth.
+  EXPECT_EQ(out["by_frame"]["psnr"][0], "inf");
+  EXPECT_EQ(out["scores"]["psnr"], out["by_frame"]["psnr"][2]);
+  EXPECT_EQ(out["pooling"]["psnr"], "mean over frames that are finite");
+  EXPECT_EQ(out["worst_frames"]["flip"]["frame"], 2);
+  const double flip = metrics::flip_pooled(metrics::flip_map(frame_of(2), frame_of(2, 12))).mean;
+  EXPECT_NEAR(out["scores"]["flip"]["mean"].get<double>(), flip / 4, 1e-12);
+  EXPECT_GT(out["scores"]["flicker"].get<double>(), 0) << "a score over time";
+  EXPECT_FALSE(out["by_frame"].contains("flicker"));
+  EXPECT_TRUE(fs::exists(folder / "maps" / "flip_map_frame0002.png"));
+  EXPECT_TRUE(fs::exists(folder / "maps" / "error_pseudocolour_frame0002.png"));
+}
+
+TEST_F(CompareFolders, ScoresAreChosenAndBounded) {
+  const json out =
+      compared({a.string(), b.string(), "--scores", "flip,mae", "--fail-above", "mae=2", "--fps", "25"}, 1);
+  EXPECT_EQ(out["scores"].size(), 2U);
+  EXPECT_EQ(out["fps"], 25);
+  EXPECT_EQ(out["bounds"][0]["pass"], false);
+  EXPECT_EQ(error_of({a.string(), b.string(), "--scores", "flop"}),
+            "--scores: there is no score 'flop'; did you mean 'flip'?");
+  EXPECT_NE(error_of({a.string(), b.string(), "--colours", "jet"}).find("choose own, error, magma or viridis"),
+            std::string::npos);
+}
+
+TEST_F(CompareFolders, AreCharted) {
+  try {
+    reports::chart_libraries();
+  } catch (const Error&) {
+    GTEST_SKIP() << "npm packages of the chart library absent at configure time";
+  }
+  compared({a.string(), b.string(), "--scores", "flip", "--fps", "25", "--chart", (folder / "chart.html").string()});
+  const std::string page = read_text(folder / "chart.html", size_t{64} << 20);
+  EXPECT_NE(page.find("Two clips compared"), std::string::npos);
+  EXPECT_NE(page.find("\"seconds\":0.08"), std::string::npos) << "frame 2 at 25 a second";
+  EXPECT_NE(page.find("frame 2 (0.08 s)"), std::string::npos);
+  EXPECT_NE(page.find("FLIP"), std::string::npos);
+}
+
+TEST_F(CompareFolders, WhatDoesNotGoTogetherIsRefused) {
+  EXPECT_NE(error_of({a.string(), (b / "frame9.png").string()}).find("is one picture"), std::string::npos);
+  fs::remove(b / "frame12.png");
+  EXPECT_NE(error_of({a.string(), b.string()}).find("ends after 3 frames"), std::string::npos);
+  write_png(b / "frame12.png", Image8(10, 10, 3));
+  EXPECT_NE(error_of({a.string(), b.string()}).find("frame 3 is 10 x 10 pixels, not 64 x 48"), std::string::npos);
+  fs::create_directories(folder / "none");
+  EXPECT_NE(error_of({a.string(), (folder / "none").string()}).find("has no pictures"), std::string::npos);
+  EXPECT_NE(error_of({a.string()}).find("has nothing to be compared with"), std::string::npos);
+  EXPECT_NE(error_of({a.string(), b.string(), "--ids-ref", "x.exr", "--ids-test", "x.exr"}).find("ids are of pictures"),
+            std::string::npos);
+}
+
+// Frames in float: what is not finite is counted over all and placed by its first.
+TEST(CompareFloatFrames, NotFiniteIsCountedAndPlaced) {
+  const support::ScratchFolder folder;
+  fs::create_directories(folder / "a");
+  fs::create_directories(folder / "b");
+  for (int t = 0; t < 3; ++t) {
+    ImageF image(12, 12, 3);
+    std::fill(image.data.begin(), image.data.end(), 0.5F);
+    write_exr(folder / "a" / fmt::format("{}.exr", t), image);
+    if (t == 1) image.at(7, 3)[1] = std::numeric_limits<float>::quiet_NaN();
+    if (t == 2) image.at(2, 2)[0] = std::numeric_limits<float>::infinity();
+    write_exr(folder / "b" / fmt::format("{}.exr", t), image);
+  }
+  const json out = compared({(folder / "a").string(), (folder / "b").string()});
+  EXPECT_EQ(out["not_finite"]["test"], json::parse(R"({"nan": 1, "infinite": 1, "frame": 1, "first": [7, 3]})"));
+  EXPECT_EQ(out["not_finite"]["reference"], json::parse(R"({"nan": 0, "infinite": 0})"));
+  EXPECT_EQ(out["warnings"].size(), 1U);
+  for (const char* name : {"linear_mae", "hdr_flip"}) {
+    EXPECT_TRUE(out["by_frame"][name][1].is_null()) << name;
+    EXPECT_TRUE(out["by_frame"][name][2].is_null()) << name;
+    EXPECT_EQ(out["by_frame"][name][0], 0) << name;
+  }
+}
+
+TEST(CompareClips, AClipAndItsStackedHalves) {
+  const support::ScratchFolder folder;
+  studies::ClipSettings settings;
+  settings.fps = 30;
+  settings.master = true;
+  const auto write_clip = [&](const fs::path& path, const auto& frame) {
+    const Image8 first = frame(0);
+    studies::ClipWriter writer(path, first.width, first.height, settings);
+    for (int t = 0; t < 5; ++t) writer.add(frame(t));
+    ASSERT_TRUE(writer.finish().accurate);
+  };
+  const auto reference = [](int t) { return frame_of(t); };
+  const auto test = [](int t) { return frame_of(t, t == 3 ? 20 : 0); };
+  write_clip(folder / "a.mp4", reference);
+  write_clip(folder / "b.mp4", test);
+  // The lossless copies hold the frames themselves.
+  const json out = compared({(folder / "a.master.mp4").string(), (folder / "b.master.mp4").string()});
+  EXPECT_EQ(out["frames"], 5);
+  EXPECT_EQ(out["fps"], 30);
+  EXPECT_EQ(out["worst_frames"]["mae"]["frame"], 3);
+  EXPECT_EQ(out["by_frame"]["mae"][0], 0);
+  const double mae = out["by_frame"]["mae"][3].get<double>();
+
+  // a below: the manifest says which half is which.
+  write_clip(folder / "stacked.mp4", [&](int t) { return studies::stack_vertically(test(t), reference(t)); });
+  const json manifest = {{"format", "crowdbench-pair-1"},
+                         {"top", {{"configuration", "b"}, {"representation", "flat"}}},
+                         {"bottom", {{"configuration", "a"}, {"representation", "mesh"}}},
+                         {"half", {{"width", 64}, {"height", 48}}},
+                         {"bar", {{"height", 8}}}};
+  fs::rename(folder / "stacked.master.mp4", folder / "stacked.mp4");
+  write_file(folder / "stacked.json", std::string_view(manifest.dump()));
+  const json halves = compared({(folder / "stacked.mp4").string()});
+  EXPECT_EQ(halves["reference"], "mesh");
+  EXPECT_EQ(halves["test"], "flat");
+  EXPECT_EQ(halves["width"], 64);
+  EXPECT_EQ(halves["height"], 48);
+  EXPECT_EQ(halves["worst_frames"]["mae"]["frame"], 3);
+  EXPECT_EQ(halves["by_frame"]["mae"][3], mae);
+  EXPECT_EQ(halves["by_frame"]["mae"][1], 0);
+  write_file(folder / "stacked.json", std::string_view("{}"));
+  EXPECT_NE(error_of({(folder / "stacked.mp4").string()}).find("is no manifest"), std::string::npos);
+  write_file(folder / "stacked.json",
+             std::string_view(R"({"format": "crowdbench-pair-1", "half": {"width": 64, "height": 900},
+               "bar": {"height": 8}, "top": {"configuration": "a", "representation": "x"},
+               "bottom": {"configuration": "b", "representation": "y"}})"));
+  EXPECT_NE(error_of({(folder / "stacked.mp4").string()}).find("too few for the halves"), std::string::npos);
+}
+
+// The ground-truth sequence: FLIP of every frame as NVIDIA's tool has it, and the pop at its frame.
+TEST(CompareClips, TheSequenceWithAPop) {
+  if (!fs::exists(kShared)) GTEST_SKIP() << "needs the shared ground-truth folder";
+  const support::ScratchFolder folder;
+  for (const char* side : {"ref", "test"}) {
+    fs::create_directories(folder / side);
+    for (int t = 0; t < 16; ++t)
+      fs::copy_file(kShared / fmt::format("sequence/{}_{:02}.png", side, t), folder / side / fmt::format("{}.png", t));
+  }
+  std::string text = read_text(kShared / "expected.json");
+  const std::string bare = " Infinity";
+  for (size_t at = 0; (at = text.find(bare, at)) != std::string::npos;) text.replace(at, bare.size(), " null");
+  const json expected = json::parse(text)["sequence"]["per_frame"];
+  const json out = compared(
+      {(folder / "ref").string(), (folder / "test").string(), "--fps", "30", "--scores", "flip,ssim,mse,cvvdp"});
+  // Of ColorVideoVDP a clip has one number, on the display that compare takes by default.
+  const json cvvdp = json::parse(read_text(kShared / "cvvdp" / "expected.json", size_t{64} << 20))["cases"];
+  EXPECT_NEAR(out["scores"]["cvvdp"].get<double>(), cvvdp["sequence@standard_4k@30fps"]["jod"].get<double>(), 1e-4);
+  EXPECT_EQ(out["display"]["name"], "standard_4k");
+  EXPECT_FALSE(out["by_frame"].contains("cvvdp"));
+  const json backwards = compared({(folder / "ref").string(), (folder / "test").string(), "--fps", "30", "--scores",
+                                   "cvvdp", "--padding", "symmetric"});
+  EXPECT_NEAR(backwards["scores"]["cvvdp"].get<double>(),
+              cvvdp["sequence@standard_4k@30fps@symmetric"]["jod"].get<double>(), 1e-4);
+  double sum = 0;
+  for (size_t t = 0; t < 16; ++t) {
+    EXPECT_NEAR(out["by_frame"]["flip"][t].get<double>(), expected[t]["flip_mean"].get<double>(), 2e-4) << t;
+    EXPECT_NEAR(out["by_frame"]["ssim"][t].get<double>(), expected[t]["ssim_luma601"].get<double>(), 1e-6) << t;
+    EXPECT_NEAR(out["by_frame"]["mse"][t].get<double>(), expected[t]["mse_rgb"].get<double>(), 1e-6) << t;
+    EXPECT_EQ(out["by_frame"]["flip"][t].get<double>() == 0, t < 8) << "the pop is at frame 8";
+    sum += out["by_frame"]["flip"][t].get<double>();
+  }
+  EXPECT_NEAR(out["scores"]["flip"]["mean"].get<double>(), sum / 16, 1e-12);
+}
+
+// Where no frame has a value there is a reason, and where all are infinite the whole is too.
+TEST(ClipComparison, AbsentAndInfinite) {
+  const Image8 tiny(5, 5, 3);
+  metrics::ScoreInput input;
+  input.reference.codes = input.test.codes = &tiny;
+  ClipComparison comparison(metrics::scores(), metrics::kNeedsCodes);
+  comparison.take(input);
+  comparison.take(input);
+  for (const ClipScore& of : comparison.finish()) {
+    if (of.score->name == "ssim") {
+      EXPECT_FALSE(of.result.value);
+      EXPECT_NE(of.result.reason.find("11 pixels"), std::string::npos);
+      EXPECT_EQ(of.absent, 2U);
+    } else if (of.score->name == "psnr") {
+      EXPECT_EQ(of.result.value, std::numeric_limits<double>::infinity());
+      EXPECT_EQ(pooling_text(of), "mean over frames");
+    } else if (of.score->name == "flicker") {
+      EXPECT_TRUE(of.over_time);
+      EXPECT_NE(of.result.reason.find("three frames"), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
