@@ -63,8 +63,8 @@ ScoreResult result_of(const CvvdpResult& result) {
   return out;
 }
 
-// Drawn red: no lower value occurs often, and small differences stay apart from none.
-constexpr double kWorstDrawn = 0;
+// Drawn red. There is no end to the scale; a pixel of 5 is seen at once, and few are lower.
+constexpr double kWorstDrawn = 5;
 
 ScoreMap map_of(const ImageF& jod) {
   ScoreMap out;
