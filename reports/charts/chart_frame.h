@@ -1,6 +1,6 @@
 // What every chart begins with, so that all of a page look alike.
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace crowdbench::reports {
 
