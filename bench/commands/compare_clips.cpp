@@ -54,7 +54,8 @@ struct Result {
 std::unique_ptr<FramePairs> open_pairs(const CompareOptions& options) {
   if (!options.ids_reference.empty())
     throw Error("--ids-ref", "ids are of pictures", "compare two pictures of frames to score agents");
-  return options.test.empty() ? open_stacked(options.reference) : open_frame_pairs(options.reference, options.test);
+  return options.test.empty() ? open_stacked(options.reference)
+                              : open_frame_pairs(options.reference, options.test, options.fps);
 }
 
 void take(const CompareSetup& setup, const CompareOptions& options, ComparedPictures& pictures,

@@ -156,6 +156,8 @@ TEST_F(CompareFolders, WhatDoesNotGoTogetherIsRefused) {
   fs::create_directories(folder / "none");
   EXPECT_NE(error_of({a.string(), (folder / "none").string()}).find("has no pictures"), std::string::npos);
   EXPECT_NE(error_of({a.string()}).find("has nothing to be compared with"), std::string::npos);
+  EXPECT_NE(error_of({a.string(), (folder / "absent").string()}).find("absent: no such file or folder"),
+            std::string::npos);
   EXPECT_NE(error_of({a.string(), b.string(), "--ids-ref", "x.exr", "--ids-test", "x.exr"}).find("ids are of pictures"),
             std::string::npos);
 }
@@ -206,6 +208,12 @@ TEST(CompareClips, AClipAndItsStackedHalves) {
   EXPECT_EQ(out["worst_frames"]["mae"]["frame"], 3);
   EXPECT_EQ(out["by_frame"]["mae"][0], 0);
   const double mae = out["by_frame"]["mae"][3].get<double>();
+  settings.fps = 25;
+  write_clip(folder / "slow.mp4", test);
+  const std::vector<std::string> rates = {(folder / "a.mp4").string(), (folder / "slow.mp4").string()};
+  EXPECT_NE(error_of(rates).find("has 25 frames a second"), std::string::npos);
+  EXPECT_EQ(compared({rates[0], rates[1], "--fps", "25", "--scores", "mae"})["fps"], 25);
+  settings.fps = 30;
 
   // a below: the manifest says which half is which.
   write_clip(folder / "stacked.mp4", [&](int t) { return studies::stack_vertically(test(t), reference(t)); });
