@@ -61,6 +61,9 @@ struct CvvdpResult {
   std::vector<double> channel_q;
 };
 
+// JOD of a pooled difference: 10 at 0, about 0.044 less for each unit.
+double cvvdp_jod(double q);
+
 // Why the two cannot be scored: a side below 2 pixels, values that are not finite. Empty: they can.
 std::string cvvdp_obstacle(int width, int height);
 std::string cvvdp_obstacle(const ImageF& reference, const ImageF& test);

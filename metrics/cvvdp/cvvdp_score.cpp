@@ -131,7 +131,9 @@ class ClipScore {
   ScoreResult finish() {
     if (!reason_.empty()) return absent(reason_);
     if (!finished_) {
-      finished_ = result_of(metric_->finish());
+      const CvvdpResult result = metric_->finish();
+      finished_ = result_of(result);
+      for (const double q : result.frame_q) finished_->by_frame.push_back(cvvdp_jod(result.still ? result.q : q));
       if (worst_) finished_->map = map_of(worst_->jod);
     }
     return *finished_;

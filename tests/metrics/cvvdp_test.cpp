@@ -171,7 +171,7 @@ TEST(Cvvdp, Refusals) {
   bad.at(4, 5)[0] = std::numeric_limits<float>::infinity();
   const Display linear = find_display("standard_hdr_linear", "");
   const std::string said = refusal([&] { cvvdp(ImageF(8, 8, 3), bad, linear); });
-  EXPECT_TRUE(contains(said, "2 pixels of the test are not finite, the first at (3, 2)")) << said;
+  EXPECT_TRUE(contains(said, "the test has 1 pixel that is not a number and 1 infinite, the first at (3, 2)")) << said;
 }
 
 // Every case of the reference whose pictures are here. The reference's numbers have six decimals.
@@ -318,7 +318,11 @@ TEST_F(CvvdpScore, OfAClipIsThatOfTheFramesShown) {
   const ScoreResult result = run(30);
   Cvvdp direct(default_display(), {.fps = 30});
   for (uint64_t f = 0; f < 4; ++f) direct.take(reference_, f == 2 ? noise(48, 40, 9) : reference_);
-  EXPECT_EQ(result.value, direct.finish().jod);
+  const CvvdpResult expected = direct.finish();
+  EXPECT_EQ(result.value, expected.jod);
+  ASSERT_EQ(result.by_frame.size(), 4U);
+  for (size_t f = 0; f < 4; ++f) EXPECT_EQ(result.by_frame[f], cvvdp_jod(expected.frame_q[f]));
+  EXPECT_GT(result.by_frame[0], result.by_frame[2]) << "nothing has happened yet";
   EXPECT_EQ(result.details.back().first, "q_transient");
   EXPECT_TRUE(result.map);
   EXPECT_EQ(run(0).reason, "the frame rate is not given");
@@ -337,11 +341,12 @@ TEST_F(CvvdpScore, WhatCannotBeScoredHasItsReason) {
   input_.display = &linear;
   EXPECT_EQ(computed().value, 10);
   light.data[4] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_NE(computed().reason.find("is not finite, the first at (1, 0)"), std::string::npos) << computed().reason;
+  EXPECT_NE(computed().reason.find("1 pixel that is not a number, the first at (1, 0)"), std::string::npos)
+      << computed().reason;
   const FrameScore clip = score().over_time();
   Shared shared;
   clip.take(input_, shared);
-  EXPECT_NE(clip.finish().reason.find("frame 0: 1 pixel of the reference"), std::string::npos);
+  EXPECT_NE(clip.finish().reason.find("frame 0: the reference has 1 pixel"), std::string::npos);
 }
 
 }  // namespace
