@@ -94,6 +94,9 @@ struct ScoreResult {
   // Further figures that explain `value` and are not other poolings of it: parts by channel, what was chosen.
   std::vector<std::pair<std::string, double>> details;
   std::optional<ScoreMap> map;
+  // Over time, where the source has such figures: what each frame adds, as the value of a clip whose frames all add as
+  // much. Else empty. `map` is then the worst one's.
+  std::vector<double> by_frame;
   // Pictures beside the map that the score's source draws, as it draws them: file names without ending. With
   // ScoreInput::maps.
   std::vector<std::pair<std::string, Image8>> drawings;

@@ -53,7 +53,8 @@ struct Result {
 std::unique_ptr<FramePairs> open_pairs(const CompareOptions& options) {
   if (!options.ids_reference.empty())
     throw Error("--ids-ref", "ids are of pictures", "compare two pictures of frames to score agents");
-  return options.test.empty() ? open_stacked(options.reference) : open_frame_pairs(options.reference, options.test);
+  return options.test.empty() ? open_stacked(options.reference)
+                              : open_frame_pairs(options.reference, options.test, options.fps);
 }
 
 void take(const CompareSetup& setup, const CompareOptions& options, ComparedPictures& pictures,
@@ -85,7 +86,7 @@ void write_worst_maps(const std::filesystem::path& folder, const CompareSetup& s
   make_folder(folder);
   for (const ClipScore& of : result.scores) {
     if (of.score->map_file.empty()) continue;
-    if (of.over_time)
+    if (of.over_time && !of.worst_frame)
       for (std::string& file : write_map(folder, "_worst_frame", *of.score, of.result, setup.colours))
         result.maps.push_back(std::move(file));
     if (!of.worst_frame) continue;
@@ -158,7 +159,6 @@ ordered_json to_json(const CompareOptions& options, const CompareSetup& setup, c
   for (const ClipScore& of : result.scores) {
     const std::string name(of.score->name);
     if (of.result.value) out["pooling"][name] = pooling_text(of);
-    if (of.over_time) continue;
     if (of.worst_frame)
       out["worst_frames"][name] = {{"frame", *of.worst_frame}, {"value", json_number(of.worst.value)}};
     for (const auto& value : of.by_frame) out["by_frame"][name].push_back(json_number(value));
@@ -217,7 +217,7 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
     series.reason = of.result.reason;
     series.by_frame = of.by_frame;
     series.worst_frame = of.worst_frame;
-    if (const auto& worst = of.over_time ? of.result.map : of.worst.map) {
+    if (const auto& worst = of.worst_frame ? of.worst.map : of.result.map) {
       const Image8 map = metrics::map_picture(*score, *worst, setup.colours);
       series.map = {map.width, map.height, encode_png(map)};
     }

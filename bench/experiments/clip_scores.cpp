@@ -14,6 +14,18 @@ std::vector<const metrics::Score*> those(metrics::ScoreTable table, bool over_ti
   return out;
 }
 
+// The frames of a score over time that says what each adds.
+void keep_frames_over_time(ClipScore& of) {
+  const std::vector<double>& values = of.result.by_frame;
+  of.by_frame.assign(values.begin(), values.end());
+  for (size_t f = 0; f < values.size(); ++f) {
+    if (of.worst_frame && !metrics::is_worse(*of.score, values[f], *of.worst.value)) continue;
+    of.worst_frame = f;
+    of.worst.value = values[f];
+  }
+  if (of.worst_frame) of.worst.map = of.result.map;
+}
+
 }  // namespace
 
 ClipComparison::ClipComparison(metrics::ScoreTable table, metrics::Needs also)
@@ -76,6 +88,7 @@ std::vector<ClipScore> ClipComparison::finish() {
     of.score = scored.score;
     of.result = std::move(scored.result);
     of.over_time = true;
+    keep_frames_over_time(of);
   }
   const auto place = [&](const ClipScore& of) { return std::find(table_.begin(), table_.end(), of.score); };
   std::stable_sort(all.begin(), all.end(), [&](const ClipScore& a, const ClipScore& b) { return place(a) < place(b); });

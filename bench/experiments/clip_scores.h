@@ -16,7 +16,7 @@ struct ClipScore {
   // value, of `value` and of every pooled figure; infinite where all are.
   metrics::ScoreResult result;
   bool over_time = false;
-  std::vector<std::optional<double>> by_frame;  // empty where the score is over time
+  std::vector<std::optional<double>> by_frame;  // empty where the score is over time and has none
   size_t infinite = 0;                          // frames of an infinite value (equal pictures, for some scores)
   size_t absent = 0;                            // frames without a value
   std::optional<size_t> worst_frame;            // the first of the worst value

@@ -82,16 +82,16 @@ std::pair<int, int> size_of(const AnyImage& image) {
 
 class TwoSides : public FramePairs {
  public:
-  TwoSides(const fs::path& reference_path, const fs::path& test_path)
+  TwoSides(const fs::path& reference_path, const fs::path& test_path, double fps_given)
       : reference_side_(open_side(reference_path)), test_side_(open_side(test_path)) {
     reference = reference_path.string();
     test = test_path.string();
     const double a = reference_side_->fps;
     const double b = test_side_->fps;
-    if (a > 0 && b > 0 && std::abs(a - b) > 1e-3)
+    if (fps_given == 0 && a > 0 && b > 0 && std::abs(a - b) > 1e-3)
       throw Error(test, fmt::format("has {:g} frames a second, {} {:g}", b, reference, a),
-                  "compare clips of one frame rate");
-    fps = std::max(a, b);
+                  "compare clips of one frame rate, or say with --fps at which they are seen");
+    fps = fps_given > 0 ? fps_given : std::max(a, b);
     frames = std::max(reference_side_->frames, test_side_->frames);
   }
 
@@ -226,12 +226,14 @@ bool is_sequence(const fs::path& path) {
   return fs::is_directory(path) || endings.contains(ending_of(path));
 }
 
-std::unique_ptr<FramePairs> open_frame_pairs(const fs::path& reference, const fs::path& test) {
+std::unique_ptr<FramePairs> open_frame_pairs(const fs::path& reference, const fs::path& test, double fps) {
+  for (const fs::path& path : {reference, test})
+    if (!fs::exists(path)) throw Error(path.string(), "no such file or folder", "name a clip or a folder of frames");
   for (const auto& [path, other] : {std::pair{reference, test}, std::pair{test, reference}})
     if (!is_sequence(path))
       throw Error(path.string(), fmt::format("is one picture, {} is not", other.string()),
                   "compare two pictures, or two clips or folders of frames");
-  return std::make_unique<TwoSides>(reference, test);
+  return std::make_unique<TwoSides>(reference, test, fps);
 }
 
 std::unique_ptr<FramePairs> open_stacked(const fs::path& clip) {

@@ -30,8 +30,10 @@ class FramePairs {
 // Whether the path names a sequence and not one picture: a folder, or a file whose name ends as a video's does.
 bool is_sequence(const std::filesystem::path& path);
 
-// Two sequences, each a clip or a folder. Frame rates that differ are an Error. Throws Error.
-std::unique_ptr<FramePairs> open_frame_pairs(const std::filesystem::path& reference, const std::filesystem::path& test);
+// Two sequences, each a clip or a folder. fps: at which they are seen; 0: as they say, and then rates that differ are
+// an Error. Throws Error.
+std::unique_ptr<FramePairs> open_frame_pairs(const std::filesystem::path& reference, const std::filesystem::path& test,
+                                             double fps = 0);
 
 // A clip that `pair` wrote: half `a` of its manifest (the same name with .json) is the reference, half `b` the test.
 // Throws Error.

@@ -2,12 +2,12 @@
 #include "metrics/cvvdp/cvvdp.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <thread>
 
 #include "core/error.h"
 #include "metrics/cvvdp/window.h"
+#include "metrics/not_finite.h"
 #include "metrics/sizes.h"
 
 namespace crowdbench::metrics {
@@ -20,27 +20,9 @@ unsigned thread_count(unsigned wanted) {
   return wanted > 0 ? wanted : std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
 }
 
-struct NotFinite {
-  size_t pixels = 0;
-  int x = 0, y = 0;  // of the first
-};
-
-NotFinite not_finite(const ImageF& image) {
-  NotFinite out;
-  const size_t colours = std::min(image.channels, 3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const float* p = image.at(x, y);
-      if (std::all_of(p, p + colours, [](float v) { return std::isfinite(v); })) continue;
-      if (out.pixels++ == 0) {
-        out.x = x;
-        out.y = y;
-      }
-    }
-  return out;
-}
-
 }  // namespace
+
+double cvvdp_jod(double q) { return jod_of(q); }
 
 std::string cvvdp_obstacle(int width, int height) {
   if (std::min(width, height) >= 2) return {};
@@ -48,12 +30,8 @@ std::string cvvdp_obstacle(int width, int height) {
 }
 
 std::string cvvdp_obstacle(const ImageF& reference, const ImageF& test) {
-  for (const auto& [image, name] : {std::pair{&reference, "reference"}, std::pair{&test, "test"}}) {
-    const NotFinite found = not_finite(*image);
-    if (found.pixels > 0)
-      return fmt::format("{} pixel{} of the {} {} not finite, the first at ({}, {})", found.pixels,
-                         found.pixels == 1 ? "" : "s", name, found.pixels == 1 ? "is" : "are", found.x, found.y);
-  }
+  const std::string text = not_finite_text(not_finite(reference), not_finite(test));
+  if (!text.empty()) return text;
   return cvvdp_obstacle(reference.width, reference.height);
 }
 

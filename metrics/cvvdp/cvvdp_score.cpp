@@ -63,8 +63,8 @@ ScoreResult result_of(const CvvdpResult& result) {
   return out;
 }
 
-// Drawn red: no lower value occurs often, and small differences stay apart from none.
-constexpr double kWorstDrawn = 0;
+// Drawn red. There is no end to the scale; a pixel of 5 is seen at once, and few are lower.
+constexpr double kWorstDrawn = 5;
 
 ScoreMap map_of(const ImageF& jod) {
   ScoreMap out;
@@ -131,7 +131,9 @@ class ClipScore {
   ScoreResult finish() {
     if (!reason_.empty()) return absent(reason_);
     if (!finished_) {
-      finished_ = result_of(metric_->finish());
+      const CvvdpResult result = metric_->finish();
+      finished_ = result_of(result);
+      for (const double q : result.frame_q) finished_->by_frame.push_back(cvvdp_jod(result.still ? result.q : q));
       if (worst_) finished_->map = map_of(worst_->jod);
     }
     return *finished_;

@@ -1,5 +1,7 @@
 #include "reports/charts/chart_frame.h"
 
+#include <nlohmann/json.hpp>
+
 namespace crowdbench::reports {
 namespace {
 

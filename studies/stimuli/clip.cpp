@@ -137,9 +137,8 @@ ClipReader::ClipReader(const fs::path& path) : state_(std::make_unique<State>())
   state_->decoder = api().open_decoder(path.c_str(), &state_->info, state_->message);
   if (!state_->decoder) throw Error(state_->name, state_->message, "name a video file that FFmpeg reads");
   const video::Info& info = state_->info;
-  state_->tags = {info.codec, info.pixel_format, info.primaries,     info.transfer,       info.matrix,
-                  info.range, info.title,        info.fps_numerator, info.fps_denominator,
-                  info.frames};
+  state_->tags = {info.codec, info.pixel_format, info.primaries,     info.transfer,        info.matrix,
+                  info.range, info.title,        info.fps_numerator, info.fps_denominator, info.frames};
 }
 
 ClipReader::~ClipReader() = default;

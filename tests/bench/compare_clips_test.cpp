@@ -117,6 +117,7 @@ TEST_F(CompareFolders, EveryFrameTheWholeAndTheWorst) {
   EXPECT_NEAR(out["scores"]["flip"]["mean"].get<double>(), flip / 4, 1e-12);
   EXPECT_GT(out["scores"]["flicker"].get<double>(), 0) << "a score over time";
   EXPECT_FALSE(out["by_frame"].contains("flicker"));
+  EXPECT_FALSE(out["by_frame"].contains("cvvdp")) << "without a frame rate";
   EXPECT_TRUE(fs::exists(folder / "maps" / "flip_map_frame0002.png"));
   EXPECT_TRUE(fs::exists(folder / "maps" / "error_pseudocolour_frame0002.png"));
 }
@@ -156,6 +157,8 @@ TEST_F(CompareFolders, WhatDoesNotGoTogetherIsRefused) {
   fs::create_directories(folder / "none");
   EXPECT_NE(error_of({a.string(), (folder / "none").string()}).find("has no pictures"), std::string::npos);
   EXPECT_NE(error_of({a.string()}).find("has nothing to be compared with"), std::string::npos);
+  EXPECT_NE(error_of({a.string(), (folder / "absent").string()}).find("absent: no such file or folder"),
+            std::string::npos);
   EXPECT_NE(error_of({a.string(), b.string(), "--ids-ref", "x.exr", "--ids-test", "x.exr"}).find("ids are of pictures"),
             std::string::npos);
 }
@@ -206,6 +209,12 @@ TEST(CompareClips, AClipAndItsStackedHalves) {
   EXPECT_EQ(out["worst_frames"]["mae"]["frame"], 3);
   EXPECT_EQ(out["by_frame"]["mae"][0], 0);
   const double mae = out["by_frame"]["mae"][3].get<double>();
+  settings.fps = 25;
+  write_clip(folder / "slow.mp4", test);
+  const std::vector<std::string> rates = {(folder / "a.mp4").string(), (folder / "slow.mp4").string()};
+  EXPECT_NE(error_of(rates).find("has 25 frames a second"), std::string::npos);
+  EXPECT_EQ(compared({rates[0], rates[1], "--fps", "25", "--scores", "mae"})["fps"], 25);
+  settings.fps = 30;
 
   // a below: the manifest says which half is which.
   write_clip(folder / "stacked.mp4", [&](int t) { return studies::stack_vertically(test(t), reference(t)); });
@@ -248,11 +257,16 @@ TEST(CompareClips, TheSequenceWithAPop) {
   const json expected = json::parse(text)["sequence"]["per_frame"];
   const json out = compared(
       {(folder / "ref").string(), (folder / "test").string(), "--fps", "30", "--scores", "flip,ssim,mse,cvvdp"});
-  // Of ColorVideoVDP a clip has one number, on the display that compare takes by default.
+  // On the display that compare takes by default.
   const json cvvdp = json::parse(read_text(kShared / "cvvdp" / "expected.json", size_t{64} << 20))["cases"];
   EXPECT_NEAR(out["scores"]["cvvdp"].get<double>(), cvvdp["sequence@standard_4k@30fps"]["jod"].get<double>(), 1e-4);
   EXPECT_EQ(out["display"]["name"], "standard_4k");
-  EXPECT_FALSE(out["by_frame"].contains("cvvdp"));
+  // What each frame adds to it: nothing before the pop at frame 8, and ever more while the filter fills.
+  ASSERT_EQ(out["by_frame"]["cvvdp"].size(), 16U);
+  for (size_t t = 0; t < 16; ++t) EXPECT_EQ(out["by_frame"]["cvvdp"][t] == 10, t < 8) << t;
+  EXPECT_EQ(out["worst_frames"]["cvvdp"]["frame"], 15);
+  EXPECT_EQ(out["worst_frames"]["cvvdp"]["value"],
+            *std::min_element(out["by_frame"]["cvvdp"].begin(), out["by_frame"]["cvvdp"].end()));
   const json backwards = compared({(folder / "ref").string(), (folder / "test").string(), "--fps", "30", "--scores",
                                    "cvvdp", "--padding", "symmetric"});
   EXPECT_NEAR(backwards["scores"]["cvvdp"].get<double>(),

@@ -171,7 +171,7 @@ TEST(Cvvdp, Refusals) {
   bad.at(4, 5)[0] = std::numeric_limits<float>::infinity();
   const Display linear = find_display("standard_hdr_linear", "");
   const std::string said = refusal([&] { cvvdp(ImageF(8, 8, 3), bad, linear); });
-  EXPECT_TRUE(contains(said, "2 pixels of the test are not finite, the first at (3, 2)")) << said;
+  EXPECT_TRUE(contains(said, "the test has 1 pixel that is not a number and 1 infinite, the first at (3, 2)")) << said;
 }
 
 // Every case of the reference whose pictures are here. The reference's numbers have six decimals.
@@ -203,7 +203,7 @@ TEST(CvvdpGroundTruth, EveryScoreWithin1e4Jod) {
     EXPECT_EQ(result.frequencies.size(), expected["rho_band"].size()) << key;
     for (size_t b = 0; b < result.frequencies.size(); ++b)
       EXPECT_NEAR(result.frequencies[b] / expected["rho_band"][b].get<double>(), 1, 1e-6) << key;
-    if (!expected["Q"].is_array()) continue;
+    if (!expected.contains("Q")) continue;
     for (size_t f = 0; f < result.by_frame.size(); ++f)
       for (size_t c = 0; c < result.by_frame[f].size(); ++c)
         for (size_t b = 0; b < result.frequencies.size(); ++b) {
@@ -227,7 +227,7 @@ TEST(CvvdpGroundTruth, HeatMaps) {
     ImageF jod;
     one->options.map = [&](size_t, CvvdpMap&& map) { jod = std::move(map.jod); };
     score(*one);
-    const json& rows = expected["map"];
+    const json rows = expected.value("map", json());
     // The reference's values are 1 - JOD / 10, kept in half precision and written with four digits.
     const auto compare = [&](int x, int y, double value) {
       EXPECT_NEAR(1 - *jod.at(x, y) / 10, value, 1e-3 * value + 2e-6) << key << " at " << x << ", " << y;
@@ -277,7 +277,8 @@ TEST_F(CvvdpScore, OfPicturesSaysWhatItIsMadeOf) {
   ASSERT_EQ(result.details.size(), 4U);
   EXPECT_EQ(result.details[0], (std::pair<std::string, double>("q", direct.q)));
   EXPECT_EQ(result.details[2].first, "q_red_green");
-  for (size_t i = 1; i < 4; ++i) EXPECT_LE(result.details[i].second, direct.q);
+  // A part is at most the whole, which the source's powers lower by 1e-5^(1/4) once more.
+  for (size_t i = 1; i < 4; ++i) EXPECT_LE(result.details[i].second, direct.q + 0.06);
   input_.maps = true;
   EXPECT_EQ(computed().map->values.width, 48);
 }
@@ -317,7 +318,11 @@ TEST_F(CvvdpScore, OfAClipIsThatOfTheFramesShown) {
   const ScoreResult result = run(30);
   Cvvdp direct(default_display(), {.fps = 30});
   for (uint64_t f = 0; f < 4; ++f) direct.take(reference_, f == 2 ? noise(48, 40, 9) : reference_);
-  EXPECT_EQ(result.value, direct.finish().jod);
+  const CvvdpResult expected = direct.finish();
+  EXPECT_EQ(result.value, expected.jod);
+  ASSERT_EQ(result.by_frame.size(), 4U);
+  for (size_t f = 0; f < 4; ++f) EXPECT_EQ(result.by_frame[f], cvvdp_jod(expected.frame_q[f]));
+  EXPECT_GT(result.by_frame[0], result.by_frame[2]) << "nothing has happened yet";
   EXPECT_EQ(result.details.back().first, "q_transient");
   EXPECT_TRUE(result.map);
   EXPECT_EQ(run(0).reason, "the frame rate is not given");
@@ -336,11 +341,12 @@ TEST_F(CvvdpScore, WhatCannotBeScoredHasItsReason) {
   input_.display = &linear;
   EXPECT_EQ(computed().value, 10);
   light.data[4] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_NE(computed().reason.find("is not finite, the first at (1, 0)"), std::string::npos) << computed().reason;
+  EXPECT_NE(computed().reason.find("1 pixel that is not a number, the first at (1, 0)"), std::string::npos)
+      << computed().reason;
   const FrameScore clip = score().over_time();
   Shared shared;
   clip.take(input_, shared);
-  EXPECT_NE(clip.finish().reason.find("frame 0: 1 pixel of the reference"), std::string::npos);
+  EXPECT_NE(clip.finish().reason.find("frame 0: the reference has 1 pixel"), std::string::npos);
 }
 
 }  // namespace
