@@ -1,6 +1,5 @@
 #include "reports/charts/chart_frame.h"
 
-#include <nlohmann/json.hpp>
 
 namespace crowdbench::reports {
 namespace {
