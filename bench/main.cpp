@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <exception>
 #include <iostream>
 #include <new>
 
@@ -31,20 +32,16 @@ int flushed(int status) {
 }
 
 int run_command(int argc, char** argv) {
-  CLI::App app{
-      "crowdbench: draws one seeded crowd by several representations and measures what each costs and gets wrong",
-      "crowdbench"};
-  app.set_version_flag("--version", fmt::format("crowdbench {} ({})", version(), git_revision()));
-  app.require_subcommand(1);
+  const bench::About about = {
+      .name = "crowdbench",
+      .description =
+          "crowdbench: draws one seeded crowd by several representations and measures what each costs and gets wrong",
+      .version = fmt::format("{} ({})", version(), git_revision())};
   bench::Run run;
-  bench::Command program(app);
-  bench::add_all_commands(program, run);
   try {
-    app.parse(argc, argv);
-    return run ? run() : 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    fmt::print(stderr, "crowdbench: {}\n", bench::usage_message(app, error));
+    return bench::run_command_line(
+        argc, argv, about, [&](bench::Command& program) { bench::add_all_commands(program, run); },
+        [&] { return run ? run() : 0; });
   } catch (const Error& error) {
     fmt::print(stderr, "crowdbench: {}\n", error.what());
   } catch (const Interrupted&) {

@@ -86,6 +86,25 @@ std::string unexpected(const CLI::App& app, const CLI::App* command, const std::
                      near.empty() ? "see " + help : fmt::format("did you mean {}?", near));
 }
 
+// What is wrong with a command line, one line without the program's name. `app` is the one whose parse() threw `error`.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App* command = chosen.empty() ? nullptr : chosen.front();
+  const std::string help = fmt::format("see crowdbench {}--help", command != nullptr ? command->get_name() + " " : "");
+  const std::vector<std::string> left = app.remaining(true);
+  if (!left.empty()) return unexpected(app, command, left.front());
+  if (command == nullptr) return fmt::format("a command is missing; there are {}", fmt::join(command_names(app), ", "));
+  const std::string text = printable(error.what(), 1000);
+  const std::string option = text.substr(0, text.find(':'));
+  if (text.ends_with("flag override"))
+    return fmt::format("--{}: takes no value; {}", text.substr(0, text.find(' ')), help);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
+    return text.find("missing") != std::string::npos || text.find("At least") != std::string::npos
+               ? fmt::format("{}: its value is missing; {}", option, help)
+               : fmt::format("{}: is given more than once; {}", option, help);
+  return fmt::format("{}; {}", text, help);
+}
+
 }  // namespace
 
 Option* Option::required() {
@@ -204,22 +223,21 @@ CROWDBENCH_OPTION_TYPE(std::vector<uint64_t>);
 CROWDBENCH_OPTION_TYPE(std::vector<double>);
 #undef CROWDBENCH_OPTION_TYPE
 
-std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<CLI::App*> chosen = app.get_subcommands();
-  const CLI::App* command = chosen.empty() ? nullptr : chosen.front();
-  const std::string help = fmt::format("see crowdbench {}--help", command != nullptr ? command->get_name() + " " : "");
-  const std::vector<std::string> left = app.remaining(true);
-  if (!left.empty()) return unexpected(app, command, left.front());
-  if (command == nullptr) return fmt::format("a command is missing; there are {}", fmt::join(command_names(app), ", "));
-  const std::string text = printable(error.what(), 1000);
-  const std::string option = text.substr(0, text.find(':'));
-  if (text.ends_with("flag override"))
-    return fmt::format("--{}: takes no value; {}", text.substr(0, text.find(' ')), help);
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
-    return text.find("missing") != std::string::npos || text.find("At least") != std::string::npos
-               ? fmt::format("{}: its value is missing; {}", option, help)
-               : fmt::format("{}: is given more than once; {}", option, help);
-  return fmt::format("{}; {}", text, help);
+int run_command_line(int argc, char** argv, const About& about, const std::function<void(Command&)>& add,
+                     const std::function<int()>& run) {
+  CLI::App app{about.description, about.name};
+  app.set_version_flag("--version", fmt::format("{} {}", about.name, about.version));
+  app.require_subcommand(1);
+  Command program(app);
+  add(program);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    fmt::print(stderr, "{}: {}\n", about.name, usage_message(app, error));
+    return 2;
+  }
+  return run();
 }
 
 }  // namespace crowdbench::bench

@@ -10,7 +10,6 @@
 namespace CLI {
 class App;
 class Option;
-class ParseError;
 }  // namespace CLI
 
 namespace crowdbench::bench {
@@ -63,9 +62,16 @@ class Command {
   std::vector<std::unique_ptr<Command>> commands_;
 };
 
-// What is wrong with a command line, one line without the program's name: an unknown command or option with the nearest
-// that there is, a missing value, a value out of its range, each with where to look it up. `app` is the one whose
-// parse() threw `error`.
-std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
+// What --help and --version say of the program.
+struct About {
+  std::string name, description, version;
+};
+
+// Parses a command line for the commands that `add` adds, then calls `run`, which the callback of one of them has set,
+// and returns what it returns. 0 after --help and --version; 2 where the command line is wrong, said in one line on
+// stderr: an unknown command or option with the nearest that there is, a missing value, a value out of its range, each
+// with where to look it up. What `run` throws passes through.
+int run_command_line(int argc, char** argv, const About& about, const std::function<void(Command&)>& add,
+                     const std::function<int()>& run);
 
 }  // namespace crowdbench::bench
