@@ -414,7 +414,7 @@ void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
   add_list("--elevation-deg", options->elevations, "0 = level, 90 = from straight above");
   add_list("--phase", options->phases, "of the clip, 0 to 1");
   add_list("--ratio", options->ratios, "pixels that a texel spans");
-  add_list("--height-px", options->heights, "instead of --ratio: the character's height in pixels");
+  add_list("--height-px", options->heights, "instead of --ratio: the character's height in pixels, at its depth");
   command->add_option("--fade", options->fade, "ticks of the cross-fade")
       ->type_name("N")
       ->capture_default_str()

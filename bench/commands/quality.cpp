@@ -309,7 +309,8 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
   const auto add_list = [&](const char* name, std::string& list, const char* text) {
     command->add_option(name, list, text)->type_name("LIST")->capture_default_str();
   };
-  add_list("--height-px", options->heights, "the character's height in pixels, 4 to 4096");
+  add_list("--height-px", options->heights,
+           "rows that the figure covers in its clip's first pose, seen level, 4 to 4096");
   add_list("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from the character's left");
   add_list("--elevation-deg", options->elevations, "0 = level, 90 = from straight above");
   add_clip_option(*command, options->clip);

@@ -158,7 +158,8 @@ std::vector<PopCell> compute_pop_map(gl::Context& context, const PopRequest& req
           scene::Frame frame;
           frame.width = side;
           frame.height = side;
-          frame.camera = quality_camera({size.height_px, azimuth, elevation, request.clip, 0}, centre, height, side);
+          const QualityView view{size.height_px, azimuth, elevation, request.clip, 0};
+          frame.camera = quality_camera(view, centre, distance_of_height(view, height, side));
           frame.origin = frame.camera.eye;
           frame.outfits.resize(1);
           for (glm::vec4& colour : frame.outfits[0].colours) colour = glm::vec4(1.0F);

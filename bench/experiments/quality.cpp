@@ -144,6 +144,19 @@ class Comparison {
     const double own = setup_.character->placement.height;
     return own > 0 ? own : bank(view.clip).bounds_max().y - bank(view.clip).bounds_min().y;
   }
+  // One for all moments of a clip, so that a figure in motion is seen by a camera that stands.
+  double distance(const QualityView& view) {
+    const int rows = quality_size(setup_, view.height_px).height;
+    auto posed = first_poses_.find(view.clip);
+    if (posed == first_poses_.end()) {
+      const auto palette = scene::model_matrices(*setup_.character, view.clip, 0.0);
+      posed = first_poses_.emplace(view.clip, scene::skin_positions(setup_.character->mesh, palette)).first;
+    }
+    const std::tuple key(view.clip, view.azimuth_deg, view.height_px);
+    const auto [found, fresh] = distances_.try_emplace(key);
+    if (fresh) found->second = distance_of_figure(view, centre(view), posed->second, rows);
+    return found->second;
+  }
   // The mesh at the exact time.
   Side& exact_mesh(const QualityView& view) {
     const std::pair<int, double> moment(view.clip, view.time);
@@ -164,9 +177,7 @@ class Comparison {
     QualityRow row;
     row.view = setup_.views[v];
     row.phase = row.view.clip < 0 ? 0.0 : scene::phase_of_time(*setup_.character, row.view.clip, row.view.time);
-    const scene::Camera camera =
-        quality_camera(row.view, centre(row.view), height(row.view), quality_size(setup_, row.view.height_px).height);
-    row.distance = glm::distance(camera.eye, centre(row.view));
+    row.distance = distance(row.view);
     return row;
   }
 
@@ -174,7 +185,7 @@ class Comparison {
   scene::Frame frame_of(const QualityView& view) {
     const QualitySize size = quality_size(setup_, view.height_px);
     scene::Frame frame;
-    frame.camera = quality_camera(view, centre(view), height(view), size.height);
+    frame.camera = quality_camera(view, centre(view), distance(view));
     frame.origin = frame.camera.eye;
     frame.width = size.width;
     frame.height = size.height;
@@ -217,6 +228,8 @@ class Comparison {
   const QualitySetup& setup_;
   std::map<std::pair<int, double>, Side> exact_mesh_;
   std::map<int, scene::PoseBank> banks_;
+  std::map<int, std::vector<glm::dvec3>> first_poses_;           // by clip
+  std::map<std::tuple<int, double, double>, double> distances_;  // by clip, azimuth and height in pixels
   std::vector<renderers::Capture> references_;  // by view; the reference does not depend on the representation
   std::vector<QualityRow> rows_;
   std::optional<Error> refused_;  // the first
@@ -230,10 +243,49 @@ QualitySize quality_size(const QualitySetup& setup, double height_px) {
   return {rows * 4 / 3, rows};
 }
 
-scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, double height, int rows) {
+double distance_of_height(const QualityView& view, double height, int rows) {
+  return height * rows / (view.height_px * 2 * std::tan(kFieldOfView / 2));
+}
+
+double distance_of_figure(const QualityView& view, const glm::dvec3& centre, std::span<const glm::dvec3> positions,
+                          int rows) {
+  const double azimuth = view.azimuth_deg * std::numbers::pi / 180;
+  const glm::dvec3 towards(std::sin(azimuth), 0.0, std::cos(azimuth));
+  double low = std::numeric_limits<double>::max();
+  double high = std::numeric_limits<double>::lowest();
+  double nearest = 0;  // above 0: before the centre
+  for (const glm::dvec3& p : positions) {
+    low = std::min(low, p.y);
+    high = std::max(high, p.y);
+    nearest = std::max(nearest, glm::dot(p - centre, towards));
+  }
+  if (!(high > low)) return distance_of_height(view, 1.0, rows);
+  // Rows covered from a distance, over what is asked for; falls with the distance.
+  const auto covered = [&](double distance) {
+    double bottom = std::numeric_limits<double>::max();
+    double top = std::numeric_limits<double>::lowest();
+    for (const glm::dvec3& p : positions) {
+      const double tangent = (p.y - centre.y) / (distance - glm::dot(p - centre, towards));
+      bottom = std::min(bottom, tangent);
+      top = std::max(top, tangent);
+    }
+    return (top - bottom) * rows / (view.height_px * 2 * std::tan(kFieldOfView / 2));
+  };
+  // The eye stays before the figure.
+  double distance = distance_of_height(view, high - low, rows);
+  constexpr double kClose = 1.05;
+  for (int i = 0; i < 40; ++i) {
+    distance = std::max(distance, kClose * nearest);
+    const double ratio = covered(distance);
+    if (std::abs(ratio - 1) < 1e-9) break;
+    distance = nearest + (distance - nearest) * ratio;
+  }
+  return std::max(distance, kClose * nearest);
+}
+
+scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, double distance) {
   const double azimuth = view.azimuth_deg * std::numbers::pi / 180;
   const double elevation = view.elevation_deg * std::numbers::pi / 180;
-  const double distance = height * rows / (view.height_px * 2 * std::tan(kFieldOfView / 2));
   const double sa = std::sin(azimuth);
   const double ca = std::cos(azimuth);
   const double se = std::sin(elevation);

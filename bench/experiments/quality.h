@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace crowdbench::bench {
 // Where the camera stands. The agent's capture centre (the middle of the clip's posed bounds) is in the middle of the
 // picture. Vertical field of view 30 degrees, light and background the frame's defaults (background sRGB 128).
 struct QualityView {
-  double height_px = 120;    // the character's height projected at the capture centre's depth
+  double height_px = 120;    // rows that the clip's first pose covers, seen level from that azimuth
   double azimuth_deg = 0;    // 0 = from the front, positive turns the camera towards the character's left
   double elevation_deg = 0;  // positive = from above, -90..90
   int clip = -1;             // into Character::clips; -1: the bind pose
@@ -66,8 +67,14 @@ struct QualitySize {
   int height = 480;
 };
 QualitySize quality_size(const QualitySetup& setup, double height_px);
-// height: the character's, metres. centre: metres, world.
-scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, double height, int rows);
+// distance: metres, eye to centre. centre: metres, world.
+scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, double distance);
+// The distance at which `height` metres at the centre's depth are view.height_px of so many rows.
+double distance_of_height(const QualityView& view, double height, int rows);
+// The distance at which a figure of these positions (metres, world) covers view.height_px of so many rows, seen level:
+// what is nearer than the centre is shown larger. Positions without height: distance_of_height of a metre.
+double distance_of_figure(const QualityView& view, const glm::dvec3& centre, std::span<const glm::dvec3> positions,
+                          int rows);
 
 // One row a representation and view, in that order; `seen` is shown every pair of pictures as it is made. A
 // representation that is refused (a text that cannot be read, a bake over its budget) has rows that say why. Throws

@@ -32,11 +32,33 @@ TEST(QualityCamera, HeightInPixelsAtTheCentresDepth) {
     view.height_px = pixels;
     view.azimuth_deg = 33;
     view.elevation_deg = 20;
-    const scene::Camera camera = quality_camera(view, centre, height, 480);
+    const scene::Camera camera = quality_camera(view, centre, distance_of_height(view, height, 480));
     EXPECT_NEAR(camera.fov_y, std::numbers::pi / 6, 1e-12);
     const double depth = glm::distance(camera.eye, centre);
     EXPECT_NEAR(height / scene::pixel_size_at(camera, depth, 480), pixels, 1e-9);
   }
+}
+
+TEST(QualityCamera, AFigureCoversTheRowsAskedForWhatEverStandsOut) {
+  // A post of two metres with a head half a metre before it, and feet half a metre behind.
+  const glm::dvec3 centre{0, 1, 0};
+  const std::vector<glm::dvec3> figure = {{0, 0, -0.5}, {0, 2, 0.5}, {0, 1, 0}};
+  for (const double azimuth : {0.0, 90.0, 180.0}) {
+    QualityView view;
+    view.height_px = 200;
+    view.azimuth_deg = azimuth;
+    const double distance = distance_of_figure(view, centre, figure, 480);
+    const scene::Camera camera = quality_camera(view, centre, distance);
+    const auto row = [&](const glm::dvec3& p) {
+      const glm::dvec3 forward = glm::normalize(centre - camera.eye);
+      return (p.y - 1) / glm::dot(p - camera.eye, forward) / std::tan(camera.fov_y / 2) * 240;
+    };
+    EXPECT_NEAR(row(figure[1]) - row(figure[0]), 200, 1e-6) << azimuth;
+  }
+  EXPECT_GT(
+      distance_of_figure({.height_px = 200, .azimuth_deg = 0}, centre, {{{0, 0, 0.5}, {0, 2, 0.5}}}, 480),
+      distance_of_figure({.height_px = 200, .azimuth_deg = 180}, centre, {{{0, 0, 0.5}, {0, 2, 0.5}}}, 480) + 0.9);
+  EXPECT_GT(distance_of_figure({.height_px = 4000}, centre, figure, 480), 0.5) << "never inside of the figure";
 }
 
 TEST(QualityCamera, AzimuthTurnsTowardsTheLeftAndElevationIsAbove) {
@@ -44,7 +66,7 @@ TEST(QualityCamera, AzimuthTurnsTowardsTheLeftAndElevationIsAbove) {
     QualityView view;
     view.azimuth_deg = azimuth;
     view.elevation_deg = elevation;
-    const scene::Camera camera = quality_camera(view, {0, 1, 0}, 2, 480);
+    const scene::Camera camera = quality_camera(view, {0, 1, 0}, distance_of_height(view, 2, 480));
     return glm::normalize(camera.eye - glm::dvec3(0, 1, 0));
   };
   EXPECT_NEAR(glm::distance(direction(0, 0), glm::dvec3(0, 0, 1)), 0, 1e-12);
