@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
