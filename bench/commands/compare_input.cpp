@@ -17,7 +17,7 @@ namespace {
 std::array<uint8_t, 3> parse_colour(const std::string& text) {
   const bool shape =
       text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == text.npos;
-  if (!shape) throw Error("--over", fmt::format("'{}' is no colour", printable(text)), "write it as '#rrggbb'");
+  if (!shape) throw Error("--over", fmt::format("'{}' is not a colour", printable(text)), "write it as '#rrggbb'");
   std::array<uint8_t, 3> colour{};
   for (size_t c = 0; c < 3; ++c) colour[c] = static_cast<uint8_t>(std::stoi(text.substr(1 + 2 * c, 2), nullptr, 16));
   return colour;

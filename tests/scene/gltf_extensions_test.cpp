@@ -368,7 +368,7 @@ TEST(GltfDracoMembers, AreChecked) {
   };
   EXPECT_NE(refused("/bufferView", 99).find("bufferView: is 99"), std::string::npos);
   EXPECT_NE(refused("/bufferView", 0).find("is not Draco data"), std::string::npos);
-  EXPECT_NE(refused("/attributes/POSITION", 77).find("is 77, which is no attribute"), std::string::npos);
+  EXPECT_NE(refused("/attributes/POSITION", 77).find("is 77, which is not an attribute"), std::string::npos);
   EXPECT_NE(refused("/attributes/TANGENT", 0).find("is not an attribute of the primitive"), std::string::npos);
 }
 
