@@ -1,6 +1,5 @@
 #include "reports/charts/chart_frame.h"
 
-
 namespace crowdbench::reports {
 namespace {
 

@@ -167,8 +167,7 @@ TEST_F(FactsGl, CompressionFallsBackWhereTheDriverLacksIt) {
   EXPECT_EQ(facts_of.at("cache_key"), plain.at("cache_key"));
   const support::Outcome said = run_driver(without, common + ",compress=bc" + cast + "");
   size_t warnings = 0;
-  for (size_t at = said.text.find("lacks"); at != std::string::npos; at = said.text.find("lacks", at + 1))
-    ++warnings;
+  for (size_t at = said.text.find("lacks"); at != std::string::npos; at = said.text.find("lacks", at + 1)) ++warnings;
   EXPECT_EQ(warnings, 1U) << "once, however many characters: " << said.text;
   EXPECT_NE(said.text.find("GL_EXT_texture_compression_s3tc"), std::string::npos) << said.text;
 }
