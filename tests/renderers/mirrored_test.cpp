@@ -1,0 +1,98 @@
+// A figure mirrored by a node above it equals the figure mirrored in its data: in the mesh and in every bake
+// (glTF 2.0, 3.7.4: the winding follows the sign of the determinant).
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "compare_captures.h"
+#include "gl_test_support.h"
+#include "renderers/frame/frame_resources.h"
+#include "scene/mannequin/mannequin.h"
+#include "scene/pose/normalise.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+using testing::cast_of;
+using testing::context;
+
+scene::Character figure() { return scene::make_mannequin({.triangles = 500, .joints = 20, .normalise = {}}); }
+
+scene::Character mirrored_by_a_node() {
+  scene::Character c = figure();
+  scene::Skeleton& skeleton = c.skeleton;
+  scene::Node top;
+  top.name = "mirror";
+  top.scale.x = -1;
+  for (scene::Node& node : skeleton.nodes) ++node.parent;
+  skeleton.nodes.insert(skeleton.nodes.begin(), top);
+  for (scene::Joint& joint : skeleton.joints) ++joint.node;
+  ++skeleton.root_node;
+  for (scene::Primitive& primitive : c.mesh.primitives) {
+    ++primitive.node;
+    primitive.mirrored = true;
+  }
+  for (scene::Clip& clip : c.clips)
+    for (scene::Channel& channel : clip.channels) ++channel.node;
+  scene::normalise(c, {});
+  return c;
+}
+
+// Every vertex, joint and curve reflected in x, and the triangles turned round.
+scene::Character mirrored_in_its_data() {
+  scene::Character c = figure();
+  for (glm::vec3& p : c.mesh.positions) p.x = -p.x;
+  for (glm::vec3& n : c.mesh.normals) n.x = -n.x;
+  for (size_t i = 0; i + 2 < c.mesh.indices.size(); i += 3) std::swap(c.mesh.indices[i + 1], c.mesh.indices[i + 2]);
+  for (scene::Node& node : c.skeleton.nodes) {
+    node.translation.x = -node.translation.x;
+    node.rotation = {node.rotation.w, node.rotation.x, -node.rotation.y, -node.rotation.z};
+  }
+  const glm::dmat4 reflection = glm::scale(glm::dmat4(1.0), glm::dvec3(-1, 1, 1));
+  for (scene::Joint& joint : c.skeleton.joints) joint.inverse_bind = reflection * joint.inverse_bind * reflection;
+  for (scene::Clip& clip : c.clips)
+    for (scene::Channel& channel : clip.channels) {
+      const size_t step = channel.target == scene::Target::rotation ? 4 : 3;
+      for (size_t i = 0; i < channel.values.size(); i += step) {
+        if (channel.target == scene::Target::translation) channel.values[i] = -channel.values[i];
+        if (channel.target != scene::Target::rotation) continue;
+        channel.values[i + 1] = -channel.values[i + 1];
+        channel.values[i + 2] = -channel.values[i + 2];
+      }
+    }
+  scene::normalise(c, {});
+  return c;
+}
+
+class MirroredGl : public testing::GlTest, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(MirroredGl, ANodeMirrorsAsDataDo) {
+  const scene::Cast by_node = cast_of(mirrored_by_a_node());
+  const scene::Cast by_data = cast_of(mirrored_in_its_data());
+  const scene::Cast plain = cast_of(figure());
+  const auto drawn = [&](const scene::Cast& cast) {
+    const auto representation = testing::make(cast, GetParam());
+    Renderer renderer(context(), cast);
+    testing::Viewpoint view;
+    view.azimuth = 40;
+    view.elevation = 10;
+    view.phase = 0.2;
+    return renderer.capture(testing::frame_from(cast, view), *representation);
+  };
+  const Capture node = drawn(by_node);
+  const Capture data = drawn(by_data);
+  ASSERT_GT(testing::covered(data), 1500U);
+  // The same figure but for rounding, which moves an outline by a hair.
+  EXPECT_LE(testing::different_ids(node, data), testing::covered(data) / 500);
+  EXPECT_LE(testing::mean_colour_difference(node, data), 0.25);
+  // Seen from this side at this moment, a figure that is not mirrored is another one.
+  EXPECT_GT(testing::different_ids(drawn(plain), data), testing::covered(data) / 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Representations, MirroredGl,
+                         ::testing::Values("mesh", "rigid:poses=4", "flat:views=sphere-8x3,frames=4,texels=64",
+                                           "relief:map=64", "polypostor:views=sphere-8x3,frames=4,texels=64"));
+
+}  // namespace
+}  // namespace crowdbench::renderers
