@@ -21,6 +21,8 @@ template <typename... Fs>
 struct Overloaded : Fs... {
   using Fs::operator()...;
 };
+template <typename... Fs>
+Overloaded(Fs...) -> Overloaded<Fs...>;  // clang 14 wants to be told
 
 }  // namespace
 
@@ -30,7 +32,7 @@ struct Json::Value {
   // The value is, or becomes from null, an Array or an Object.
   template <typename T>
   static T& made(std::unique_ptr<Value>& value) {
-    if (!value) value.reset(new Value{T{}});
+    if (!value) value = std::make_unique<Value>(Value{T{}});
     assert(std::holds_alternative<T>(value->held));
     return std::get<T>(value->held);
   }

@@ -160,10 +160,8 @@ class Halves : public FramePairs {
       throw Error(where_,
                   fmt::format("is {} x {} pixels, too few for the halves of its manifest", whole.width, whole.height),
                   "name the clip with the manifest that was written beside it");
-    Image8 top = cut(whole, 0, height_, width_);
-    Image8 bottom = cut(whole, height_ + bar_, height_, width_);
-    pair.reference = a_on_top_ ? std::move(top) : std::move(bottom);
-    pair.test = a_on_top_ ? std::move(bottom) : std::move(top);
+    pair.reference = cut(whole, a_on_top_ ? 0 : height_ + bar_, height_, width_);
+    pair.test = cut(whole, a_on_top_ ? height_ + bar_ : 0, height_, width_);
     return true;
   }
 

@@ -1,4 +1,5 @@
-// Any bytes as a glTF file: load_character() returns a sound character or throws Error, nothing else.
+// Any bytes as a glTF file: load_character() returns a sound character or throws Error, nothing else; and so is
+// what other characters play of it.
 //
 // Input that starts with the byte 1 is a document and a binary chunk apart (two bytes of length, little-endian, then
 // JSON, then data), wrapped in a sound GLB here, so that mutations get past the container.
@@ -9,7 +10,9 @@
 
 #include "core/error.h"
 #include "scene/gltf/gltf.h"
+#include "scene/mannequin/mannequin.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/retarget.h"
 
 namespace {
 
@@ -37,6 +40,23 @@ std::vector<uint8_t> wrapped(const uint8_t* data, size_t size) {
   return out;
 }
 
+// Its clips on the mannequin: sound poses, or Error.
+void play_elsewhere(const crowdbench::scene::Character& source, const crowdbench::scene::GltfLimits& limits) {
+  using namespace crowdbench::scene;
+  static const Character mannequin = make_mannequin({.triangles = 500, .joints = 20, .normalise = {}});
+  Character target = mannequin;
+  const size_t own = target.clips.size();
+  try {
+    add_clips_of(source, target, {.bones = {}, .keys = limits.keys, .clips = limits.clips});
+  } catch (const crowdbench::Error&) {
+    return;
+  }
+  for (size_t clip = own; clip < target.clips.size(); ++clip)
+    for (const glm::dmat4& m : node_matrices(target, static_cast<int>(clip), target.clips[clip].end))
+      for (int i = 0; i < 16; ++i)
+        if (!std::isfinite(m[i / 4][i % 4])) std::abort();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -50,6 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   options.limits.keys = 20000;
   options.limits.clip_nodes = 500;
   options.limits.image_side = 64;
+  options.limits.decoded_bytes = size_t{1} << 20;
   scene::Character character;
   try {
     character = scene::load_character(bytes, "fuzz.glb", {}, options);
@@ -62,5 +83,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
   for (const uint32_t index : character.mesh.indices)
     if (index >= character.mesh.positions.size()) std::abort();
+  play_elsewhere(character, options.limits);
   return 0;
 }
