@@ -24,6 +24,7 @@ using Nanoseconds = std::chrono::nanoseconds;
 
 constexpr Nanoseconds kTerminalInterval = std::chrono::milliseconds(100);
 constexpr Nanoseconds kLineInterval = std::chrono::seconds(10);
+const Nanoseconds kProgramBegan = std::chrono::steady_clock::now().time_since_epoch();
 constexpr Nanoseconds kFirstEstimate = std::chrono::seconds(1);
 
 double seconds_of(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
@@ -96,12 +97,14 @@ struct Progress::Job {
 };
 
 struct ProgressBoard::State {
-  explicit State(ProgressOutput output_) : output(std::move(output_)) {}
+  explicit State(ProgressOutput output_) : output(std::move(output_)) {
+    if (!output.terminal) written = output.now();
+  }
 
   ProgressOutput output;
   std::mutex mutex;
   std::vector<std::shared_ptr<Progress::Job>> jobs;  // the outermost first
-  Nanoseconds written{};                             // when the last line came; off a terminal, when work began
+  Nanoseconds written{};                             // when the last line came; off a terminal, at first the begin
   bool line_stands = false;                          // on a terminal
 
   // Only the process's own board has a thread that shows it.
@@ -127,7 +130,6 @@ struct ProgressBoard::State {
   void begin(const std::shared_ptr<Progress::Job>& job) {
     const std::scoped_lock lock(mutex);
     job->begun = output.now();
-    if (jobs.empty() && !output.terminal) written = job->begun;
     jobs.push_back(job);
     if (ticks && !ticker.joinable()) ticker = std::jthread([this](const std::stop_token& stop) { tick(stop); });
   }
@@ -166,6 +168,7 @@ ProgressBoard& ProgressBoard::on_stderr() {
     output.now = [] { return Nanoseconds(std::chrono::steady_clock::now().time_since_epoch()); };
     auto* made = new ProgressBoard(std::move(output));
     made->state_->ticks = true;
+    if (!made->state_->output.terminal) made->state_->written = kProgramBegan;
     return made;
   }();
   return *board;

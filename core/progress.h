@@ -27,8 +27,8 @@ class ProgressBoard {
   ProgressBoard& operator=(const ProgressBoard&) = delete;
   // The process's own, on stderr. Its lines also come while the work itself reports nothing.
   static ProgressBoard& on_stderr();
-  // Writes a line when one is due: on a terminal at most ten a second, otherwise the first 10 s after work began and
-  // one every 10 s from there.
+  // Writes a line when one is due: on a terminal at most ten a second, otherwise one every 10 s, the first 10 s after
+  // the board was made (the process's own: after the program began), whatever pieces of work follow each other.
   void show();
 
  private:

@@ -110,7 +110,8 @@ void add_inputs_and_outputs(Command& command, CompareOptions& options) {
 void add_region_and_bounds(Command& command, CompareOptions& options) {
   command
       .add_option("--ignore", options.region.ignore,
-                  "a rectangle that does not count, x,y,width,height from the upper left; may be repeated.\nThe test "
+                  "a rectangle that does not count, x,y,width,height from the upper left; may be given several "
+                  "times.\nThe test "
                   "takes the reference's pixels there; mae, mse, psnr and ssim_union are means of the rest")
       ->type_name("X,Y,W,H")
       ->expected(1)
@@ -119,7 +120,7 @@ void add_region_and_bounds(Command& command, CompareOptions& options) {
       ->type_name("FILE");
   command
       .add_option("--fail-above", options.fail_above,
-                  "exit 1 where a score is above this (or not available), mae=2; may be repeated")
+                  "exit 1 where a score is above this (or not available), mae=2; may be given several times")
       ->type_name("SCORE=VALUE")
       ->expected(1)
       ->take_all();

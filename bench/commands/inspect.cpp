@@ -262,12 +262,15 @@ void add_inspect(Command& app, Run& run) {
   command->add_option("--height", options->height, "height to scale it to, in metres, or as_is")
       ->type_name("M")
       ->capture_default_str();
-  command->add_option("--hide", options->hide, "drop the meshes at and below the node of this name (may be repeated)")
+  command
+      ->add_option("--hide", options->hide,
+                   "drop the meshes at and below the node of this name (may be given several times)")
       ->take_all()
       ->expected(1);
   command
-      ->add_option("--clip", options->clips,
-                   "a clip in use, by name or index (may be repeated): the tallest first pose gives the height")
+      ->add_option(
+          "--clip", options->clips,
+          "a clip in use, by name or index (may be given several times): the tallest first pose gives the height")
       ->type_name("CLIP")
       ->take_all()
       ->expected(1);

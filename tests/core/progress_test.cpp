@@ -69,6 +69,16 @@ TEST_F(ProgressLines, WorkWithinWorkIsOneLine) {
   EXPECT_EQ(take(), "") << "nothing goes on";
 }
 
+TEST_F(ProgressLines, ShortPiecesOneAfterTheOtherAreNotSilent) {
+  ProgressBoard board(output(false));
+  for (int piece = 0; piece < 3; ++piece) {
+    Progress work("piece", 0, board);
+    now_ += seconds(6);
+    board.show();
+  }
+  EXPECT_EQ(take(), "piece: 6 s so far\n") << "one line, 12 s after the first began";
+}
+
 TEST_F(ProgressLines, OnATerminalOneLineIsRewrittenAndGoesAway) {
   ProgressBoard board(output(true));
   {
