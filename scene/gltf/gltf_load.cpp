@@ -15,7 +15,6 @@
 #include "scene/gltf/gltf.h"
 #include "scene/gltf/gltf_asset.h"
 #include "scene/gltf/gltf_clips.h"
-#include "scene/gltf/gltf_human_bones.h"
 #include "scene/gltf/gltf_materials.h"
 #include "scene/gltf/gltf_validate.h"
 #include "scene/gltf/gltf_weights.h"
@@ -34,7 +33,9 @@ class Loader {
 
   void run() {
     read_nodes();
-    read_human_bones(asset_);
+    for (const GltfHumanBone& bone : plan_.human_bones)
+      if (const int node = node_of_[index_of(bone.node)]; node >= 0)
+        character_.skeleton.human_bones.push_back({bone.name, node});
     find_hidden();
     if (options_.may_lack_mesh && !draws_anything()) {
       read_clips(asset_);

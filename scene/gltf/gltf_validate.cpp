@@ -53,6 +53,7 @@ GltfPlan validate_gltf(GltfSource& source, const GltfLimits& limits) {
   const std::vector<GltfMeshSize> meshes = check_meshes(check, data);
   check_nodes(check, data, meshes);
   check_animations(check, data);
+  check.plan.human_bones = gltf_human_bones(check.root(), check.plan.node_parent.size());
   check.plan.json = check.pruned->dump();
   return std::move(check.plan);
 }

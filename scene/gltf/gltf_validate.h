@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scene/gltf/gltf_accessor.h"
+#include "scene/gltf/gltf_human_bones.h"
 #include "scene/gltf/gltf_source.h"
 
 namespace crowdbench::scene {
@@ -28,7 +29,8 @@ struct GltfPlan {
   std::vector<int> node_order;   // every node of the file, parents before children
   std::vector<int> node_parent;  // by file index, -1 for a root
   std::vector<bool> in_scene;    // by file index: below a root of the default scene
-  size_t vertices = 0;           // of the triangle primitives in the scene, a mesh on two nodes twice
+  std::vector<GltfHumanBone> human_bones;
+  size_t vertices = 0;  // of the triangle primitives in the scene, a mesh on two nodes twice
   size_t triangles = 0;
   std::vector<std::string> warnings;
 };

@@ -166,6 +166,35 @@ TEST(HumanBones, AFileThatNamesThemIsBelieved) {
   EXPECT_EQ(bones.at({BonePart::index_finger, BoneSide::left, 1}), node_named(c, "head"));
 }
 
+TEST(HumanBones, VrmFilesNameThem) {
+  const auto bones_of = [](const nlohmann::json& extensions) {
+    test::Builder card = test::bending_card();
+    card.doc["extensions"] = extensions;
+    const auto bytes = card.glb();
+    std::map<std::string, std::string> out;  // bone to node
+    const Character c = load_character(bytes, "card.glb", {});
+    for (const HumanBone& bone : c.skeleton.human_bones)
+      out[bone.name] = c.skeleton.nodes[static_cast<size_t>(bone.node)].name;
+    return out;
+  };
+  using Named = std::map<std::string, std::string>;
+  const nlohmann::json vrm0 = {
+      {"VRM",
+       {{"humanoid", {{"humanBones", {{{"bone", "hips"}, {"node", 1}}, {{"bone", "leftHand"}, {"node", 2}}}}}}}}};
+  EXPECT_EQ(bones_of(vrm0), (Named{{"hips", "hips"}, {"leftHand", "arm"}}));
+  const nlohmann::json vrm1 = {
+      {"VRMC_vrm", {{"humanoid", {{"humanBones", {{"hips", {{"node", 1}}}, {"leftHand", {{"node", 2}}}}}}}}}};
+  EXPECT_EQ(bones_of(vrm1), (Named{{"hips", "hips"}, {"leftHand", "arm"}}));
+  // What is not as it should be is passed over, and the file is loaded.
+  for (const char* wrong :
+       {R"({"VRM": 3})", R"({"VRM": {"humanoid": []}})", R"({"VRM": {"humanoid": {"humanBones": {"hips": 1}}}})",
+        R"({"VRM": {"humanoid": {"humanBones": [1, {"bone": 2, "node": 1}, {"bone": "hips", "node": 99}]}}})",
+        R"({"VRM": {"humanoid": {"humanBones": [{"bone": "hips", "node": -1}, {"bone": "hips"}]}}})",
+        R"({"VRMC_vrm": {"humanoid": {"humanBones": {"hips": 1, "head": {"node": "2"}, "neck": {"node": 1e30}}}}})",
+        R"({"VRMC_vrm": {"humanoid": {"humanBones": [{"node": 1}]}}})"})
+    EXPECT_EQ(bones_of(nlohmann::json::parse(wrong)), Named{}) << wrong;
+}
+
 TEST(Retarget, TheSameSkeletonGetsTheSameCurves) {
   Character c = still_mannequin();
   add_clips_of(mannequin(), c);
