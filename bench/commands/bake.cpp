@@ -238,7 +238,8 @@ void add_bake(Command& app, Run& run) {
   command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)")
       ->type_name("CLIP")
       ->take_all()
-      ->expected(1);
+      ->expected(1)
+      ->allow_extra_args(false);
   command
       ->add_option("--required-by", options->required_by,
                    "a scenario: keep only the views and frames that its camera sees of its agents")

@@ -115,7 +115,8 @@ void add_region_and_bounds(Command& command, CompareOptions& options) {
                   "takes the reference's pixels there; mae, mse, psnr and ssim_union are means of the rest")
       ->type_name("X,Y,W,H")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   command.add_option("--mask", options.region.mask, "a picture of the same size: black does not count")
       ->type_name("FILE");
   command
@@ -123,11 +124,13 @@ void add_region_and_bounds(Command& command, CompareOptions& options) {
                   "exit 1 where a score is above this (or not available), mae=2; may be given several times")
       ->type_name("SCORE=VALUE")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   command.add_option("--fail-below", options.fail_below, "the same for scores that are better high, ssim=0.98")
       ->type_name("SCORE=VALUE")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   auto* ids_ref = command.add_option("--ids-ref", options.ids_reference,
                                      "EXR with the reference's agent ids: scores by agent and of the silhouettes");
   auto* ids_test = command.add_option("--ids-test", options.ids_test, "EXR with the test's agent ids");

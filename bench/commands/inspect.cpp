@@ -266,14 +266,16 @@ void add_inspect(Command& app, Run& run) {
       ->add_option("--hide", options->hide,
                    "drop the meshes at and below the node of this name (may be given several times)")
       ->take_all()
-      ->expected(1);
+      ->expected(1)
+      ->allow_extra_args(false);
   command
       ->add_option(
           "--clip", options->clips,
           "a clip in use, by name or index (may be given several times): the tallest first pose gives the height")
       ->type_name("CLIP")
       ->take_all()
-      ->expected(1);
+      ->expected(1)
+      ->allow_extra_args(false);
   add_character_changes(*command, options->character);
   command->add_flag("--no-rigid", options->no_rigid, "drop the unskinned meshes of a skinned character");
   command->callback([options, &run] { run = [options] { return inspect(*options); }; });

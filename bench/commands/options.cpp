@@ -27,6 +27,7 @@ Option* add_representation_option(Command& command, std::vector<std::string>& te
                   meaning + "; name[:key=value,...], repeated or in a list with commas, see info --representations")
       ->take_all()
       ->expected(1)
+      ->allow_extra_args(false)
       ->type_name("R");
 }
 
@@ -57,6 +58,7 @@ void add_character_options(Command& command, std::vector<std::string>& sources, 
       .add_option("--character", sources, std::string(kCharacterMeaning) + "; may be given several times (mannequin)")
       ->take_all()
       ->expected(1)
+      ->allow_extra_args(false)
       ->type_name("C");
   add_character_changes(command, all);
 }
@@ -67,12 +69,14 @@ void add_character_changes(Command& command, CharacterOptions& options) {
                   "a file whose clips the character plays too, or mannequin; may be given several times")
       ->take_all()
       ->expected(1)
+      ->allow_extra_args(false)
       ->type_name("FILE");
   command
       .add_option("--bones", options.bones,
                   "which node plays which of --animations, where names do not say; may be given several times")
       ->take_all()
       ->expected(1)
+      ->allow_extra_args(false)
       ->type_name("MINE=THEIRS");
   command
       .add_option("--turn-deg", options.turn_deg,

@@ -116,6 +116,7 @@ void add_pose(Command& app, Run& run) {
       ->type_name("N")
       ->take_all()
       ->expected(1)
+      ->allow_extra_args(false)
       ->whole_number(0, std::numeric_limits<uint32_t>::max());
   add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return pose(*options); }; });

@@ -236,7 +236,8 @@ void add_render(Command& app, Run& run) {
                    "clip in use, by name or index; may be given several times (--single: one, or none)")
       ->type_name("CLIP")
       ->take_all()
-      ->expected(1);
+      ->expected(1)
+      ->allow_extra_args(false);
   command->add_option("--tick", options->tick, "which tick of the scenario (30 a second by default)")
       ->type_name("N")
       ->capture_default_str()

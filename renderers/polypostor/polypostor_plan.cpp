@@ -31,6 +31,20 @@ std::vector<glm::vec3> posed_normals(const scene::Mesh& mesh, const std::vector<
   return normals;
 }
 
+// Which sides of a triangle are seen.
+struct Sides {
+  bool mirrored = false;  // its front is where it runs clockwise
+  bool two_sided = false;
+};
+std::vector<Sides> sides_of(const scene::Character& character) {
+  std::vector<Sides> out(character.triangles());
+  for (const scene::Primitive& p : character.mesh.primitives) {
+    const bool two_sided = character.materials[static_cast<size_t>(p.material)].double_sided;
+    for (uint32_t t = p.first_index / 3; t < (p.first_index + p.index_count) / 3; ++t) out[t] = {p.mirrored, two_sided};
+  }
+  return out;
+}
+
 }  // namespace
 
 PolypostorPlan plan_polypostors(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
@@ -64,10 +78,16 @@ PolypostorPlan plan_polypostors(const scene::Character& character, const std::sh
       tier.positions.push_back(posed_positions(mesh, palette));
       tier.normals.push_back(posed_normals(mesh, palette));
     }
+    const std::vector<Sides> sides = sides_of(*tier.cut.character);
     for (const auto& triangles : tier.cut.triangles) {
       auto& of_part = tier.corners.emplace_back();
-      for (const uint32_t t : triangles)
-        for (uint32_t k = 0; k < 3; ++k) of_part.push_back(mesh.indices[3 * t + k]);
+      auto& two_sided = tier.two_sided.emplace_back();
+      for (const uint32_t t : triangles) {
+        const uint32_t* of = &mesh.indices[size_t{3} * t];
+        const bool mirrored = sides[t].mirrored;
+        of_part.insert(of_part.end(), {of[0], of[mirrored ? 2 : 1], of[mirrored ? 1 : 2]});
+        two_sided.push_back(sides[t].two_sided ? 1 : 0);
+      }
       auto& by_frame = tier.moments.emplace_back();
       for (const auto& posed : tier.positions) by_frame.push_back(surface_moments(posed, of_part));
     }

@@ -16,7 +16,8 @@ namespace crowdbench::renderers {
 // The parts that a range of levels draws. The finest two have all parts, coarser ones fewer, of four corners.
 struct PolypostorTier {
   CutCharacter cut;
-  std::vector<std::vector<uint32_t>> corners;        // by part: the triangles' vertices
+  std::vector<std::vector<uint32_t>> corners;        // by part: the triangles' vertices, anticlockwise from the front
+  std::vector<std::vector<uint8_t>> two_sided;       // by part and triangle: seen from behind too
   std::vector<std::vector<glm::vec3>> positions;     // by frame, metres, model space
   std::vector<std::vector<glm::vec3>> normals;       // by frame, of any length
   std::vector<glm::vec3> tones;                      // vertex_tones

@@ -113,6 +113,16 @@ struct SeenPart {
   std::vector<std::vector<double>> errors;  // by key and frame: look_error; empty where the key does not show the part
 };
 
+// Turns triangles round that are seen from behind as well and lie that way.
+void face_the_eye(const std::vector<uint8_t>& two_sided, std::vector<glm::dvec2>& corners) {
+  for (size_t t = 0; t < two_sided.size(); ++t) {
+    if (two_sided[t] == 0) continue;
+    const glm::dvec2 a = corners[3 * t + 1] - corners[3 * t];
+    const glm::dvec2 b = corners[3 * t + 2] - corners[3 * t];
+    if (a.x * b.y - a.y * b.x < 0) std::swap(corners[3 * t + 1], corners[3 * t + 2]);
+  }
+}
+
 // looks: whether keys are to be compared.
 std::vector<SeenPart> see_parts(const PolypostorPlan& plan, const PolypostorTier& tier, const StoredClip& clip,
                                 const ViewBasis& basis, bool looks) {
@@ -129,13 +139,15 @@ std::vector<SeenPart> see_parts(const PolypostorPlan& plan, const PolypostorTier
     for (const glm::vec3& n : tier.normals[clip.first_frame + f]) turned.push_back(to_view * n);
   }
   std::vector<SeenPart> out;
-  for (const auto& corners : tier.corners) {
+  for (size_t c = 0; c < tier.corners.size(); ++c) {
+    const std::vector<uint32_t>& corners = tier.corners[c];
     SeenPart& part = out.emplace_back();
     std::vector<PartLook> images;
     std::vector<glm::dvec2> flat;
     for (uint32_t f = 0; f < clip.frames; ++f) {
       flat.clear();
       for (const uint32_t v : corners) flat.emplace_back(positions[f][v]);
+      face_the_eye(tier.two_sided[c], flat);
       const PartMask mask = rasterise(flat);
       part.areas.push_back(facing_area(mask));
       part.contours.push_back(part.areas.back() > 0 ? trace_contour(mask) : Polyline{});

@@ -56,6 +56,23 @@ Character open_one(const std::string& name_or_path, const LoadOptions& options) 
   return make_mannequin(mannequin);
 }
 
+bool has_node(const Character& character, std::string_view name) {
+  return std::ranges::any_of(character.skeleton.nodes, [&](const Node& node) { return node.name == name; });
+}
+
+// The pairs that are about this file: those whose node it has, or no file has, which is then refused.
+std::vector<std::string> pairs_for(const Character& source, const std::vector<Character>& sources,
+                                   const std::vector<std::string>& bones) {
+  std::vector<std::string> out;
+  for (const std::string& pair : bones) {
+    const size_t equals = pair.find('=');
+    const std::string theirs = equals == std::string::npos ? std::string() : pair.substr(equals + 1);
+    const bool elsewhere = std::ranges::any_of(sources, [&](const Character& c) { return has_node(c, theirs); });
+    if (has_node(source, theirs) || !elsewhere) out.push_back(pair);
+  }
+  return out;
+}
+
 }  // namespace
 
 bool is_built_in(std::string_view name) { return name == "mannequin" || name.starts_with("mannequin:"); }
@@ -68,14 +85,18 @@ Character open_character(const std::string& name_or_path, const LoadOptions& opt
     return character;
   }
   RetargetOptions retarget;
-  retarget.bones = borrowed.bones;
   retarget.keys = options.limits.keys;
   retarget.clips = options.limits.clips;
   LoadOptions of_clips;
   of_clips.limits = options.limits;
   of_clips.normalise.height.reset();
   of_clips.may_lack_mesh = true;
-  for (const std::string& name : borrowed.animations) add_clips_of(open_one(name, of_clips), character, retarget);
+  std::vector<Character> sources;
+  for (const std::string& name : borrowed.animations) sources.push_back(open_one(name, of_clips));
+  for (const Character& source : sources) {
+    retarget.bones = pairs_for(source, sources, borrowed.bones);
+    add_clips_of(source, character, retarget);
+  }
   NormaliseOptions again = options.normalise;
   if (again.turn_deg) again.turn_deg = 0.0;  // turned already
   again.up = UpAxis::y;

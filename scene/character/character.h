@@ -75,8 +75,8 @@ struct Clip {
   bool loops = true;      // built-in clips that must not wrap set false
   bool together = false;  // not in the file: clips that move different things, played at once
   bool borrowed = false;  // of another file
-  // Of borrowed clips that stay in place: where its own figure's feet say that it goes, units of this file a second,
-  // (x, z) as the character faces +Z. Feet of another shape say it less well.
+  // Of borrowed clips that stay in place: where the feet of the figure that it was made for say that it goes; units of
+  // this file a second, (x, z) of its axes. Feet of another shape say it less well.
   std::optional<glm::dvec2> ground_velocity;
   double duration() const { return end - start; }
 };

@@ -70,7 +70,8 @@ BoneSide take_side(std::vector<std::string>& words) {
 
 // What programs put before every name of theirs.
 void drop_prefixes(std::vector<std::string>& words) {
-  constexpr std::array kPrefixes = {"mixamorig", "def", "j", "bip", "b", "bone", "cc", "base", "valvebiped", "rig"};
+  constexpr std::array kPrefixes = {"mixamorig", "def", "j",    "bip",        "c",  "b",
+                                    "bone",      "cc",  "base", "valvebiped", "rig"};
   while (words.size() > 1 && std::ranges::find(kPrefixes, words.front()) != kPrefixes.end()) words.erase(words.begin());
 }
 

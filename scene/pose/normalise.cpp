@@ -420,8 +420,12 @@ void add_turning_node(Character& character, const glm::dquat& rotation) {
   if (skeleton.root_node >= 0) ++skeleton.root_node;
   for (HumanBone& bone : skeleton.human_bones) ++bone.node;
   for (Primitive& primitive : character.mesh.primitives) ++primitive.node;
-  for (Clip& clip : character.clips)
+  for (Clip& clip : character.clips) {
     for (Channel& channel : clip.channels) ++channel.node;
+    if (!clip.ground_velocity) continue;
+    const glm::dvec3 turned = rotation * glm::dvec3(clip.ground_velocity->x, 0.0, clip.ground_velocity->y);
+    clip.ground_velocity = glm::dvec2(turned.x, turned.z);
+  }
 }
 
 void orient(Character& character, const NormaliseOptions& options) {

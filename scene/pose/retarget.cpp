@@ -48,6 +48,16 @@ glm::dquat arc(const glm::dvec3& from, const glm::dvec3& to) {
   return glm::angleAxis(std::acos(cosine), glm::normalize(axis));
 }
 
+// Along the axes of the file: a figure that leans a little at rest goes on leaning.
+glm::dvec3 nearest_axis(const glm::dvec3& v) {
+  glm::dvec3 out(0.0);
+  int axis = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(v[i]) > std::abs(v[axis])) axis = i;
+  out[axis] = v[axis] < 0 ? -1 : 1;
+  return out;
+}
+
 // A skeleton at rest.
 struct Rest {
   const Skeleton& skeleton;
@@ -96,17 +106,6 @@ struct Rest {
     return glm::length(*hip - *knee) + glm::length(*knee - *ankle);
   }
 
- private:
-  // Along the axes of the file: a figure that leans a little at rest goes on leaning.
-  static glm::dvec3 nearest_axis(const glm::dvec3& v) {
-    glm::dvec3 out(0.0);
-    int axis = 0;
-    for (int i = 1; i < 3; ++i)
-      if (std::abs(v[i]) > std::abs(v[axis])) axis = i;
-    out[axis] = v[axis] < 0 ? -1 : 1;
-    return out;
-  }
-
   // From the left leg to the right one is its width, from the knees to the hips its height.
   glm::dquat find_upright() const {
     if (!is_human()) return {1, 0, 0, 0};
@@ -136,7 +135,7 @@ int require_node(const Rest& rest, const std::string& name) {
   for (const Node& node : rest.skeleton.nodes) names.push_back(node.name);
   const std::string near = nearest_name(name, names);
   throw Error(rest.where, fmt::format("has no node named {} (`bones`)", printable(name, 60)),
-              near.empty() ? "`crowdbench pose --json` and glTF viewers list a file's nodes"
+              near.empty() ? "its nodes are " + nearest_first(name, names, 12)
                            : fmt::format("did you mean {}?", printable(near, 60)));
 }
 
@@ -149,7 +148,7 @@ bool is_above(const Skeleton& skeleton, int above, int node) {
 // Which node of the target plays which node of the source.
 class Counterparts {
  public:
-  Counterparts(const Rest& target, const Rest& source, const std::vector<bool>& animated)
+  Counterparts(Rest& target, Rest& source, const std::vector<bool>& animated)
       : target_(target),
         source_(source),
         animated_(animated),
@@ -158,6 +157,7 @@ class Counterparts {
 
   void find(const std::vector<std::string>& named) {
     for (const std::string& text : named) take_named(text);
+    for (Rest* rest : {&target_, &source_}) rest->upright = rest->find_upright();
     const bool human = target_.is_human() && source_.is_human();
     take_equal_names(human);
     if (human) take_bones();
@@ -217,10 +217,16 @@ class Counterparts {
     taken_.insert(source);
   }
 
-  static std::optional<Bone> bone_of(const Rest& rest, int node) {
+  static std::optional<Bone> exact_bone_of(const Rest& rest, int node) {
     for (const auto& [bone, of] : rest.bones)
-      if (of == node) return Bone{bone.part, bone.side, bone.part == BonePart::spine ? 0 : bone.number};
+      if (of == node) return bone;
     return std::nullopt;
+  }
+  // Spines are all alike: their numbers depend on how many there are.
+  static std::optional<Bone> bone_of(const Rest& rest, int node) {
+    std::optional<Bone> bone = exact_bone_of(rest, node);
+    if (bone && bone->part == BonePart::spine) bone->number = 0;
+    return bone;
   }
 
   // Programs give one name to different bones: "spine" are the hips of one skeleton and the waist of another.
@@ -234,12 +240,24 @@ class Counterparts {
     }
   }
 
+  // A told pair is the same bone in both skeletons, whichever of them has a name for it.
+  void share_bone(int target, int source) {
+    const auto mine = exact_bone_of(target_, target);
+    if (const auto theirs = exact_bone_of(source_, source))
+      target_.bones[*theirs] = target;
+    else if (mine)
+      source_.bones[*mine] = source;
+  }
+
   void take_named(const std::string& text) {
     const size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
       throw Error("bones", fmt::format("'{}' is not a pair of nodes", printable(text, 80)),
                   "write the character's node, =, the other file's: \"LeftArm=upperarm_l\"");
-    pair(require_node(target_, text.substr(0, equals)), require_node(source_, text.substr(equals + 1)), How::told);
+    const int mine = require_node(target_, text.substr(0, equals));
+    const int theirs = require_node(source_, text.substr(equals + 1));
+    pair(mine, theirs, How::told);
+    share_bone(mine, theirs);
   }
 
   void take_bones() {
@@ -273,8 +291,8 @@ class Counterparts {
                             theirs.empty() ? "nodes without names" : theirs));
   }
 
-  const Rest& target_;
-  const Rest& source_;
+  Rest& target_;
+  Rest& source_;
   const std::vector<bool>& animated_;
   std::vector<int> of_;   // by target node: the source's, -1: none
   std::vector<How> how_;  // likewise
@@ -368,12 +386,13 @@ class Retargeter {
     return out;
   }
 
-  // Where the source's feet say that its clip goes: the figure faces +Z.
+  // Where the source's feet say that its clip goes, in the target file's axes.
   std::optional<glm::dvec2> ground_velocity(int clip) const {
     if (source_.motion.size() != source_.clips.size()) return std::nullopt;
     const ClipMotion& motion = source_.motion[at(clip)];
     if (!motion.from_stance || !(source_.placement.scale > 0)) return std::nullopt;
-    const glm::dvec3 direction = from_.upright * glm::dvec3(motion.direction.x, 0.0, motion.direction.y);
+    const glm::dvec3 theirs(motion.direction.x, 0.0, motion.direction.y);
+    const glm::dvec3 direction = glm::conjugate(to_.upright) * (from_.upright * theirs);
     return motion.ground_speed / source_.placement.scale * ratio_ * glm::dvec2(direction.x, direction.z);
   }
 
@@ -566,7 +585,7 @@ void warn_of_left_over(const Rest& source, const Counterparts& pairs, Character&
 }  // namespace
 
 void add_clips_of(const Character& source, Character& target, const RetargetOptions& options) {
-  const Rest from(source);
+  Rest from(source);
   if (source.clips.empty()) throw Error(from.where, "has no clip to play", "name a file that holds animations");
   if (source.clips.size() + target.clips.size() > options.clips)
     throw Error(from.where,
@@ -577,7 +596,7 @@ void add_clips_of(const Character& source, Character& target, const RetargetOpti
   for (const Clip& clip : source.clips)
     for (const Channel& channel : clip.channels) animated[at(channel.node)] = true;
 
-  const Rest to(target);
+  Rest to(target);
   Counterparts pairs(to, from, animated);
   pairs.find(options.bones);
   const bool same = same_skeleton(to, from, pairs);

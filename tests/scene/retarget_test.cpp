@@ -133,6 +133,9 @@ TEST(HumanBones, AreFoundByTheNamesOfCommonPrograms) {
   EXPECT_EQ(bone_of_name("ball_l"), (Bone{BonePart::toes, BoneSide::left, 0}));
   EXPECT_EQ(bone_of_name("pelvis"), (Bone{BonePart::hips}));
   EXPECT_EQ(bone_of_name("neck_01"), (Bone{BonePart::neck}));
+  EXPECT_EQ(bone_of_name("J_Bip_C_Hips"), (Bone{BonePart::hips}));
+  EXPECT_EQ(bone_of_name("J_Bip_C_Neck"), (Bone{BonePart::neck}));
+  EXPECT_EQ(bone_of_name("J_Bip_C_Head"), (Bone{BonePart::head}));
   EXPECT_EQ(bone_of_name("LeftHandIndex2"), (Bone{BonePart::index_finger, BoneSide::left, 2}));
   EXPECT_EQ(bone_of_name("f_index.02.L"), (Bone{BonePart::index_finger, BoneSide::left, 2}));
   EXPECT_EQ(bone_of_name("pinky_03_r"), (Bone{BonePart::little_finger, BoneSide::right, 3}));
@@ -247,7 +250,12 @@ TEST(Retarget, AnotherUnitAnotherUpAxisAndAnotherFrontMoveAlike) {
   EXPECT_LT(worst_of_all_clips(c, [](const glm::dvec3& v) { return glm::dvec3(-2 * v.x, 2 * v.y, -2 * v.z); }), 4e-4);
 }
 
-TEST(Retarget, ArmsAndLegsPointWhereTheSourcesDo) {
+// Names by themselves, or told by the user bone by bone, where they say nothing.
+class RetargetRest : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Bones, RetargetRest, testing::Bool(),
+                         [](const auto& test) { return test.param ? "Told" : "Named"; });
+
+TEST_P(RetargetRest, ArmsAndLegsPointWhereTheSourcesDo) {
   // The rest has its arms raised by 40 degrees and its legs apart.
   Character c = still_mannequin();
   rename(c, mixamo_name);
@@ -259,7 +267,13 @@ TEST(Retarget, ArmsAndLegsPointWhereTheSourcesDo) {
   turn("mixamorig:RightArm", -40);
   turn("mixamorig:LeftUpLeg", 15);
   turn("mixamorig:RightUpLeg", -15);
-  add_clips_of(mannequin(), c);
+  RetargetOptions options;
+  if (GetParam()) {
+    for (Node& n : c.skeleton.nodes) n.name = "joint " + std::to_string(&n - c.skeleton.nodes.data());
+    for (size_t i = 0; i < c.skeleton.nodes.size(); ++i)
+      options.bones.push_back(c.skeleton.nodes[i].name + "=" + mannequin().skeleton.nodes[i].name);
+  }
+  add_clips_of(mannequin(), c, options);
   const auto direction = [](const Character& of, int clip, double time, int a, int b) {
     const auto world = node_matrices(of, clip, time);
     return glm::normalize(glm::dvec3(world[static_cast<size_t>(b)][3] - world[static_cast<size_t>(a)][3]));
@@ -272,8 +286,7 @@ TEST(Retarget, ArmsAndLegsPointWhereTheSourcesDo) {
                                      {"thigh_l", "shin_l"},
                                      {"shin_r", "foot_r"}})
     for (const double time : {0.0, 0.2, 0.5, 0.9}) {
-      const glm::dvec3 is =
-          direction(c, walk, time, node_named(c, mixamo_name(upper)), node_named(c, mixamo_name(lower)));
+      const glm::dvec3 is = direction(c, walk, time, node_named(mannequin(), upper), node_named(mannequin(), lower));
       const glm::dvec3 wanted =
           direction(mannequin(), own, time, node_named(mannequin(), upper), node_named(mannequin(), lower));
       EXPECT_LT(glm::length(is - wanted), 1e-3) << upper << " at " << time;
@@ -323,6 +336,25 @@ TEST(Retarget, GoesAsFastAsItsLegsAreLong) {
   ASSERT_GT(own.ground_speed, 0.5);
   EXPECT_NEAR(lent.ground_speed, 0.5 * own.ground_speed, 0.01);
   EXPECT_EQ(lent.direction, own.direction);
+}
+
+TEST(Retarget, WhoFacesBackwardGoesWhereItLooks) {
+  // As VRM 0.x files do; their clips stay in place.
+  Character c = still_mannequin();
+  rename(c, mixamo_name);
+  Node turned;
+  turned.name = "turned";
+  turned.rotation = glm::angleAxis(kPi, glm::dvec3(0, 1, 0));
+  put_on_top(c, turned);
+  add_clips_of(mannequin(), c);
+  const size_t walk = static_cast<size_t>(require_clip(c, "walk"));
+  ASSERT_TRUE(c.clips[walk].ground_velocity);
+  EXPECT_LT(c.clips[walk].ground_velocity->y, -0.5) << "along -Z of its file";
+  normalise(c, {.height = std::nullopt});
+  EXPECT_EQ(c.warnings.size(), 1U) << "turned by a guess, which is said";
+  const glm::dvec2 direction = c.motion[walk].direction;
+  EXPECT_NEAR(direction.x, 0, 1e-6);
+  EXPECT_NEAR(direction.y, 1, 1e-6);
 }
 
 TEST(Retarget, NamesThatTheUserGivesComeFirst) {
@@ -388,6 +420,11 @@ void write(const std::filesystem::path& path, const std::vector<uint8_t>& bytes)
   write_file(path, bytes.data(), bytes.size());
 }
 
+void rename_card_node(test::Builder& card, const std::filesystem::path& path) {
+  card.doc["nodes"][2]["name"] = "wing";
+  write(path, card.glb());
+}
+
 TEST(Retarget, AFileOfBonesAndClipsAloneIsEnough) {
   // The card's skeleton and clip, without its mesh; the card plays it as its own.
   const support::ScratchFolder folder;
@@ -410,6 +447,13 @@ TEST(Retarget, AFileOfBonesAndClipsAloneIsEnough) {
   for (size_t v = 0; v < own.size(); ++v) EXPECT_LT(glm::length(own[v] - lent[v]), 1e-12);
 
   EXPECT_THROW(open_character((folder.path() / "bones.glb").string()), Error);  // nothing to draw
+  // A pair is about the file that has its node.
+  rename_card_node(whole, folder.path() / "other.glb");
+  const Character both =
+      open_character((folder.path() / "card.glb").string(), {},
+                     {.animations = {(folder.path() / "bones.glb").string(), (folder.path() / "other.glb").string()},
+                      .bones = {"arm=wing"}});
+  EXPECT_EQ(both.clips.size(), 3U);
   EXPECT_THROW(open_character("mannequin", {}, {.animations = {}, .bones = {"a=b"}}), Error);
 }
 
