@@ -33,7 +33,7 @@ struct Options {
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   uint64_t bins = 8;
   DistanceRequest request;
-  double least_visible_percent = 90;
+  double least_visible_percent = 75;
   bool no_cache = false;
   bool json = false;
 };

@@ -113,8 +113,9 @@ std::optional<double> median_in(const DistanceReport& report, const CurveBin& bi
   return median(values);
 }
 
+// "12.3 m", "0.45 pixels a texel".
 std::string with_unit(double value, const AgainstText& text) {
-  return fmt::format("{:.4g}{}{}", value, *text.unit == '\0' ? "" : " ", *text.unit == '\0' ? text.title : text.unit);
+  return fmt::format("{:.4g} {}", value, *text.unit == '\0' ? text.title : text.unit);
 }
 
 std::string interval_text(const ThresholdPlace& place) {
@@ -132,7 +133,7 @@ std::string place_text(const DistanceCurve& of, const ThresholdPlace& place) {
     case Reached::not_distinguishable: break;
   }
   if (of.curve.agents < kLeastBinAgents) return fmt::format("not distinguishable with {} agents", of.curve.agents);
-  return fmt::format("not distinguishable: {} ({})", at.empty() ? "not reached" : "from " + at + " on",
+  return fmt::format("not distinguishable; by the medians {} ({})", at.empty() ? "not reached" : "from " + at + " on",
                      interval_text(place));
 }
 
