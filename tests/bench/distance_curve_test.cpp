@@ -54,8 +54,8 @@ TEST(DistanceCurve, BinsHoldEquallyManyAndStateTheirMediansByHand) {
     EXPECT_GE(bin.high, bin.value);
     EXPECT_LT(bin.low, bin.high);
   }
-  // Ranks 10 8 9 6 7 2 3 5 4 1 against 1..10: the squares of the differences sum to 318.
-  EXPECT_NEAR(curve.rank_correlation.value(), 1 - 6 * 318.0 / 990, 1e-12);
+  // Ranks 10 8 9 6 7 2 3 5 4 1 against 1..10: the squares of the differences sum to 308.
+  EXPECT_NEAR(curve.rank_correlation.value(), 1 - 6 * 308.0 / 990, 1e-12);
   EXPECT_EQ(make_curve(points_of(std::vector<double>(20, 3.0)), 4, 1).rank_correlation, std::nullopt);
   EXPECT_TRUE(make_curve({}, 4, 1).bins.empty());
 }
@@ -74,15 +74,15 @@ TEST(DistanceCurve, HeightsAreOrderedFromNearToFarToo) {
 
 TEST(DistanceCurve, TheSamePointsInAnyOrderGiveTheSameBand) {
   std::vector<CurvePoint> points = falling(60, 20);
-  const ScoreCurve first = make_curve(points, 6, 7);
+  const ScoreCurve first = make_curve(points, 2, 7);
   std::reverse(points.begin(), points.end());
-  const ScoreCurve second = make_curve(points, 6, 7);
+  const ScoreCurve second = make_curve(points, 2, 7);
   EXPECT_EQ(first.resampled, second.resampled);
-  for (size_t b = 0; b < 6; ++b) {
+  for (size_t b = 0; b < 2; ++b) {
     EXPECT_EQ(first.bins[b].low, second.bins[b].low);
     EXPECT_EQ(first.bins[b].high, second.bins[b].high);
   }
-  EXPECT_NE(first.resampled, make_curve(points, 6, 8).resampled) << "another seed draws otherwise";
+  EXPECT_NE(first.resampled, make_curve(points, 2, 8).resampled) << "another seed draws otherwise";
 }
 
 // The frames of one agent are not independent: many frames of few agents do not make a band narrow.

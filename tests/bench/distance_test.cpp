@@ -75,12 +75,12 @@ class DistanceGl : public ::testing::Test {
 };
 
 TEST_F(DistanceGl, HiddenAndCutOffAgentsAreKeptApart) {
-  stand(-1.5, -6);    // free
-  stand(1.0, -5);     // hides the next
-  stand(1.1, -6);     // behind it
-  stand(3.2, -7.5);   // its bounds reach over the edge
-  stand(0.0, -0.05);  // around the eye
-  stand(-0.3, -20);   // free, far away
+  stand(-1.5, -6);   // free
+  stand(1.0, -5);    // hides the next
+  stand(1.1, -6);    // behind it
+  stand(4.0, -7.5);  // its bounds reach over the edge
+  stand(0.0, 0.5);   // behind the eye
+  stand(-0.3, -20);  // free, far away
   const renderers::Capture drawn = renderer_->capture(frame_, *mesh_);
   const std::vector<AgentView> seen = views(drawn);
   ASSERT_EQ(seen.size(), 6U);
@@ -258,7 +258,7 @@ TEST(DistanceCommandGl, WritesAPageOfCharts) {
            "ssim_union=0.5", "--chart", page});
   const std::string html = read_text(page);
   for (const char* text : {"Mean absolute error, code values by distance from the eye", "by height",
-                           "by pixels a texel", "data-plot=\"6\"", "or better than</th>", "0.5</td>"})
+                           "by pixels a texel", "data-plot=\"chart-6\"", "or better than</th>", "0.5</td>"})
     EXPECT_NE(html.find(text), std::string::npos) << text;
 }
 
