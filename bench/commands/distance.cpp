@@ -158,10 +158,11 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
       ->capture_default_str();
   command
       ->add_option("--threshold", options->thresholds,
-                   "say from where on a score is this good or better, flip=0.1; may be repeated")
+                   "say from where on a score is this good or better, flip=0.1; may be given several times")
       ->type_name("SCORE=VALUE")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   add_frame_options(*command, *options);
   command
       ->add_option("--display", options->display,

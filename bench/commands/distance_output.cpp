@@ -182,17 +182,15 @@ reports::DistanceSeries series_of(const DistanceReport& report, const DistanceCu
 
 std::string counts_text(const DistanceReport& report) {
   const Counts counts = counts_of(report);
-  const std::string of_all =
-      report.request.frames == 1
-          ? ""
-          : fmt::format("of {} agents in all frames ", report.request.frames * report.scenario.crowd.agents);
-  return of_all + fmt::format(
-                      "{} counted, {} occluded (less than {:g} % of the pixels that they cover alone), {} cut off by "
-                      "the picture's "
-                      "edge, {} without a pixel, {} out of view",
-                      counts.of(AgentState::counted), counts.of(AgentState::occluded),
-                      100 * report.request.least_visible, counts.of(AgentState::cut_off),
-                      counts.of(AgentState::no_pixel), counts.out_of_view);
+  std::string text = report.request.frames == 1 ? ""
+                                                : fmt::format("of {} agents in all frames ",
+                                                              report.request.frames * report.scenario.crowd.agents);
+  text +=
+      fmt::format("{} counted, {} occluded (less than {:g} % of the pixels that they cover alone), ",
+                  counts.of(AgentState::counted), counts.of(AgentState::occluded), 100 * report.request.least_visible);
+  text += fmt::format("{} cut off by the picture's edge, {} without a pixel, {} out of view",
+                      counts.of(AgentState::cut_off), counts.of(AgentState::no_pixel), counts.out_of_view);
+  return text;
 }
 
 std::string ticks_text(const DistanceRequest& request) {
