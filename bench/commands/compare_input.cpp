@@ -40,21 +40,6 @@ metrics::Padding parse_padding(const std::string& text) {
   throw Error("--padding", fmt::format("there is no padding '{}'", printable(text)), "choose replicate or symmetric");
 }
 
-// In the table's own order, each once.
-std::vector<const metrics::Score*> chosen_scores(const std::string& text, metrics::ScoreTable table) {
-  if (text == "all") return {table.begin(), table.end()};
-  std::vector<const metrics::Score*> named;
-  for (size_t at = 0; at <= text.size();) {
-    const size_t comma = std::min(text.find(',', at), text.size());
-    named.push_back(&score_named(text.substr(at, comma - at), "--scores", table));
-    at = comma + 1;
-  }
-  std::vector<const metrics::Score*> out;
-  for (const metrics::Score* score : table)
-    if (std::find(named.begin(), named.end(), score) != named.end()) out.push_back(score);
-  return out;
-}
-
 int channels_of(const AnyImage& image) {
   return std::visit([](const auto& i) { return i.channels; }, image);
 }
@@ -148,7 +133,8 @@ void add_compare_options(Command& command, CompareOptions& options) {
 
 CompareSetup compare_setup(const CompareOptions& options, metrics::ScoreTable table) {
   CompareSetup setup;
-  setup.table = chosen_scores(options.scores, table);
+  setup.table = options.scores == "all" ? std::vector(table.begin(), table.end())
+                                        : chosen_scores(options.scores, "--scores", table);
   // Scores of code values are what people expect, and so is what was asked for by name.
   setup.also = metrics::kNeedsCodes;
   if (options.scores != "all")

@@ -23,10 +23,21 @@ const metrics::Score& score_named(const std::string& name, const std::string& op
                               : fmt::format("did you mean '{}'?", nearest));
 }
 
-namespace {
+std::vector<const metrics::Score*> chosen_scores(const std::string& list, const std::string& option,
+                                                 metrics::ScoreTable table) {
+  std::vector<const metrics::Score*> named;
+  for (size_t at = 0; at <= list.size();) {
+    const size_t comma = std::min(list.find(',', at), list.size());
+    named.push_back(&score_named(list.substr(at, comma - at), option, table));
+    at = comma + 1;
+  }
+  std::vector<const metrics::Score*> out;
+  for (const metrics::Score* score : table)
+    if (std::find(named.begin(), named.end(), score) != named.end()) out.push_back(score);
+  return out;
+}
 
-ScoreBound parse_bound(const std::string& text, bool above, metrics::ScoreTable table) {
-  const std::string option = above ? "--fail-above" : "--fail-below";
+ScoreValue parse_score_value(const std::string& text, const std::string& option, metrics::ScoreTable table) {
   const size_t equals = text.find('=');
   double value = 0;
   bool fine = equals != std::string::npos;
@@ -37,13 +48,21 @@ ScoreBound parse_bound(const std::string& text, bool above, metrics::ScoreTable 
   }
   if (!fine)
     throw Error(option, fmt::format("'{}' is not a bound", printable(text)), "write SCORE=VALUE: mae=2 or ssim=0.98");
-  const metrics::Score& score = score_named(text.substr(0, equals), option, table);
+  return {&score_named(text.substr(0, equals), option, table), value};
+}
+
+namespace {
+
+ScoreBound parse_bound(const std::string& text, bool above, metrics::ScoreTable table) {
+  const std::string option = above ? "--fail-above" : "--fail-below";
+  const ScoreValue bound = parse_score_value(text, option, table);
+  const metrics::Score& score = *bound.score;
   if (score.compute == nullptr)
     throw Error(option, fmt::format("{} is of clips, not of pictures", score.name), "bound a score of pictures");
   if (above != (score.direction == metrics::Direction::lower_is_better))
     throw Error(option, fmt::format("{} is better the {} it is", score.name, above ? "higher" : "lower"),
                 fmt::format("write {} {}", above ? "--fail-below" : "--fail-above", printable(text)));
-  return {&score, value, above};
+  return {&score, bound.value, above};
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Bounds that scores must keep: `compare --fail-above SCORE=VALUE`, `--fail-below SCORE=VALUE`.
+// Scores by the names that users give, and bounds that they must keep: `compare --fail-above SCORE=VALUE`,
+// `--fail-below SCORE=VALUE`.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,6 +11,17 @@ namespace crowdbench::bench {
 
 // By its name. option: the one that gave it. Throws Error with the nearest name.
 const metrics::Score& score_named(const std::string& name, const std::string& option, metrics::ScoreTable table);
+
+// "ssim,mae" in the table's own order, each once. Throws Error as score_named.
+std::vector<const metrics::Score*> chosen_scores(const std::string& list, const std::string& option,
+                                                 metrics::ScoreTable table);
+
+struct ScoreValue {
+  const metrics::Score* score = nullptr;
+  double value = 0;  // finite
+};
+// "mae=2". Throws Error as score_named, and on what is not of that shape.
+ScoreValue parse_score_value(const std::string& text, const std::string& option, metrics::ScoreTable table);
 
 struct ScoreBound {
   const metrics::Score* score = nullptr;

@@ -182,6 +182,36 @@ TEST(AddedScoreGl, IsInPopMaps) {
   EXPECT_TRUE(contains(read_text(folder / "popmap.html"), "Red of the first pixel, tens"));
 }
 
+TEST(AddedScoreGl, IsInDistance) {
+  const support::ScratchFolder folder;
+  const std::vector<std::string> arguments = {"distance",
+                                              "--representation",
+                                              "mesh",
+                                              "--character",
+                                              "mannequin:triangles=500",
+                                              "--agents",
+                                              "6",
+                                              "--occupancy",
+                                              "0.1",
+                                              "--size",
+                                              "96x72",
+                                              "--threshold",
+                                              "first_red=10000",
+                                              "--out",
+                                              (folder / "agents.csv").string()};
+  const std::string text = output_of(add_distance, arguments);
+  EXPECT_TRUE(contains(text, "mesh: red of the first pixel, tens, 0 = equal")) << text;
+  EXPECT_TRUE(contains(text, "mesh: first_red of 10000 or better by distance from the eye: ")) << text;
+  EXPECT_TRUE(contains(read_text(folder / "agents.csv"), ",first_red\n") ||
+              contains(read_text(folder / "agents.csv"), ",first_red,"));
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  for (const json& row : json::parse(output_of(add_distance, with_json)).at("rows"))
+    if (row.at("state") == "counted") {
+      EXPECT_EQ(row.at("scores").at("mesh").at("first_red"), row.at("visible_px")) << "by agent: its pixels";
+    }
+}
+
 TEST(AddedScore, IsInRowsReportAndExports) {
   renderers::Capture reference;
   reference.colour = Image8(16, 16, 4);

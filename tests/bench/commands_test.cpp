@@ -163,6 +163,18 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_GT(sizes[0].at("switch").size(), 0U);
          EXPECT_FALSE(fs::is_empty(work_ / "pops"));
        }},
+      {"distance",
+       [&] {
+         const json j = facts(
+             "distance --agents 8 --occupancy 0.1 --size 96x72 --scores mae --threshold mae=255 "
+             "--representation " +
+             impostor + " --out agents.csv --json" + character);
+         EXPECT_GE(j.at("agents").at("counted").get<int>(), 2);
+         ASSERT_EQ(j.at("curves").size(), 3U) << "against distance, height and texels";
+         EXPECT_GT(j.at("curves")[0].at("bins")[0].at("median").get<double>(), 0);
+         EXPECT_EQ(j.at("curves")[0].at("thresholds").size(), 1U);
+         EXPECT_NE(text("agents.csv").find("counted"), std::string::npos);
+       }},
       {"ratio",
        [&] {
          const json j =

@@ -135,6 +135,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"quality", "--representation mesh --height-px 20 --rows 48 --json" + small},
       {"switch-distance", flat + " --ratio 1 --size 64x64 --json" + small},
       {"popmap", flat + " --azimuth-deg 0 --elevation-deg 0 --phase 0 --ratio 1 --json" + small},
+      {"distance", "--representation mesh --scores mae --agents 2 --size 32x32 --json" + small},
       {"ratio", "--of mesh --to mesh --agents 2 --size 32x32 --pairs 20 --json" + small},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite --json"},
@@ -239,6 +240,8 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "report r.sqlite --google-benchmark a/b/r.json",
       "demo --out a/b/demo",
       "popmap --out a/b/pops",
+      "distance --representation mesh --out a/b/agents.csv",
+      "distance --representation mesh --chart a/b/page.html",
       "quality --representation mesh --maps a/b/maps",
       "compare x.png y.png --maps a/b/maps",
   };
@@ -273,7 +276,8 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     for (const auto& [text, commands] : texts[shared]) EXPECT_GE(commands.size(), 2U) << shared << ": " << text;
   }
   // What draws one representation, or several, says so with the same option; pairs name their two sides.
-  for (const char* command : {"render", "bake", "quality", "switch-distance", "popmap", "bench", "view", "demo"})
+  for (const char* command :
+       {"render", "bake", "quality", "switch-distance", "popmap", "distance", "bench", "view", "demo"})
     EXPECT_TRUE(by_command[command].count("representation")) << command;
   for (const auto& [command, options] : by_command) {
     if (options.count("representations")) {
@@ -284,7 +288,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
   }
   // Everything that takes a character, takes it so; it is an argument only where it is what the command is about.
   for (const char* command :
-       {"render", "bake", "quality", "switch-distance", "popmap", "ratio", "bench", "pair", "view", "demo"})
+       {"render", "bake", "quality", "switch-distance", "popmap", "distance", "ratio", "bench", "pair", "view", "demo"})
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&

@@ -1,0 +1,100 @@
+#include "reports/page/distance_page.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "reports/charts/distance_chart.h"
+#include "reports/page/libraries.h"
+
+namespace crowdbench::reports {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ScoreDoc doc() {
+  ScoreDoc out;
+  out.name = "s";
+  out.title = "sharpness";
+  out.unit = "dB";
+  out.digits = 1;
+  return out;
+}
+
+DistanceGraph graph() {
+  DistanceSeries a;
+  a.representation = "<a>";
+  a.bins = {{5, 20, 18, 22, 7}, {10, 30, 25, kInfinity, 6}, {15, kInfinity, 40, kInfinity, 6}};
+  a.points = {{5, 21, 3}, {14, kInfinity, 4}};
+  a.thresholds = {{25, "from 7.5 m on (95 %: 6 to 9)", "reached"}};
+  DistanceSeries b;
+  b.representation = "b";
+  b.bins = {{5, 10, 9, 11, 7}};
+  b.thresholds = {{25, "not reached", "not_reached"}};
+  return {"distance", "m", false, {a, b}};
+}
+
+TEST(DistanceChart, HoldsMediansBandsAgentsAndEachThresholdOnce) {
+  const json spec = json::parse(distance_chart(doc(), graph()));
+  const json& bins = spec.at("data").at("values");
+  ASSERT_EQ(bins.size(), 4U);
+  EXPECT_EQ(bins[0].at("low"), 18);
+  EXPECT_EQ(bins[0].at("where"), "5 m");
+  EXPECT_EQ(bins[0].at("text"), "20.0, 95 %: 18.0 to 22.0");
+  EXPECT_TRUE(bins[1].at("high").is_null()) << "a band without an end is a gap";
+  EXPECT_EQ(bins[1].at("value"), 30);
+  EXPECT_TRUE(bins[2].at("value").is_null());
+  const json& layers = spec.at("layer");
+  EXPECT_EQ(layers[0].at("data").at("values"), json::parse(R"([{"representation": "<a>", "x": 5, "value": 21}])"));
+  EXPECT_EQ(layers[3].at("data").at("values"), json::parse(R"([{"value": 25}])"));
+  const json& colour = layers[2].at("encoding").at("color").at("scale");
+  EXPECT_EQ(colour.at("domain"), json({"<a>", "b"}));
+  EXPECT_NE(colour.at("range")[0], colour.at("range")[1]);
+  EXPECT_FALSE(layers[2].at("encoding").at("x").at("scale").at("reverse").get<bool>());
+  DistanceGraph by_height = graph();
+  by_height.far_is_low = true;
+  EXPECT_TRUE(json::parse(distance_chart(doc(), by_height))
+                  .at("layer")[2]
+                  .at("encoding")
+                  .at("x")
+                  .at("scale")
+                  .at("reverse")
+                  .get<bool>())
+      << "near is on the left";
+  DistanceGraph equal = graph();
+  equal.series.pop_back();
+  equal.series[0].bins = {{5, kInfinity, kInfinity, kInfinity, 7}};
+  EXPECT_EQ(distance_chart(doc(), equal), "");
+}
+
+TEST(DistancePage, SaysWhatCountsAndWhereThresholdsAreReached) {
+  try {
+    chart_libraries();
+  } catch (const Error&) {
+    GTEST_SKIP() << "npm packages of the chart library absent at configure time";
+  }
+  DistancePage page;
+  page.scene = "9 agents";
+  page.reference = "the <right> one";
+  page.counts = "7 counted, 2 occluded";
+  page.display = "somewhere";
+  page.renderer = "a pencil";
+  page.scores.push_back({doc(), {graph()}});
+  const std::string html = distance_page(page);
+  for (const char* text :
+       {"9 agents, against the &lt;right&gt; one: 7 counted, 2 occluded.", "Sharpness, dB by distance",
+        "<td class=\"l\">&lt;a&gt;</td><td class=\"l\">sharpness</td><td>25</td>", "from 7.5 m on (95 %: 6 to 9)",
+        "not reached"})
+    EXPECT_NE(html.find(text), std::string::npos) << text;
+  page.scores[0].graphs[0].series[0].thresholds.clear();
+  page.scores[0].graphs[0].series[1].thresholds.clear();
+  EXPECT_EQ(distance_page(page).find("or better than"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace crowdbench::reports
