@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using assimp_module::Part;
 using assimp_module::Picture;
 
-constexpr const char* kExportAgain = "export the character again (FBX 2014 or later), or convert it to glTF";
+constexpr const char* kExportAgain = "export the character again (FBX 2011 or later), or convert it to glTF";
 
 const assimp_module::Api& api() {
   static const assimp_module::Api& loaded = []() -> const assimp_module::Api& {

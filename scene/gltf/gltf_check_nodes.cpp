@@ -61,6 +61,7 @@ class NodeCheck {
   void check_hierarchy() {
     const size_t nodes = check_.count_of("nodes");
     check_.plan.node_parent.assign(nodes, -1);
+    check_.plan.hidden.assign(nodes, false);
     children_.resize(nodes);
     size_t node = 0;
     check_.each("nodes", [&](const json& object, const std::string& path) { check_node(object, path, node++); });
@@ -76,6 +77,13 @@ class NodeCheck {
       clean[key] = check_.numbers(*value, path + "/" + key, count);
       return true;
     };
+    if (const json* visibility = check_.extension(node, path, "KHR_node_visibility"))
+      if (const json* visible = check_.member(*visibility, "visible")) {
+        if (!visible->is_boolean())
+          check_.fail(path + "/extensions/KHR_node_visibility/visible",
+                      fmt::format("is {}, not true or false", visible->type_name()));
+        check_.plan.hidden[self] = !visible->get<bool>();
+      }
     const bool matrix = copy("matrix", 16);
     const bool moved = copy("translation", 3);
     const bool scaled = copy("scale", 3);

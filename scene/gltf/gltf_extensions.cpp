@@ -15,11 +15,12 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 8> kRead = {"KHR_mesh_quantization",
+constexpr std::array<std::string_view, 9> kRead = {"KHR_mesh_quantization",
                                                    "KHR_texture_transform",
                                                    "EXT_meshopt_compression",
                                                    "KHR_draco_mesh_compression",
                                                    "EXT_texture_webp",
+                                                   "KHR_node_visibility",
                                                    "KHR_materials_unlit",
                                                    "KHR_materials_emissive_strength",
                                                    "KHR_materials_pbrSpecularGlossiness"};

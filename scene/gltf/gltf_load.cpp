@@ -96,7 +96,7 @@ class Loader {
   }
 
   void find_hidden() {
-    hidden_.assign(model_.nodes.size(), false);
+    hidden_ = plan_.hidden;
     for (const std::string& name : options_.hide) {
       bool found = false;
       for (size_t i = 0; i < model_.nodes.size(); ++i) {
@@ -435,6 +435,8 @@ class Loader {
         asset_.warn(
             fmt::format("{} of {} triangles cannot be seen (without area or fully transparent) and are left out", gone,
                         character_.file_triangles));
+      else if (nothing_seen(character_))
+        asset_.warn("nothing of it can be seen: every material is transparent, or below the cutoff of its mask");
     }
     if (mesh.file_vertices.size() == mesh.positions.size()) mesh.file_vertices.clear();
   }

@@ -29,6 +29,7 @@ struct GltfPlan {
   std::vector<int> node_order;   // every node of the file, parents before children
   std::vector<int> node_parent;  // by file index, -1 for a root
   std::vector<bool> in_scene;    // by file index: below a root of the default scene
+  std::vector<bool> hidden;      // by file index: KHR_node_visibility says that it and what is below are not shown
   std::vector<GltfHumanBone> human_bones;
   size_t vertices = 0;  // of the triangle primitives in the scene, a mesh on two nodes twice
   size_t triangles = 0;

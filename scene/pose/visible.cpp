@@ -50,6 +50,12 @@ double size_of(const std::vector<glm::dvec3>& points) {
 
 }  // namespace
 
+bool nothing_seen(const Character& character) {
+  return std::ranges::all_of(character.mesh.primitives, [&](const Primitive& p) {
+    return transparent(character, character.materials[static_cast<size_t>(p.material)]);
+  });
+}
+
 size_t drop_invisible(Character& character) {
   const Mesh& mesh = character.mesh;
   std::vector<bool> clear;

@@ -10,5 +10,7 @@ namespace crowdbench::scene {
 // the bind pose and at the ends and the middle of every clip (collapsed triangles, nodes scaled to nothing). Returns
 // how many. Where nothing would be left, nothing is removed.
 size_t drop_invisible(Character& character);
+// Whether the materials alone leave nothing to see.
+bool nothing_seen(const Character& character);
 
 }  // namespace crowdbench::scene

@@ -73,6 +73,34 @@ TEST(GltfExtensions, DiffuseOfTheOlderMaterialModelIsTheBaseColour) {
   EXPECT_TRUE(c.warnings.empty());
 }
 
+TEST(GltfVisibility, HiddenNodesHaveNoSay) {
+  Builder b = bending_card();
+  const Character plain = load(b);
+  // Far above the card, and below a node that is not shown.
+  b.doc["nodes"].push_back({{"mesh", 0}, {"translation", {0, 100, 0}}});
+  b.doc["nodes"].push_back({{"children", {3}}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
+  b.doc["scenes"][0]["nodes"].push_back(4);
+  b.doc["extensionsUsed"] = {"KHR_node_visibility"};
+  const Character hidden = load(b);
+  EXPECT_EQ(hidden.triangles(), plain.triangles());
+  EXPECT_EQ(hidden.placement.height, plain.placement.height);
+  EXPECT_TRUE(hidden.warnings.empty()) << hidden.warnings[0];
+  b.doc["nodes"][4]["extensions"]["KHR_node_visibility"]["visible"] = true;
+  EXPECT_EQ(load(b).triangles(), 2 * plain.triangles());
+  b.doc["nodes"][4]["extensions"]["KHR_node_visibility"]["visible"] = 1;
+  EXPECT_THROW(load(b), Error);
+}
+
+TEST(GltfMasks, AFigureThatIsCutAwayWhollyIsSaid) {
+  Builder b = bending_card();
+  b.doc["materials"] = {
+      {{"alphaMode", "MASK"}, {"alphaCutoff", 0.9}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.7}}}}}};
+  primitive(b)["material"] = 0;
+  const Character c = load(b);
+  ASSERT_EQ(c.warnings.size(), 1U);
+  EXPECT_NE(c.warnings[0].find("nothing of it can be seen"), std::string::npos) << c.warnings[0];
+}
+
 // --- EXT_meshopt_compression ---
 
 // The last view's bytes are what they were, encoded.
