@@ -105,8 +105,9 @@ TEST_P(MirroredGl, ASheetShowsTheSideThatItShould) {
   const size_t plain = drawn_of(sheet, GetParam(), 0);
   ASSERT_GT(plain, 4000U);
   // Relief's maps hold both ends of what lies behind a texel, whichever way it faces: a limit that its README states.
-  if (!std::string(GetParam()).starts_with("relief"))
+  if (!std::string(GetParam()).starts_with("relief")) {
     EXPECT_LT(drawn_of(sheet, GetParam(), 180), plain / 20) << "one-sided, from behind";
+  }
 
   scene::Character two_sided = sheet;
   for (scene::Material& material : two_sided.materials) material.double_sided = true;
