@@ -8,13 +8,14 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "core/error.h"
 #include "scene/character/take_apart.h"
+#include "scene/pose/counterparts.h"
 #include "scene/pose/human_bones.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/skeleton_rest.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -23,17 +24,10 @@ constexpr double kSameRotation = 0.01;     // radians: rests that differ by less
 constexpr double kSameLength = 1e-3;       // of the skeleton's size: likewise for translations
 constexpr double kSameScale = 1e-3;        // likewise
 constexpr double kKeyInterval = 1.0 / 60;  // seconds: the largest between two keys of a retargeted curve
-constexpr size_t kListed = 8;              // names in a warning
 
 size_t at(int node) { return static_cast<size_t>(node); }
 
 glm::dvec3 place_of(const glm::dmat4& m) { return glm::dvec3(m[3]); }
-
-glm::dquat rotation_of(const glm::dmat4& m) {
-  glm::dmat3 axes(m);
-  for (int i = 0; i < 3; ++i) axes[i] = glm::normalize(axes[i]);
-  return glm::normalize(glm::quat_cast(axes));
-}
 
 // The shortest turn that takes one direction to the other.
 glm::dquat arc(const glm::dvec3& from, const glm::dvec3& to) {
@@ -48,257 +42,6 @@ glm::dquat arc(const glm::dvec3& from, const glm::dvec3& to) {
   return glm::angleAxis(std::acos(cosine), glm::normalize(axis));
 }
 
-// Along the axes of the file: a figure that leans a little at rest goes on leaning.
-glm::dvec3 nearest_axis(const glm::dvec3& v) {
-  glm::dvec3 out(0.0);
-  int axis = 0;
-  for (int i = 1; i < 3; ++i)
-    if (std::abs(v[i]) > std::abs(v[axis])) axis = i;
-  out[axis] = v[axis] < 0 ? -1 : 1;
-  return out;
-}
-
-// A skeleton at rest.
-struct Rest {
-  const Skeleton& skeleton;
-  std::string where;  // for errors
-  std::vector<glm::dmat4> world;
-  std::map<Bone, int> bones;
-  glm::dquat upright{1, 0, 0, 0};  // turns it to stand along +Y and face +Z
-  double size = 0;                 // of the box around its nodes: the longest side
-
-  explicit Rest(const Character& character)
-      : skeleton(character.skeleton),
-        where(printable(character.source, 300)),
-        world(node_matrices(character, -1, 0.0)),
-        bones(find_human_bones(character.skeleton, bone_candidates(character.skeleton))) {
-    glm::dvec3 low(std::numeric_limits<double>::max());
-    glm::dvec3 high(std::numeric_limits<double>::lowest());
-    for (const glm::dmat4& m : world) {
-      low = glm::min(low, place_of(m));
-      high = glm::max(high, place_of(m));
-    }
-    const glm::dvec3 sides = high - low;
-    size = world.empty() ? 0.0 : std::max({sides.x, sides.y, sides.z});
-    upright = find_upright();
-  }
-
-  std::optional<glm::dvec3> place(BonePart part, BoneSide side = BoneSide::middle) const {
-    const auto found = bones.find({part, side, 0});
-    return found == bones.end() ? std::nullopt : std::optional(place_of(world[at(found->second)]));
-  }
-
-  // Of a bone whose node is given, in the upright frame.
-  glm::dquat rotation(int node) const { return upright * rotation_of(world[at(node)]); }
-  glm::dvec3 position(int node) const { return upright * place_of(world[at(node)]); }
-
-  bool is_human() const {
-    for (const BoneSide side : {BoneSide::left, BoneSide::right})
-      if (!place(BonePart::upper_leg, side) || !place(BonePart::lower_leg, side)) return false;
-    return place(BonePart::hips).has_value();
-  }
-
-  std::optional<double> leg_length() const {
-    const auto knee = place(BonePart::lower_leg, BoneSide::left);
-    const auto hip = place(BonePart::upper_leg, BoneSide::left);
-    const auto ankle = place(BonePart::foot, BoneSide::left);
-    if (!hip || !knee || !ankle) return std::nullopt;
-    return glm::length(*hip - *knee) + glm::length(*knee - *ankle);
-  }
-
-  // From the left leg to the right one is its width, from the knees to the hips its height.
-  glm::dquat find_upright() const {
-    if (!is_human()) return {1, 0, 0, 0};
-    const glm::dvec3 left_leg = *place(BonePart::upper_leg, BoneSide::left);
-    const glm::dvec3 right_leg = *place(BonePart::upper_leg, BoneSide::right);
-    const glm::dvec3 knees =
-        (*place(BonePart::lower_leg, BoneSide::left) + *place(BonePart::lower_leg, BoneSide::right)) / 2.0;
-    const glm::dvec3 up = nearest_axis((left_leg + right_leg) / 2.0 - knees);
-    glm::dvec3 across = left_leg - right_leg;
-    across -= glm::dot(across, up) * up;
-    if (!(glm::length(across) > 1e-9 * size)) return {1, 0, 0, 0};
-    const glm::dvec3 left = nearest_axis(across);
-    const glm::dmat3 from(left, up, glm::cross(left, up));
-    return glm::normalize(glm::quat_cast(glm::transpose(from)));
-  }
-};
-
-std::optional<int> find_node(const Skeleton& skeleton, std::string_view name) {
-  for (size_t i = 0; i < skeleton.nodes.size(); ++i)
-    if (skeleton.nodes[i].name == name) return static_cast<int>(i);
-  return std::nullopt;
-}
-
-int require_node(const Rest& rest, const std::string& name) {
-  if (const auto found = find_node(rest.skeleton, name)) return *found;
-  std::vector<std::string> names;
-  for (const Node& node : rest.skeleton.nodes) names.push_back(node.name);
-  const std::string near = nearest_name(name, names);
-  throw Error(rest.where, fmt::format("has no node named {} (`bones`)", printable(name, 60)),
-              near.empty() ? "its nodes are " + nearest_first(name, names, 12)
-                           : fmt::format("did you mean {}?", printable(near, 60)));
-}
-
-bool is_above(const Skeleton& skeleton, int above, int node) {
-  for (node = skeleton.nodes[at(node)].parent; node >= 0; node = skeleton.nodes[at(node)].parent)
-    if (node == above) return true;
-  return false;
-}
-
-// Which node of the target plays which node of the source.
-class Counterparts {
- public:
-  Counterparts(Rest& target, Rest& source, const std::vector<bool>& animated)
-      : target_(target),
-        source_(source),
-        animated_(animated),
-        of_(target.skeleton.nodes.size(), -1),
-        how_(target.skeleton.nodes.size(), How::none) {}
-
-  void find(const std::vector<std::string>& named) {
-    for (const std::string& text : named) take_named(text);
-    for (Rest* rest : {&target_, &source_}) rest->upright = rest->find_upright();
-    const bool human = target_.is_human() && source_.is_human();
-    take_equal_names(human);
-    if (human) take_bones();
-    if (count() == 0) nothing_matches();
-  }
-
-  int of(int target_node) const { return of_[at(target_node)]; }
-  size_t count() const { return of_.size() - static_cast<size_t>(std::ranges::count(of_, -1)); }
-  bool all_by_name() const {
-    return std::ranges::all_of(how_, [](How how) { return how == How::none || how == How::name; });
-  }
-
-  // The node of the target that carries the whole body.
-  int hips() const {
-    const auto found = target_.bones.find({BonePart::hips});
-    if (found != target_.bones.end() && of(found->second) >= 0) return found->second;
-    for (size_t t = 0; t < of_.size(); ++t)  // parents come first
-      if (of_[t] >= 0) return static_cast<int>(t);
-    return 0;
-  }
-
-  // What is above the hips moves with them.
-  void leave_out_above(int node) {
-    for (size_t t = 0; t < of_.size(); ++t)
-      if (is_above(target_.skeleton, static_cast<int>(t), node)) {
-        of_[t] = -1;
-        how_[t] = How::none;
-      }
-  }
-
-  std::string text() const {
-    std::string text;
-    for (const auto& [how, what] :
-         {std::pair{How::told, "as told"}, {How::name, "by name"}, {How::bone, "as bones of a human body"}})
-      if (const auto n = std::ranges::count(how_, how); n > 0)
-        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, what);
-    return text;
-  }
-
-  // Animated nodes of the source that nobody plays.
-  std::vector<std::string> left_over() const {
-    std::vector<std::string> names;
-    for (size_t s = 0; s < animated_.size(); ++s)
-      if (animated_[s] && std::ranges::find(of_, static_cast<int>(s)) == of_.end())
-        names.push_back(source_.skeleton.nodes[s].name.empty() ? fmt::format("node {}", s)
-                                                               : printable(source_.skeleton.nodes[s].name, 40));
-    return names;
-  }
-
- private:
-  enum class How : uint8_t { none, told, name, bone };
-
-  void pair(int target, int source, How how) {
-    if (of_[at(target)] >= 0 || taken_.contains(source)) return;
-    of_[at(target)] = source;
-    how_[at(target)] = how;
-    taken_.insert(source);
-  }
-
-  static std::optional<Bone> exact_bone_of(const Rest& rest, int node) {
-    for (const auto& [bone, of] : rest.bones)
-      if (of == node) return bone;
-    return std::nullopt;
-  }
-  // Spines are all alike: their numbers depend on how many there are.
-  static std::optional<Bone> bone_of(const Rest& rest, int node) {
-    std::optional<Bone> bone = exact_bone_of(rest, node);
-    if (bone && bone->part == BonePart::spine) bone->number = 0;
-    return bone;
-  }
-
-  // Programs give one name to different bones: "spine" are the hips of one skeleton and the waist of another.
-  void take_equal_names(bool human) {
-    for (size_t s = 0; s < source_.skeleton.nodes.size(); ++s) {
-      const std::string& name = source_.skeleton.nodes[s].name;
-      if (name.empty() || !animated_[s]) continue;
-      const auto t = find_node(target_.skeleton, name);
-      if (!t || (human && bone_of(target_, *t) != bone_of(source_, static_cast<int>(s)))) continue;
-      pair(*t, static_cast<int>(s), How::name);
-    }
-  }
-
-  // A told pair is the same bone in both skeletons, whichever of them has a name for it.
-  void share_bone(int target, int source) {
-    const auto mine = exact_bone_of(target_, target);
-    if (const auto theirs = exact_bone_of(source_, source))
-      target_.bones[*theirs] = target;
-    else if (mine)
-      source_.bones[*mine] = source;
-  }
-
-  void take_named(const std::string& text) {
-    const size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-      throw Error("bones", fmt::format("'{}' is not a pair of nodes", printable(text, 80)),
-                  "write the character's node, =, the other file's: \"LeftArm=upperarm_l\"");
-    const int mine = require_node(target_, text.substr(0, equals));
-    const int theirs = require_node(source_, text.substr(equals + 1));
-    pair(mine, theirs, How::told);
-    share_bone(mine, theirs);
-  }
-
-  void take_bones() {
-    int target_spines = 0;
-    int source_spines = 0;
-    for (const auto& [bone, node] : target_.bones) target_spines += bone.part == BonePart::spine ? 1 : 0;
-    for (const auto& [bone, node] : source_.bones) source_spines += bone.part == BonePart::spine ? 1 : 0;
-    for (const auto& [bone, node] : target_.bones) {
-      Bone wanted = bone;
-      // The last one, which arms and neck hang on, plays the last; those below are spread evenly.
-      if (bone.part == BonePart::spine && target_spines > 1)
-        wanted.number =
-            static_cast<int>(std::lround(static_cast<double>(bone.number) * (source_spines - 1) / (target_spines - 1)));
-      else if (bone.part == BonePart::spine)
-        wanted.number = source_spines - 1;
-      const auto found = source_.bones.find(wanted);
-      if (found == source_.bones.end()) continue;
-      const bool one_name = target_.skeleton.nodes[at(node)].name == source_.skeleton.nodes[at(found->second)].name;
-      pair(node, found->second, one_name ? How::name : How::bone);
-    }
-  }
-
-  [[noreturn]] void nothing_matches() const {
-    std::string theirs;
-    size_t listed = 0;
-    for (size_t s = 0; s < animated_.size() && listed < kListed; ++s)
-      if (animated_[s] && !source_.skeleton.nodes[s].name.empty())
-        theirs += fmt::format("{}{}", listed++ > 0 ? ", " : "", printable(source_.skeleton.nodes[s].name, 40));
-    throw Error(source_.where, fmt::format("moves no node that {} has, by name or as a human bone", target_.where),
-                fmt::format("say which is which with `bones` (\"mine=theirs\"); it moves {}",
-                            theirs.empty() ? "nodes without names" : theirs));
-  }
-
-  Rest& target_;
-  Rest& source_;
-  const std::vector<bool>& animated_;
-  std::vector<int> of_;   // by target node: the source's, -1: none
-  std::vector<How> how_;  // likewise
-  std::set<int> taken_;   // source nodes
-};
-
 bool same_rest(Node a, Node b, double size) {
   if (!take_apart(a) || !take_apart(b)) return false;
   const double cosine = std::min(std::abs(glm::dot(a.rotation, b.rotation)), 1.0);
@@ -308,7 +51,7 @@ bool same_rest(Node a, Node b, double size) {
 
 // Whether curves of the source's local transforms are right for the target as they are: the bones that are moved, and
 // what they hang on as far up as names agree, are at rest alike.
-bool same_skeleton(const Rest& target, const Rest& source, const Counterparts& pairs) {
+bool same_skeleton(const SkeletonRest& target, const SkeletonRest& source, const Counterparts& pairs) {
   if (!pairs.all_by_name()) return false;
   const double size = std::max(target.size, source.size);
   for (size_t i = 0; i < target.skeleton.nodes.size(); ++i) {
@@ -328,7 +71,7 @@ bool same_skeleton(const Rest& target, const Rest& source, const Counterparts& p
   return true;
 }
 
-void refuse_mirrored(const Rest& rest) {
+void refuse_mirrored(const SkeletonRest& rest) {
   for (const Node& node : rest.skeleton.nodes)
     if (node.has_matrix ? glm::determinant(glm::dmat3(node.matrix)) <= 0
                         : !(node.scale.x > 0 && node.scale.y > 0 && node.scale.z > 0))
@@ -359,7 +102,8 @@ std::vector<double> key_times(const Clip& clip) {
 
 class Retargeter {
  public:
-  Retargeter(const Character& source, const Rest& source_rest, const Rest& target_rest, const Counterparts& pairs)
+  Retargeter(const Character& source, const SkeletonRest& source_rest, const SkeletonRest& target_rest,
+             const Counterparts& pairs)
       : source_(source), from_(source_rest), to_(target_rest), pairs_(pairs), hips_(pairs.hips()) {
     find_bones_above();
     align();
@@ -405,7 +149,7 @@ class Retargeter {
   }
 
  private:
-  static double height_of_hips(const Rest& rest, int hips) {
+  static double height_of_hips(const SkeletonRest& rest, int hips) {
     double lowest = std::numeric_limits<double>::max();
     for (size_t i = 0; i < rest.world.size(); ++i) lowest = std::min(lowest, rest.position(static_cast<int>(i)).y);
     return rest.position(hips).y - lowest;
@@ -426,7 +170,7 @@ class Retargeter {
 
   bool is_placed(int node) const { return node == hips_ || hangs_on_.contains(node); }
 
-  std::optional<glm::dvec3> direction(const Rest& rest, const Bone& bone, const Bone& next) const {
+  std::optional<glm::dvec3> direction(const SkeletonRest& rest, const Bone& bone, const Bone& next) const {
     const auto a = rest.bones.find(bone);
     const auto b = rest.bones.find(next);
     if (a == rest.bones.end() || b == rest.bones.end()) return std::nullopt;
@@ -543,8 +287,8 @@ class Retargeter {
   }
 
   const Character& source_;
-  const Rest& from_;
-  const Rest& to_;
+  const SkeletonRest& from_;
+  const SkeletonRest& to_;
   const Counterparts& pairs_;
   int hips_;
   double ratio_ = 1;
@@ -572,10 +316,10 @@ void name_apart(const Character& target, const Character& source, Clip& clip) {
   for (int n = 2; taken(clip.name); ++n) clip.name = fmt::format("{} {}", stem, n);
 }
 
-void warn_of_left_over(const Rest& source, const Counterparts& pairs, Character& target) {
+void warn_of_left_over(const SkeletonRest& source, const Counterparts& pairs, Character& target) {
   const std::vector<std::string> names = pairs.left_over();
   if (names.empty()) return;
-  const size_t listed = std::min(names.size(), kListed);
+  const size_t listed = std::min(names.size(), kNodesListed);
   target.warnings.push_back(fmt::format(
       "{}: {} nodes play its clips ({}); {} that it moves have no counterpart here: {}{}", source.where, pairs.count(),
       pairs.text(), names.size(), fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(listed), ", "),
@@ -585,7 +329,7 @@ void warn_of_left_over(const Rest& source, const Counterparts& pairs, Character&
 }  // namespace
 
 void add_clips_of(const Character& source, Character& target, const RetargetOptions& options) {
-  Rest from(source);
+  SkeletonRest from(source);
   if (source.clips.empty()) throw Error(from.where, "has no clip to play", "name a file that holds animations");
   if (source.clips.size() + target.clips.size() > options.clips)
     throw Error(from.where,
@@ -596,7 +340,7 @@ void add_clips_of(const Character& source, Character& target, const RetargetOpti
   for (const Clip& clip : source.clips)
     for (const Channel& channel : clip.channels) animated[at(channel.node)] = true;
 
-  Rest to(target);
+  SkeletonRest to(target);
   Counterparts pairs(to, from, animated);
   pairs.find(options.bones);
   const bool same = same_skeleton(to, from, pairs);
