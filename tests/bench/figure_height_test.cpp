@@ -2,6 +2,7 @@
 // stands.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -10,6 +11,7 @@
 #include "bench/experiments/quality.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/open_character.h"
+#include "test_paths.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -39,7 +41,7 @@ class FigureHeight : public ::testing::TestWithParam<Standing> {};
 TEST_P(FigureHeight, IsTheRowsOfItsPicture) {
   const std::string name = GetParam().file;
   const bool shared = name.find('.') != std::string::npos;
-  const std::filesystem::path path = std::filesystem::path("../shared/characters") / name;
+  const std::filesystem::path path = std::filesystem::path(CROWDBENCH_SHARED_DIR) / "characters" / name;
   if (shared && !std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
   scene::CharacterEntry entry;
   entry.source = shared ? path.string() : name;
@@ -71,7 +73,13 @@ INSTANTIATE_TEST_SUITE_P(
                       Standing{"Mannequiny.glb", "idle"}, Standing{"greenman.glb", "1_idle"},
                       Standing{"greenman.glb", "2_move"}, Standing{"Fox.glb", "Survey"}, Standing{"Fox.glb", "Walk"},
                       Standing{"CyberpunkCharacter.glb", "CharacterArmature|Walk"},
-                      Standing{"CyberpunkCharacter.glb", "CharacterArmature|Idle_Neutral"}));
+                      Standing{"CyberpunkCharacter.glb", "CharacterArmature|Idle_Neutral"}),
+    [](const auto& test) {
+      std::string name = std::string(test.param.file) + "_" + test.param.clip;
+      for (char& c : name)
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+      return name;
+    });
 
 }  // namespace
 }  // namespace crowdbench::bench
