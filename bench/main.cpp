@@ -1,10 +1,12 @@
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <limits>
 #include <new>
 
 #include "bench/commands/command_line.h"
@@ -55,9 +57,18 @@ int run_command(int argc, char** argv) {
   return 2;
 }
 
+// A software rasteriser takes and gives back hundreds of megabytes a frame. Whether malloc hands that to the system
+// each time depends on what was allocated before: with relief's bake loaded first, frames of the mesh took 3.5 times as
+// long (pages that are mapped anew are cleared). Measured beside each other, all keep what they have.
+void keep_freed_memory() {
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();
   set_command_line(argc, argv);
   install_interrupt_handler();
   return flushed(run_command(argc, argv));
