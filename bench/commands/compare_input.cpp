@@ -8,20 +8,12 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
+#include "bench/commands/scene_options.h"
 #include "core/error.h"
 #include "metrics/difference.h"
 
 namespace crowdbench::bench {
 namespace {
-
-std::array<uint8_t, 3> parse_colour(const std::string& text) {
-  const bool shape =
-      text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == text.npos;
-  if (!shape) throw Error("--over", fmt::format("'{}' is not a colour", printable(text)), "write it as '#rrggbb'");
-  std::array<uint8_t, 3> colour{};
-  for (size_t c = 0; c < 3; ++c) colour[c] = static_cast<uint8_t>(std::stoi(text.substr(1 + 2 * c, 2), nullptr, 16));
-  return colour;
-}
 
 metrics::MapColours parse_colours(const std::string& text) {
   const std::pair<const char*, metrics::MapColours> known[] = {{"own", metrics::MapColours::own},
@@ -140,7 +132,10 @@ CompareSetup compare_setup(const CompareOptions& options, metrics::ScoreTable ta
   if (options.scores != "all")
     for (const metrics::Score* score : setup.table) setup.also |= score->needs;
   setup.bounds = parse_bounds(options.fail_above, options.fail_below, setup.table);
-  if (!options.over.empty()) setup.over = parse_colour(options.over);
+  if (!options.over.empty()) {
+    const glm::u8vec3 over = parse_colour(options.over, "--over");
+    setup.over = {over.r, over.g, over.b};
+  }
   setup.colours = parse_colours(options.colours);
   setup.padding = parse_padding(options.padding);
   setup.display_given = !options.display.empty();

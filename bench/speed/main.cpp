@@ -10,11 +10,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "bench/speed/cpu_time.h"
 #include "core/colour.h"
 #include "core/error.h"
 #include "core/image_io.h"
@@ -29,14 +29,9 @@
 namespace {
 
 using namespace crowdbench;
+using bench::cpu_seconds;
 
 constexpr int kRounds = 5;
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // Waves of all sizes with noise; the test is a little brighter, its noise another.
 Image8 made_picture(uint64_t seed, int brighter) {

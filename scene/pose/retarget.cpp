@@ -27,8 +27,6 @@ constexpr double kKeyInterval = 1.0 / 60;  // seconds: the largest between two k
 
 size_t at(int node) { return static_cast<size_t>(node); }
 
-glm::dvec3 place_of(const glm::dmat4& m) { return glm::dvec3(m[3]); }
-
 // The shortest turn that takes one direction to the other.
 glm::dquat arc(const glm::dvec3& from, const glm::dvec3& to) {
   const double lengths = glm::length(from) * glm::length(to);

@@ -12,8 +12,6 @@ namespace {
 
 size_t at(int node) { return static_cast<size_t>(node); }
 
-glm::dvec3 place_of(const glm::dmat4& m) { return glm::dvec3(m[3]); }
-
 // Along the axes of the file: a figure that leans a little at rest goes on leaning.
 glm::dvec3 nearest_axis(const glm::dvec3& v) {
   glm::dvec3 out(0.0);

@@ -34,6 +34,7 @@ struct SkeletonRest {
   glm::dquat find_upright() const;
 };
 
+inline glm::dvec3 place_of(const glm::dmat4& transform) { return glm::dvec3(transform[3]); }
 // The rotation of a transform without shear or mirroring.
 glm::dquat rotation_of(const glm::dmat4& transform);
 // Whether one node is an ancestor of the other.

@@ -37,19 +37,9 @@ void expect_score(const json& expected, std::optional<double> value, double tole
 // Returns how many pairs were checked.
 int check_pairs(const fs::path& folder) {
   const json all = expected_of(folder);
-  const std::map<std::string, std::array<uint8_t, 3>> colours = {
-      {"black", {0, 0, 0}}, {"white", {255, 255, 255}}, {"gray50", {128, 128, 128}}};
   int checked = 0;
   for (const auto& [name, pair] : all["pairs"].items()) {
-    const size_t at = name.find("@over_");
-    const json& files = at == std::string::npos ? pair : all["pairs"][name.substr(0, at)];
-    Image8 reference = picture(folder / files["ref"].get<std::string>());
-    Image8 test = picture(folder / files["test"].get<std::string>());
-    if (at != std::string::npos) {
-      const auto& colour = colours.at(name.substr(at + 6));
-      reference = over(reference, colour);
-      test = over(test, colour);
-    }
+    const auto [reference, test] = pictures_of(folder, all, name);
     const json& contract = pair["contract"];
     // The stored numbers have nine decimals.
     const auto d = difference(reference, test);

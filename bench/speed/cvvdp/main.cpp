@@ -10,10 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <vector>
 
+#include "bench/speed/cpu_time.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "metrics/cvvdp/cvvdp.h"
@@ -21,24 +21,15 @@
 namespace {
 
 using namespace crowdbench;
+using bench::cpu_seconds;
+using bench::median;
 
 constexpr double kFps = 30;
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 double peak_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.at(values.size() / 2);
 }
 
 // Waves with noise.

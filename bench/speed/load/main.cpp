@@ -12,11 +12,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "bench/speed/cpu_time.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/random.h"
@@ -26,16 +26,12 @@
 namespace {
 
 using namespace crowdbench;
+using bench::cpu_seconds;
+using bench::median;
 
 constexpr int kRounds = 7;
 constexpr int kSide = 4096;
 constexpr size_t kTriangles = 100'000;
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // A picture that compresses as painted ones do: flat areas, slow changes and some grain.
 Image8 painted(uint64_t seed) {
@@ -85,11 +81,6 @@ std::vector<uint8_t> made_file() {
   std::vector<uint8_t> bytes = read_file(path);
   std::filesystem::remove(path);
   return bytes;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 double parse_seconds(const std::vector<uint8_t>& bytes) {

@@ -115,7 +115,7 @@ ${property('DiffuseColor', 'Color', 0.8, 0.8, 0.8)}}\n}
 Material: 31, "Material::felt", "" {\nVersion: 102\nShadingModel: "lambert"\nProperties70:  {
 ${property('DiffuseColor', 'Color', 0.5, 0.25, 0.125)}}\n}
 Texture: 40, "Texture::cloth", "" {\nType: "TextureVideoClip"\nVersion: 202\nTextureName: "Texture::cloth"
-FileName: "C:\\work\\art\\walker.png"\nRelativeFilename: "..\\art\\walker.png"\n}
+FileName: "C:\\art\\walker.png"\nRelativeFilename: "..\\art\\walker.png"\n}
 Deformer: 50, "Deformer::skin", "Skin" {\nVersion: 101\nLink_DeformAcuracy: 50\n}
 ` + cluster(51, 'hips', identity, identity) + cluster(52, 'chest', chest, chestInverse) + takes.map((t) => t.objects).join('') + `}
 Connections:  {
@@ -161,7 +161,7 @@ function dae() {
   return `<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
-<library_images><image id="walker-png"><init_from>file:///C:/work/art/walker.png</init_from></image></library_images>
+<library_images><image id="walker-png"><init_from>file:///C:/art/walker.png</init_from></image></library_images>
 <library_effects>
 ${daeMaterial('cloth', '<texture texture="cloth-sampler" texcoord="UVMap"/>',
     '<newparam sid="cloth-surface"><surface type="2D"><init_from>walker-png</init_from></surface></newparam>' +
