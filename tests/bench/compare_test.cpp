@@ -117,7 +117,8 @@ TEST(Compare, AlphaIsIgnoredWithAWarningOrComposited) {
   EXPECT_TRUE(grey["warnings"].empty());
   EXPECT_NEAR(grey["scores"]["psnr"].get<double>(), all["p09_alpha@over_gray50"]["contract"]["psnr"].get<double>(),
               1e-6);
-  EXPECT_EQ(error_of(reference, test, {"--over", "red"}), "--over: 'red' is not a colour; write '#rrggbb' in hexadecimal");
+  EXPECT_EQ(error_of(reference, test, {"--over", "red"}),
+            "--over: 'red' is not a colour; write '#rrggbb' in hexadecimal");
   EXPECT_NE(error_of(reference, test, {"--over", "#12345g"}), "");
 }
 
