@@ -206,7 +206,8 @@ TEST(AddedScoreGl, IsInDistance) {
               contains(read_text(folder / "agents.csv"), ",first_red,"));
   std::vector<std::string> with_json = arguments;
   with_json.emplace_back("--json");
-  for (const json& row : json::parse(output_of(add_distance, with_json)).at("rows"))
+  const json document = json::parse(output_of(add_distance, with_json));
+  for (const json& row : document.at("rows"))
     if (row.at("state") == "counted") {
       EXPECT_EQ(row.at("scores").at("mesh").at("first_red"), row.at("visible_px")) << "by agent: its pixels";
     }
