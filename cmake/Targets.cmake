@@ -27,31 +27,78 @@ endif()
 target_compile_definitions(crowdbench_flags INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_CTOR_INIT)
 target_include_directories(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR})
 
+# LIGHT and ALONE are regular expressions over paths below the folder. LIGHT: sources that parse, print or talk to a driver;
+# where nothing is computed, light optimisation halves the time to compile. ALONE: sources that are compiled by themselves,
+# because they are long, or have properties of their own.
+#
+# The rest is compiled up to three neighbours in a folder at a time (CROWDBENCH_UNITY): what they parse and instantiate alike
+# they do once. Every source compiles by itself as well; the fuzzing build does so.
 function(crowdbench_library name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  list(FILTER sources EXCLUDE REGEX "/module/|/main\\.cpp$")
-  if(NOT sources)
-    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp "")
-    set(sources ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
-  endif()
-  add_library(crowdbench_${name} STATIC ${sources})
+  cmake_parse_arguments(ARG "" "LIGHT;ALONE" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "(^|/)module/|(^|/)main\\.cpp$")
+  list(SORT sources)
+  crowdbench_compile_together(compiled "${ARG_LIGHT}" "${ARG_ALONE}" ${sources})
+  add_library(crowdbench_${name} STATIC ${compiled})
   add_library(crowdbench::${name} ALIAS crowdbench_${name})
   target_link_libraries(crowdbench_${name} PUBLIC crowdbench_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE_DEPENDS})
   crowdbench_precompile(crowdbench_${name} plain)
 endfunction()
 
-# crowdbench_light_optimisation(FILES ...): sources of the calling folder that parse, print or talk to a driver. Where nothing
-# is computed, light optimisation halves the time to compile.
-function(crowdbench_light_optimisation)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
+# crowdbench_compile_together(OUT LIGHT ALONE SOURCES...): OUT is what to compile for the SOURCES, paths below the calling
+# folder; some are files in the build tree that include up to three of them.
+function(crowdbench_compile_together out light alone)
+  set(groups)
+  foreach(source IN LISTS ARGN)
+    cmake_path(GET source PARENT_PATH group)
+    if(light AND source MATCHES "${light}")
+      string(APPEND group "_light")
+    endif()
+    if(NOT CROWDBENCH_UNITY OR (alone AND source MATCHES "${alone}"))
+      string(PREPEND group "${source} ")
+    endif()
+    list(APPEND groups "sources_${group}")
+    list(APPEND "sources_${group}" ${source})
+  endforeach()
+  list(REMOVE_DUPLICATES groups)
+  set(compiled)
+  foreach(group IN LISTS groups)
+    list(LENGTH "${group}" count)
+    math(EXPR last "${count} - 1")
+    foreach(from RANGE 0 ${last} 3)
+      list(SUBLIST "${group}" ${from} 3 members)
+      crowdbench_one_to_compile(file "${group}_${from}" ${members})
+      if(group MATCHES "_light$")
+        set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
+      endif()
+      list(APPEND compiled ${file})
+    endforeach()
+  endforeach()
+  set(${out} ${compiled} PARENT_SCOPE)
+endfunction()
+
+# crowdbench_one_to_compile(OUT NAME SOURCES...): OUT is the one source, or a file in the build tree that includes them.
+function(crowdbench_one_to_compile out name)
+  set(file ${ARGN})
+  list(LENGTH ARGN count)
+  if(count GREATER 1)
+    string(MAKE_C_IDENTIFIER "${name}" name)
+    list(TRANSFORM ARGN REPLACE "(.+)" "#include \"${CMAKE_CURRENT_SOURCE_DIR}/\\1\"\n" OUTPUT_VARIABLE includes)
+    string(JOIN "" content ${includes})
+    set(file ${CMAKE_CURRENT_BINARY_DIR}/together/${name}.cpp)
+    file(CONFIGURE OUTPUT ${file} CONTENT "${content}" @ONLY)
+    # A type with members of an unnamed namespace is the rule in a source, and GCC takes only the outermost file for one.
+    set_property(SOURCE ${file} PROPERTY COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+  set(${out} ${file} PARENT_SCOPE)
 endfunction()
 
 # crowdbench_module(name SOURCES ... DEPENDS ...): a shared object with a C entry point, loaded by core/module.h at first
 # use, so that heavy libraries cost nothing at start-up and may be absent from a bundle.
 function(crowdbench_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
-  add_library(crowdbench_${name} MODULE ${ARG_SOURCES})
+  crowdbench_compile_together(compiled "" "" ${ARG_SOURCES})
+  add_library(crowdbench_${name} MODULE ${compiled})
   set_target_properties(crowdbench_${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden)
   target_link_libraries(crowdbench_${name} PRIVATE crowdbench_flags ${ARG_DEPENDS})
 endfunction()

@@ -14,8 +14,6 @@
 namespace crowdbench::renderers {
 namespace {
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
-
 glm::dvec2 normalised(const glm::dvec2& v) {
   const double length = glm::length(v);
   return length > 1e-12 ? v / length : glm::dvec2(0.0);

@@ -35,6 +35,9 @@ double facing_area(const PartMask& mask);
 // an empty mask; four points for a single sample.
 Polyline trace_contour(PartMask mask);
 
+// Twice the signed area of the triangle (0, a, b): positive where b is counter-clockwise of a.
+inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
 // Signed area, positive when counter-clockwise.
 double signed_area(const Polyline& polygon);
 double perimeter(const Polyline& polygon);

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 double square(double v) { return v * v; }
 
 // The angle from one direction to another, in (-pi, pi].

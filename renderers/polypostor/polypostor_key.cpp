@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "renderers/polypostor/polypostor_contour.h"
+
 namespace crowdbench::renderers {
 namespace {
-
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 // q -> matrix * q + shift.
 struct Affine {

@@ -46,7 +46,7 @@ const assimp_module::Api& api() {
 
 // --- in the child ---
 
-struct Child {
+struct InChild {
   int fd;
   fs::path folder;  // real, empty: no pictures
   std::string stem;
@@ -64,7 +64,7 @@ void write_all(int fd, const void* data, size_t size) {
 }
 
 void write_part(void* context, Part part, const char* data, size_t size) {
-  const int fd = static_cast<const Child*>(context)->fd;
+  const int fd = static_cast<const InChild*>(context)->fd;
   const std::array<uint64_t, 2> head = {static_cast<uint64_t>(part), size};
   write_all(fd, head.data(), sizeof head);
   write_all(fd, data, size);
@@ -107,7 +107,7 @@ std::vector<fs::path> places_of(std::string path, const std::string& stem) {
 }
 
 Picture find_picture(void* context, const char* path, char* uri) {
-  const auto& child = *static_cast<const Child*>(context);
+  const auto& child = *static_cast<const InChild*>(context);
   if (child.folder.empty()) return Picture::missing;
   for (const fs::path& place : places_of(path, child.stem)) {
     if (place.empty() || place.is_absolute()) continue;
@@ -173,7 +173,7 @@ Converted convert(const std::vector<uint8_t>& bytes, AssimpFormat format, const 
                   const fs::path& folder, const GltfLimits& limits) {
   const assimp_module::Api& module = api();
   std::error_code ignored;
-  Child child{-1, folder.empty() ? fs::path() : fs::canonical(folder, ignored), fs::path(where).stem().string()};
+  InChild child{-1, folder.empty() ? fs::path() : fs::canonical(folder, ignored), fs::path(where).stem().string()};
   const auto work = [&](int fd) {
     child.fd = fd;
     const assimp_module::Request request = {bytes.data(),      bytes.size(), static_cast<assimp_module::Format>(format),
