@@ -50,7 +50,7 @@ TEST(FlipFilters, AreThoseOfTheDefinition) {
 }
 
 // Returns how many figures were checked: pairs times pixels per degree.
-int check_pairs(const fs::path& folder) {
+int check_flip_pairs(const fs::path& folder) {
   const json all = expected_of(folder);
   int checked = 0;
   for (const auto& [name, pair] : all["pairs"].items()) {
@@ -65,15 +65,15 @@ int check_pairs(const fs::path& folder) {
   return checked;
 }
 
-TEST(FlipGroundTruth, TheBundledPairs) { EXPECT_EQ(check_pairs(kOwn), 3 * 14); }
+TEST(FlipGroundTruth, TheBundledPairs) { EXPECT_EQ(check_flip_pairs(kOwn), 3 * 14); }
 
 TEST(FlipGroundTruth, TheWholeSharedSet) {
   if (!fs::exists(kShared)) GTEST_SKIP() << "needs the shared ground-truth folder (a01_tree and others)";
-  EXPECT_EQ(check_pairs(kShared), 3 * 22);
+  EXPECT_EQ(check_flip_pairs(kShared), 3 * 22);
 }
 
 // Returns how many maps were checked.
-int check_maps(const fs::path& folder) {
+int check_flip_maps(const fs::path& folder) {
   const json all = expected_of(folder);
   int checked = 0;
   for (const auto& [name, files] : all["maps"].items()) {
@@ -114,9 +114,9 @@ int check_maps(const fs::path& folder) {
 }
 
 TEST(FlipGroundTruth, MapsAsTheToolPaintsThem) {
-  EXPECT_EQ(check_maps(kOwn), 1);
+  EXPECT_EQ(check_flip_maps(kOwn), 1);
   if (fs::exists(kShared)) {
-    EXPECT_EQ(check_maps(kShared), 3);
+    EXPECT_EQ(check_flip_maps(kShared), 3);
   }
 }
 
