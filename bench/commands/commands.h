@@ -14,6 +14,7 @@ using Run = std::function<int()>;
 using AddCommand = void (*)(Command& app, Run& run);
 
 void add_bake(Command& app, Run& run);
+void add_cache(Command& app, Run& run);
 void add_bench(Command& app, Run& run);
 void add_compare(Command& app, Run& run);
 void add_demo(Command& app, Run& run);

@@ -7,7 +7,9 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "core/hash.h"
+#include "renderers/bake/cache_entries.h"
 
 namespace crowdbench::renderers {
 namespace fs = std::filesystem;
@@ -69,15 +71,31 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
     const Header expected = make_header(kind, key, payload);
     sound = !stream.fail() && std::memcmp(&header, &expected, sizeof header) == 0;
   }
-  if (sound) return payload;
+  if (sound) {
+    mark_used(file);
+    return payload;
+  }
   if (!other_version) warn(fmt::format("{}: the stored bake is damaged; it is made anew", file.string()));
   fs::remove(file, error);
   return std::nullopt;
 }
 
+void BakeCache::make_room(const fs::path& newest, uint64_t limit) const {
+  trim_cache(folder_, limit, newest);
+  std::error_code error;
+  static std::atomic<bool> said = false;
+  const uintmax_t bytes = fs::file_size(newest, error);
+  if (!error && bytes > limit && !said.exchange(true))
+    warn(
+        fmt::format("{}: this bake alone takes {} MiB of the {} that the cache may hold; it stays until the next is "
+                    "stored (CROWDBENCH_CACHE_LIMIT_MIB raises the limit)",
+                    newest.string(), bytes >> 20, limit >> 20));
+}
+
 uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span<const uint8_t> payload) const {
   if (!enabled_) return 0;
   try {
+    const uint64_t limit = cache_limit_bytes();
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error)
@@ -95,6 +113,7 @@ uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span
                     "free some space, or set CROWDBENCH_CACHE_DIR to a place that can be written");
     }
     pending.commit();
+    make_room(path(kind, key), limit);
     return payload.size() + sizeof(Header);
   } catch (const Error& fault) {
     static std::atomic<bool> said = false;

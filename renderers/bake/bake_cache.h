@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/files.h"
+#include "renderers/bake/cache_entries.h"
 
 namespace crowdbench::renderers {
 
@@ -87,10 +87,11 @@ class ByteReader {
 // One folder of entries, "<kind>-<key>.bake". An entry holds its kind, its key and a checksum over everything; one that
 // does not agree with them (flipped bits, cut short) is reported on stderr, removed and counts as absent; one that
 // another version wrote is removed and counts as absent without a word. Nothing here ever fails a run: a folder that
-// cannot be written is one warning a process.
+// cannot be written is one warning a process. What makes the folder larger than cache_limit_bytes() (cache_entries.h)
+// pushes out what was unused for longest.
 class BakeCache {
  public:
-  explicit BakeCache(std::filesystem::path folder = cache_directory() / "bakes", bool enabled = true);
+  explicit BakeCache(std::filesystem::path folder = bake_folder(), bool enabled = true);
 
   // The payload stored under (kind, key), if there is a sound one. kind: letters, digits and '-'. key: hexadecimal.
   std::optional<std::vector<uint8_t>> load(std::string_view kind, std::string_view key) const;
@@ -102,6 +103,8 @@ class BakeCache {
   bool enabled() const { return enabled_; }
 
  private:
+  void make_room(const std::filesystem::path& newest, uint64_t limit) const;
+
   std::filesystem::path folder_;
   bool enabled_;
 };

@@ -31,10 +31,7 @@ uint64_t disk_bytes_of(std::span<const BakeRecord> records) {
 }
 
 BakeLoader::BakeLoader(const MakeContext& make, BakeMessages messages)
-    : make_(make),
-      messages_(std::move(messages)),
-      cache_(cache_directory() / "bakes", make.use_cache),
-      left_(make.bake_budget) {}
+    : make_(make), messages_(std::move(messages)), cache_(bake_folder(), make.use_cache), left_(make.bake_budget) {}
 
 void BakeLoader::warn(const std::string& text) const {
   static std::mutex mutex;

@@ -202,7 +202,7 @@ class Relief final : public Representation {
  private:
   void add(const scene::Character& character, const scene::PoseBank& bank, const MakeContext& make,
            size_t characters_left, uint64_t& left) {
-    const BakeCache cache(cache_directory() / "bakes", make.use_cache);
+    const BakeCache cache(bake_folder(), make.use_cache);
     const ReliefAllowance allowance{std::bit_floor(left / std::max<size_t>(characters_left, 1)), left};
     const std::string key = relief_key(character, bank, options_.bake, allowance);
     std::optional<ReliefTiers> bake;

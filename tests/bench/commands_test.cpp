@@ -36,9 +36,10 @@ class CommandsGl : public ::testing::Test {
     fs::create_directories(work_);
   }
   // Runs in a folder of the test's own, where all share one cache of bakes.
-  Outcome run(const std::string& arguments, bool with_stderr = true) const {
-    return support::run_driver("cd '" + work_.string() + "' && " + display_ + " CROWDBENCH_CACHE_DIR=../cache",
-                               arguments, with_stderr);
+  Outcome run(const std::string& arguments, bool with_stderr = true, const std::string& variables = "") const {
+    return support::run_driver(
+        "cd '" + work_.string() + "' && " + display_ + " CROWDBENCH_CACHE_DIR=../cache " + variables, arguments,
+        with_stderr);
   }
   // What it prints as JSON; it must succeed.
   json facts(const std::string& arguments) const {
@@ -105,6 +106,22 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const Outcome defaults = run("schema --defaults", false);
          ASSERT_EQ(defaults.status, 0);
          write_file(work_ / "defaults.toml", defaults.text);
+       }},
+      {"cache",
+       [&] {
+         // In a folder of its own: what the others bake is theirs.
+         const std::string own = "CROWDBENCH_CACHE_DIR=own ";
+         EXPECT_EQ(run("bake" + character + " --representation " + impostor, false, own).status, 0);
+         const json j = json::parse(run("cache list --json", false, own).text);
+         ASSERT_EQ(j.at("entries").size(), 1U);
+         EXPECT_EQ(j.at("entries")[0].at("kind"), "flat");
+         EXPECT_EQ(j.at("bytes"), j.at("entries")[0].at("bytes"));
+         EXPECT_EQ(j.at("limit_bytes"), 4ULL << 30);
+         EXPECT_NE(run("cache clear", false, own).text.find("1 bake removed"), std::string::npos);
+         EXPECT_NE(run("cache list", false, own).text.find("0 bakes"), std::string::npos);
+         const Outcome wrong = run("cache empty");
+         EXPECT_EQ(wrong.status, 2);
+         EXPECT_NE(wrong.text.find("'empty' is not something to do with the cache"), std::string::npos);
        }},
       {"render",
        [&] {

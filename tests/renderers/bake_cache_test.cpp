@@ -4,9 +4,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <fstream>
 
+#include "core/error.h"
 #include "core/files.h"
+#include "renderers/bake/cache_entries.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::renderers {
@@ -122,6 +126,76 @@ TEST(ByteReader, ReadingPastTheEndIsSeen) {
   huge.value<int>();
   EXPECT_TRUE(huge.values<double>().empty()) << "2 doubles do not fit where 2 floats lie";
   EXPECT_FALSE(huge.ok());
+}
+
+class BakeCacheLimit : public BakeCacheTest {
+ protected:
+  void SetUp() override { ::unsetenv(kVariable); }
+  void TearDown() override {
+    ::unsetenv(kVariable);
+    BakeCacheTest::TearDown();
+  }
+  // Stores an entry of about `mib` MiB that was last used so many hours ago.
+  void store(const std::string& key, size_t mib, int hours_ago) const {
+    const BakeCache cache(folder_);
+    ASSERT_GT(cache.store("flat", key, std::vector<uint8_t>(mib << 20)), 0U);
+    fs::last_write_time(cache.path("flat", key), fs::file_time_type::clock::now() - std::chrono::hours(hours_ago));
+  }
+  std::vector<std::string> keys() const {
+    std::vector<std::string> keys;
+    for (const CacheEntry& entry : cache_entries(folder_)) keys.push_back(entry.key);
+    return keys;
+  }
+  static constexpr const char* kVariable = "CROWDBENCH_CACHE_LIMIT_MIB";
+};
+
+TEST_F(BakeCacheLimit, WhatWasUnusedForLongestGoesFirst) {
+  store("aa", 1, 3);
+  store("bb", 1, 9);
+  store("cc", 1, 6);
+  EXPECT_EQ(keys(), (std::vector<std::string>{"bb", "cc", "aa"}));
+  EXPECT_TRUE(BakeCache(folder_).load("flat", "bb")) << "used now";
+  EXPECT_EQ(keys(), (std::vector<std::string>{"cc", "aa", "bb"}));
+  ::setenv(kVariable, "3", 1);
+  store("dd", 1, 0);  // and the headers: four entries of a little over 1 MiB, of which two fit
+  EXPECT_EQ(keys(), (std::vector<std::string>{"bb", "dd"}));
+}
+
+TEST_F(BakeCacheLimit, TheNewestStaysWhateverItTakes) {
+  store("aa", 1, 1);
+  ::setenv(kVariable, "1", 1);
+  testing::internal::CaptureStderr();
+  store("bb", 2, 0);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("this bake alone takes 2 MiB of the 1"), std::string::npos);
+  EXPECT_EQ(keys(), (std::vector<std::string>{"bb"}));
+  store("cc", 1, 0);
+  EXPECT_EQ(keys(), (std::vector<std::string>{"cc"}));
+}
+
+TEST_F(BakeCacheLimit, OtherFilesAreNotTouched) {
+  store("aa", 1, 1);
+  for (const char* name : {"notes.txt", "flat-xyz.bake", "bake", ".flat-aa.77.part.bake"})
+    overwrite(folder_ / name, {1});
+  overwrite(folder_ / ".flat-aa.78.part.bake", {1});
+  fs::last_write_time(folder_ / ".flat-aa.78.part.bake", fs::file_time_type::clock::now() - std::chrono::hours(25));
+  EXPECT_EQ(clear_cache(folder_).count, 1U);
+  size_t left = 0;
+  for (const auto& file : fs::directory_iterator(folder_)) left += file.path().filename() != ".flat-aa.78.part.bake";
+  EXPECT_EQ(left, 4U);
+  EXPECT_FALSE(fs::exists(folder_ / ".flat-aa.78.part.bake")) << "nobody will finish it";
+  EXPECT_EQ(clear_cache(folder_ / "absent").count, 0U);
+}
+
+TEST_F(BakeCacheLimit, IsReadFromTheEnvironment) {
+  EXPECT_EQ(cache_limit_bytes(), 4ULL << 30);
+  ::setenv(kVariable, "10", 1);
+  EXPECT_EQ(cache_limit_bytes(), 10ULL << 20);
+  ::setenv(kVariable, "0", 1);
+  EXPECT_EQ(cache_limit_bytes(), UINT64_MAX);
+  for (const char* wrong : {"-1", "4GiB", "1e3", "99999999999999999999", " 5", "1073741825"}) {
+    ::setenv(kVariable, wrong, 1);
+    EXPECT_THROW(cache_limit_bytes(), Error) << wrong;
+  }
 }
 
 }  // namespace
