@@ -123,6 +123,10 @@ struct Pass {
   // Only pixels whose threshold lies in the range last given to FrameResources::set_dither are drawn (shaders define
   // CB_DITHER): the two sides of a cross-fade.
   bool dithered = false;
+  // Samples a pixel of the bound target (multisampling); above 1 only without ids, touched and texels. Edges of
+  // triangles are covered by sample as the hardware does. What discards fragments draws by sample (gl/per_sample.h), so
+  // that its outlines are as smooth; a cut-out material of a mesh turns its alpha into coverage.
+  int samples = 1;
   auto operator<=>(const Pass&) const = default;
 };
 

@@ -18,6 +18,7 @@
 #include "renderers/flat/flat_bake.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/gl/objects.h"
+#include "renderers/gl/per_sample.h"
 #include "renderers/gl/program.h"
 #include "renderers/impostor/tiles/level_order.h"
 #include "renderers/impostor/tiles/tile_textures.h"
@@ -257,6 +258,7 @@ class FlatRepresentation : public Representation {
 
   void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
             const Pass& pass) override {
+    const gl::PerSampleScope by_sample(pass.samples);
     for (const unsigned unit : kFiltered) filtered_.bind(unit);
     for (const unsigned unit : kNearest) nearest_.bind(unit);
     for (size_t c = 0; c < characters_.size(); ++c) {

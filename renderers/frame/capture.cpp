@@ -41,14 +41,25 @@ struct Target::State {
   Pass pass;
   gl::Texture colour, ids, depth;
   gl::Framebuffer framebuffer;
+  gl::Texture samples;  // with several samples a pixel: what is drawn into, before `colour`
+  gl::Framebuffer sampled;
   // Of the last draw: eye-space depth = b / (stored depth + a).
   mutable float depth_a = 0, depth_b = 0;
 };
 
 Target::Target(gl::Context& context, int width, int height, Pass pass)
-    : state_(std::make_unique<State>(State{context, pass, {}, {}, {}, {}})) {
+    : state_(std::make_unique<State>(State{context, pass, {}, {}, {}, {}, {}, {}})) {
   State& s = *state_;
-  s.colour = gl::Texture::make_2d(context, pass.linear ? GL_RGBA32F : GL_SRGB8_ALPHA8, width, height);
+  const GLenum format = pass.linear ? GL_RGBA32F : GL_SRGB8_ALPHA8;
+  s.colour = gl::Texture::make_2d(context, format, width, height);
+  if (pass.samples > 1) {
+    assert(!pass.ids && !pass.touched && !pass.texels);
+    s.samples = gl::Texture::make_multisampled(context, format, width, height, pass.samples);
+    s.depth = gl::Texture::make_multisampled(context, GL_DEPTH_COMPONENT32F, width, height, pass.samples);
+    s.sampled = gl::Framebuffer(context, std::vector<const gl::Texture*>{&s.samples}, &s.depth);
+    s.framebuffer = gl::Framebuffer(context, std::vector<const gl::Texture*>{&s.colour}, nullptr);
+    return;
+  }
   s.depth = gl::Texture::make_2d(context, GL_DEPTH_COMPONENT32F, width, height);
   std::vector<const gl::Texture*> colours = {&s.colour};
   if (pass.ids) {
@@ -66,8 +77,14 @@ int Target::width() const { return state_->colour.width(); }
 int Target::height() const { return state_->colour.height(); }
 const Pass& Target::pass() const { return state_->pass; }
 void Target::bind() const {
-  state_->framebuffer.bind();
+  (pass().samples > 1 ? state_->sampled : state_->framebuffer).bind();
   glViewport(0, 0, width(), height());
+}
+// The samples' mean in linear light, for the frame buffer decodes and encodes sRGB.
+void Target::resolve() const {
+  if (pass().samples == 1) return;
+  glBlitNamedFramebuffer(state_->sampled.name(), state_->framebuffer.name(), 0, 0, width(), height(), 0, 0, width(),
+                         height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 unsigned Target::framebuffer() const { return state_->framebuffer.name(); }
 
@@ -79,6 +96,12 @@ Capture Target::read() const {
     out.linear = read_texture<float>(s.colour, 4, GL_RGBA, GL_FLOAT);
   else
     out.colour = read_texture<uint8_t>(s.colour, 4, GL_RGBA, GL_UNSIGNED_BYTE);
+  if (s.pass.samples > 1) {
+    // Alpha to coverage leaves what it was given.
+    for (size_t i = 3; i < out.linear.data.size(); i += 4) out.linear.data[i] = 1.0F;
+    for (size_t i = 3; i < out.colour.data.size(); i += 4) out.colour.data[i] = 255;
+    return out;
+  }
   if (s.pass.ids) out.ids = read_texture<uint32_t>(s.ids, 1, GL_RED_INTEGER, GL_UNSIGNED_INT);
   out.depth = read_texture<float>(s.depth, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
   for (float& d : out.depth.data) d = d > 0.0F ? s.depth_b / (d + s.depth_a) : std::numeric_limits<float>::infinity();
@@ -164,6 +187,7 @@ void Renderer::draw(const scene::Frame& frame, Representation& representation, c
   glClearBufferfv(GL_DEPTH, 0, &nothing);
   if (frame.ground) s.draw_ground(target.pass());
   representation.draw(frame, s.resources, s.everybody, target.pass());
+  target.resolve();
 }
 
 void Renderer::finish() { state_->context.finish(); }
@@ -172,6 +196,8 @@ Capture Renderer::capture(const scene::Frame& frame, Representation& representat
   State& s = *state_;
   const int k = options.supersample;
   const int side = s.context.limits().viewport_size;
+  if (options.samples != 1 && options.samples != 2 && options.samples != 4 && options.samples != 8)
+    throw Error("samples", fmt::format("'{}' is not a number of samples a pixel", options.samples), "use 1, 2, 4 or 8");
   if (k < 1 || k % 2 == 0)
     throw Error("supersample", fmt::format("{} is not an odd number of samples a side", k), "use 1, 3, 5, ...");
   if (frame.width > side / k || frame.height > side / k)
@@ -184,12 +210,18 @@ Capture Renderer::capture(const scene::Frame& frame, Representation& representat
     draw(frame, representation, target);
     return target.read();
   };
+  const bool several = options.samples > 1;
+  const auto colours = [&](bool linear) {
+    return take(several ? Pass{.linear = linear, .samples = options.samples} : Pass{.ids = true, .linear = linear});
+  };
   if (k == 1) {
     Capture out = take({.ids = true, .linear = false});
-    if (options.linear) out.linear = take({.ids = true, .linear = true}).linear;
+    if (several) out.colour = colours(false).colour;
+    if (options.linear) out.linear = colours(true).linear;
     return out;
   }
-  const Capture fine = take({.ids = true, .linear = true});
+  Capture fine = take({.ids = true, .linear = true});
+  if (several) fine.linear = colours(true).linear;
   Capture out;
   out.colour = Image8(frame.width, frame.height, 4);
   ImageF linear(frame.width, frame.height, 4);

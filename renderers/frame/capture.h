@@ -21,10 +21,14 @@ struct CaptureOptions {
   // Odd k: k x k samples a pixel, colour averaged in linear light, id and depth from the centre sample, which are those
   // of k = 1: what is drawn is chosen for the picture's own size (Representation::draw).
   int supersample = 1;
+  // Multisampling: samples a pixel of the colour, 1, 2, 4 or 8 as the driver has them (at `supersample` > 1 of each of
+  // its samples). Id and depth stay those of one sample, the centre's.
+  int samples = 1;
   bool linear = false;  // also fill Capture::linear
 };
 
-// A target of fixed size: RGBA8 sRGB colour (or RGBA32F), optional R32UI ids, 32-bit float depth.
+// A target of fixed size: RGBA8 sRGB colour (or RGBA32F), optional R32UI ids, 32-bit float depth. With Pass::samples
+// above 1 it has no ids, and reads back no depth: a Renderer averages its colours when it has drawn there.
 class Target {
  public:
   Target(gl::Context& context, int width, int height, Pass pass);
@@ -35,11 +39,12 @@ class Target {
   int height() const;
   const Pass& pass() const;
   void bind() const;
-  unsigned framebuffer() const;  // GL name, for blits
+  unsigned framebuffer() const;  // GL name, for blits: one sample a pixel
   Capture read() const;  // waits for the GPU; depth in metres holds for the last frame that a Renderer drew here
 
  private:
   friend class Renderer;
+  void resolve() const;
   struct State;
   std::unique_ptr<State> state_;
 };

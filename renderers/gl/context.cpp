@@ -332,6 +332,7 @@ void Context::read_capabilities(bool debug) {
   limits_.storage_alignment = get_integer(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
   limits_.texel_buffer = get_integer(GL_MAX_TEXTURE_BUFFER_SIZE);
   limits_.uniform_block = get_integer(GL_MAX_UNIFORM_BLOCK_SIZE);
+  limits_.samples = std::min(get_integer(GL_MAX_COLOR_TEXTURE_SAMPLES), get_integer(GL_MAX_DEPTH_TEXTURE_SAMPLES));
   GLint viewport[2] = {0, 0};
   glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
   limits_.viewport_size = viewport[0] < viewport[1] ? viewport[0] : viewport[1];

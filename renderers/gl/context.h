@@ -34,6 +34,7 @@ struct Limits {
   int texel_buffer = 0;       // texels of a buffer texture
   int uniform_block = 0;      // bytes of one uniform block
   int viewport_size = 0;      // pixels, the smaller side
+  int samples = 0;            // most samples a pixel of a multisampled colour and depth texture
 };
 
 // Bytes of the objects alive on a context, counted when storage is allocated; every mip level and layer is counted.

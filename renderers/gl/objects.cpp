@@ -164,6 +164,33 @@ Texture Texture::make_2d(Context& context, unsigned format, int width, int heigh
   return {context, GL_TEXTURE_2D, format, width, height, 1, levels};
 }
 
+Texture Texture::make_multisampled(Context& context, unsigned format, int width, int height, int samples) {
+  const Limits& limits = context.limits();
+  if (samples > limits.samples)
+    throw Error("samples", fmt::format("{} samples a pixel are more than this driver's {}", samples, limits.samples),
+                "use fewer, or supersample");
+  if (width < 1 || height < 1 || width > limits.texture_size || height > limits.texture_size)
+    throw Error("OpenGL",
+                fmt::format("a picture of {} x {} is outside this driver's limit of {} x {}", width, height,
+                            limits.texture_size, limits.texture_size),
+                "use a smaller size");
+  Texture texture(context);
+  texture.format_ = format;
+  texture.width_ = width;
+  texture.height_ = height;
+  texture.layers_ = texture.levels_ = 1;
+  texture.bytes_ = texture_bytes(format, width, height) * static_cast<uint64_t>(samples);
+  glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &texture.name_);
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  glTextureStorage2DMultisample(texture.name_, samples, format, width, height, GL_TRUE);
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    throw Error("OpenGL", fmt::format("out of memory for a picture of {} bytes", texture.bytes_),
+                "use fewer samples or a smaller size");
+  texture.count_texture(texture.bytes_);
+  return texture;
+}
+
 Texture Texture::make_array(Context& context, unsigned format, int width, int height, int layers, int levels) {
   return {context, GL_TEXTURE_2D_ARRAY, format, width, height, layers, levels};
 }

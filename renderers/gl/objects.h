@@ -88,6 +88,9 @@ class Texture : public Object {
   // levels 0: a whole mip chain down to 1x1. format is a sized internal format, GL_RGBA8 for example.
   static Texture make_2d(Context& context, unsigned format, int width, int height, int levels = 1);
   static Texture make_array(Context& context, unsigned format, int width, int height, int layers, int levels = 0);
+  // 2D, of `samples` samples a texel: drawn into and resolved by a blit, never read. Throws Error where the driver has
+  // fewer.
+  static Texture make_multisampled(Context& context, unsigned format, int width, int height, int samples);
   // A buffer seen as a row of texels (texelFetch of a samplerBuffer); counts no bytes of its own. The buffer must
   // outlive this.
   static Texture make_buffer(Context& context, unsigned format, const Buffer& buffer);

@@ -72,7 +72,14 @@ void main() {
 #ifdef CB_COLOURS
   alpha *= v_colour.a;
 #endif
-  bool absent = alpha < texelFetch(materials, material + 2).x;
+  float cutoff = texelFetch(materials, material + 2).x;
+#ifdef CB_ALPHA_TO_COVERAGE
+  // Alpha about the cutoff becomes the share of the pixel's samples that are covered: all within a pixel of the outline.
+  float covered = cutoff > 0.0 ? clamp((alpha - cutoff) / max(fwidth(alpha), 1e-4) + 0.5, 0.0, 1.0) : 1.0;
+  bool absent = covered == 0.0;
+#else
+  bool absent = alpha < cutoff;
+#endif
 #endif
   vec3 normal = v_normal_u.xyz;
 #ifdef CB_DOUBLE_SIDED
@@ -95,5 +102,8 @@ void main() {
   uint id = 0u;
 #endif
   write_output(shade(albedo, normal, slot, v_outfit_material & 0xffffu, (flags & CB_MATERIAL_UNLIT) != 0u, emissive), id);
+#ifdef CB_ALPHA_TO_COVERAGE
+  out_colour.a = covered;
+#endif
 #endif
 }

@@ -58,7 +58,8 @@ class MeshDraw {
  private:
   // What a compiled variant of the program depends on.
   struct Variant {
-    bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided, flat, masked;
+    bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided, flat, masked,
+        coverage;
     auto operator<=>(const Variant&) const = default;
   };
   const gl::Program& program(const Variant& variant);

@@ -15,6 +15,7 @@
 #include "renderers/bake/bake_loader.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/gl/objects.h"
+#include "renderers/gl/per_sample.h"
 #include "renderers/gl/program.h"
 #include "renderers/impostor/tiles/level_order.h"
 #include "renderers/impostor/tiles/tile_textures.h"
@@ -184,6 +185,7 @@ class PolypostorRepresentation : public Representation {
 
   void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
             const Pass& pass) override {
+    const gl::PerSampleScope by_sample(pass.samples);
     for (size_t c = 0; c < characters_.size(); ++c) {
       const CharacterPolygons& polygons = characters_[c];
       if (agents[c].empty() || !polygons.albedo) continue;

@@ -17,6 +17,7 @@
 #include "renderers/bake/bake_cache.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/gl/objects.h"
+#include "renderers/gl/per_sample.h"
 #include "renderers/gl/program.h"
 #include "renderers/relief/relief.shared.h"
 #include "renderers/relief/relief_atlas.h"
@@ -115,6 +116,7 @@ class Relief final : public Representation {
 
   void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
             const Pass& pass) override {
+    const gl::PerSampleScope by_sample(pass.samples);
     for (size_t c = 0; c < baked_.size(); ++c) {
       Baked& baked = baked_[c];
       if (baked.tiers.size() == 1) {
