@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -87,12 +88,20 @@ const Display& default_display();
 // or an object of such models by name, as ColorVideoVDP's own display_models.json. Other keys are refused. Throws Error
 // naming file, key and what is right; safe on hostile text.
 std::vector<Display> read_displays(const std::filesystem::path& file);
-// The same from memory. where: the source, for errors. name: of a single model, in place of its place in an object.
-std::vector<Display> parse_displays(std::string_view text, const std::string& where, const std::string& name);
+// The same from memory. where: the source, for errors; places: where a key of a single model was given, in place of
+// "where: key". name: of a single model, in place of its place in an object.
+std::vector<Display> parse_displays(std::string_view text, const std::string& where, const std::string& name,
+                                    const std::map<std::string, std::string>& places = {});
 
 // What a user writes: a model's name, FILE.json, or FILE.json:NAME where the file holds several. where: the option or
 // key, for errors. Throws Error.
 Display display_of(const std::string& text, const std::string& where);
+
+// The display that a command's pictures are looked at on.
+struct ChosenDisplay {
+  Display display = default_display();
+  bool given = false;  // somebody chose it: ScoreInput::display_is_default
+};
 
 // For people: "standard_4k: 75.40 pixels/degree, peak 200, black 0.2, reflected 0.3979 cd/m2, sRGB".
 std::string display_text(const Display& display);

@@ -68,7 +68,9 @@ json parsed(std::string_view text, const std::string& where) {
 // One model's members, each with its range.
 class Reader {
  public:
-  Reader(const json& object, std::string where) : object_(object), where_(std::move(where)) {}
+  using Places = std::map<std::string, std::string>;
+  Reader(const json& object, std::string where, const Places& places = {})
+      : object_(object), where_(std::move(where)), places_(places) {}
 
   void require_known_keys() const {
     const std::vector<std::string> known(std::begin(kKeys), std::end(kKeys));
@@ -116,13 +118,17 @@ class Reader {
     return std::array{(*found)[0].get<int>(), (*found)[1].get<int>()};
   }
 
-  std::string at(const std::string& key) const { return where_ + ": " + key; }
+  std::string at(const std::string& key) const {
+    const auto place = places_.find(key);
+    return place == places_.end() ? where_ + ": " + key : place->second;
+  }
   const std::string& where() const { return where_; }
 
  private:
   static std::string shown(const json& value) { return value.dump(-1, ' ', true, json::error_handler_t::replace); }
   const json& object_;
   std::string where_;
+  Places places_;
 };
 
 void read_geometry(const Reader& in, Display& d) {
@@ -176,8 +182,9 @@ void read_photometry(const Reader& in, Display& d) {
     throw Error(in.at("E_ambient"), "HLG above 1000 cd/m2 depends on the room's light", "give it in lux, above 0");
 }
 
-Display read_model(const json& object, const std::string& where, const std::string& name) {
-  const Reader in(object, where);
+Display read_model(const json& object, const std::string& where, const std::string& name,
+                   const Reader::Places& places = {}) {
+  const Reader in(object, where, places);
   in.require_known_keys();
   for (const char* text : {"source", "__comment"}) in.text(text);
   Display d;
@@ -190,12 +197,13 @@ Display read_model(const json& object, const std::string& where, const std::stri
 
 }  // namespace
 
-std::vector<Display> parse_displays(std::string_view text, const std::string& where, const std::string& name) {
+std::vector<Display> parse_displays(std::string_view text, const std::string& where, const std::string& name,
+                                    const std::map<std::string, std::string>& places) {
   const json all = parsed(text, where);
   if (!all.is_object()) throw Error(where, "JSON is not an object", "use ColorVideoVDP's keys");
   const bool several =
       !all.empty() && std::all_of(all.begin(), all.end(), [](const json& member) { return member.is_object(); });
-  if (!several) return {read_model(all, where, name)};
+  if (!several) return {read_model(all, where, name, places)};
   std::vector<Display> out;
   for (const auto& [key, model] : all.items())
     out.push_back(read_model(model, fmt::format("{}: {}", where, printable(key, 60)), key));

@@ -31,7 +31,8 @@ std::optional<double> FigureScores::value(std::string_view name) const {
   return std::nullopt;
 }
 
-FigureScores score_figure(ScoreTable table, const Buffers& reference, const Buffers& test, bool maps) {
+FigureScores score_figure(ScoreTable table, const Buffers& reference, const Buffers& test,
+                          const FigureOptions& options) {
   require_same_size(*reference.codes, *test.codes);
   require_same_size(*reference.codes, *reference.ids);
   FigureScores out;
@@ -40,6 +41,7 @@ FigureScores score_figure(ScoreTable table, const Buffers& reference, const Buff
   out.box = crop_box(a, b);
   if (!out.box) {
     ScoreInput whole{reference, test};
+    if (options.display) look_at(*options.display, whole);
     out.scores = absent_scores(table, given(whole) | kNeedsRegion, "nothing is drawn in either picture");
     return out;
   }
@@ -48,7 +50,8 @@ FigureScores score_figure(ScoreTable table, const Buffers& reference, const Buff
   const Mask either = crop(union_of(a, b), *out.box);
   ScoreInput input{cut_reference.buffers(), cut_test.buffers()};
   input.region = &either;
-  input.maps = maps;
+  if (options.display) look_at(*options.display, input);
+  input.maps = options.maps;
   Shared shared;
   out.scores = score_pictures(table, input, shared);
   return out;

@@ -17,8 +17,12 @@ struct FigureScores {
   // nullopt where the score is not available, or not of the table.
   std::optional<double> value(std::string_view name) const;
 };
-// Both with ids and codes; depth where there is one. maps: fill ScoreResult::map, over the box. Throws Error when sizes
-// differ.
-FigureScores score_figure(ScoreTable table, const Buffers& reference, const Buffers& test, bool maps = false);
+struct FigureOptions {
+  const ChosenDisplay* display = nullptr;  // none: scores that need one are not there
+  bool maps = false;                       // fill ScoreResult::map, over the box
+};
+// Both with ids and codes; depth where there is one. Throws Error when sizes differ.
+FigureScores score_figure(ScoreTable table, const Buffers& reference, const Buffers& test,
+                          const FigureOptions& options = {});
 
 }  // namespace crowdbench::metrics

@@ -73,6 +73,11 @@ std::string needs_text(Needs needs) {
   return text;
 }
 
+void look_at(const ChosenDisplay& chosen, ScoreInput& input) {
+  input.display = &chosen.display;
+  input.display_is_default = !chosen.given;
+}
+
 Needs given(const ScoreInput& input) {
   const Buffers& a = input.reference;
   const Buffers& b = input.test;

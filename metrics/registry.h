@@ -56,6 +56,8 @@ struct ScoreInput {
   Padding padding = Padding::replicate;  // what stands for the frames before the first
   bool maps = false;                     // fill ScoreResult::map where the score has one
 };
+// The input's pictures are looked at there; borrows.
+void look_at(const ChosenDisplay& chosen, ScoreInput& input);
 // The needs that the input meets; both sides must have a buffer for it to count. Never kNeedsFrames.
 Needs given(const ScoreInput& input);
 

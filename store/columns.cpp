@@ -365,8 +365,9 @@ const Table<ComparisonRow>& table<ComparisonRow>() {
       id_field<&R::id>(),
       run_field<&R::run>(),
       field<&R::kind>({.name = "kind",
-                       .meaning = "crowd: a whole frame; agent: one agent, as `quality` defines it",
-                       .values = {"crowd", "agent"}}),
+                       .meaning = "crowd: a whole frame; agent: one agent, as `quality` defines it; agent_in_crowd: one "
+                                  "agent of a whole frame, as `distance` defines it",
+                       .values = {"crowd", "agent", "agent_in_crowd"}}),
       field<&R::representation>({.name = "representation", .meaning = "canonical text of what is compared"}),
       field<&R::reference>({.name = "reference", .meaning = "canonical text of what it is compared with"}),
       field<&R::character>({.name = "character", .meaning = "sources of the characters, joined by \" + \""}),
@@ -379,7 +380,35 @@ const Table<ComparisonRow>& table<ComparisonRow>() {
       field<&R::azimuth_deg>({.name = "azimuth_deg", .unit = "degrees", .meaning = "of the camera about the agent"}),
       field<&R::elevation_deg>({.name = "elevation_deg", .unit = "degrees", .meaning = "of the camera"}),
       field<&R::clip>({.name = "clip", .meaning = "the agent's motion; crowd: empty"}),
-      field<&R::time>({.name = "time_s", .unit = "s", .meaning = "moment within that clip"}));
+      field<&R::time>({.name = "time_s", .unit = "s", .meaning = "moment within that clip"}),
+      field<&R::agent>({.name = "agent", .meaning = "agent_in_crowd: its place in the crowd, from 0", .since = 3}),
+      field<&R::distance>({.name = "distance_m",
+                           .unit = "m",
+                           .meaning = "agent_in_crowd: from the eye to the agent",
+                           .since = 3}),
+      field<&R::pixels_per_texel>({.name = "pixels_per_texel",
+                                   .meaning = "agent_in_crowd: pixels that a texel of its map spans; absent where it "
+                                              "has none",
+                                   .since = 3}),
+      field<&R::alone_px>({.name = "alone_px",
+                           .unit = "px",
+                           .meaning = "agent_in_crowd: pixels that the reference covers where it stands alone",
+                           .since = 3}),
+      field<&R::visible_px>({.name = "visible_px",
+                             .unit = "px",
+                             .meaning = "agent_in_crowd: of these, those that others leave visible",
+                             .since = 3}),
+      field<&R::state>({.name = "state",
+                        .meaning = "agent_in_crowd: whether it counts in curves (counted), else why not: occluded, "
+                                   "cut_off, no_pixel",
+                        .since = 3}),
+      field<&R::display>({.name = "display",
+                          .meaning = "where the pictures are looked at, for scores that depend on it",
+                          .since = 3}),
+      field<&R::display_given>({.name = "display_given",
+                                .meaning = "somebody chose that display; else scores with a default of their own kept "
+                                           "to it (FLIP: 67.02 pixels/degree)",
+                                .since = 3}));
   return made;
 }
 
@@ -417,6 +446,80 @@ const Table<PictureRow>& table<PictureRow>() {
       field<&R::width>({.name = "width_px", .unit = "px", .meaning = "width"}),
       field<&R::height>({.name = "height_px", .unit = "px", .meaning = "height"}),
       field<&R::png>({.name = "png", .meaning = "the PNG file"}));
+  return made;
+}
+
+template <>
+const Table<CurveRow>& table<CurveRow>() {
+  using R = CurveRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "curve",
+       .rows = "curves",
+       .meaning = "A score of the agents of a crowd against how far away they are (`distance`): medians of bins of "
+                  "equally many, in `curve_bin`.",
+       .since = 3},
+      &StoreContents::curves,
+      id_field<&R::id>(),
+      run_field<&R::run>(),
+      field<&R::representation>({.name = "representation", .meaning = "canonical text of what is compared"}),
+      field<&R::reference>({.name = "reference", .meaning = "canonical text of what it is compared with"}),
+      field<&R::character>({.name = "character", .meaning = "sources of the characters, joined by \" + \""}),
+      field<&R::score>({.name = "score", .meaning = "name of the score"}),
+      field<&R::against>({.name = "against",
+                          .meaning = "what is x: distance in metres, height in pixels, or pixels that a texel spans",
+                          .values = {"distance_m", "height_px", "pixels_per_texel"}}),
+      field<&R::points>({.name = "points", .meaning = "agents in frames that count and have the score"}),
+      field<&R::agents>({.name = "agents", .unit = "agents", .meaning = "different ones among them"}),
+      field<&R::rank_correlation>({.name = "rank_correlation",
+                                   .meaning = "Spearman's, of the value with how far away; absent where either never "
+                                              "changes"}),
+      field<&R::display>({.name = "display", .meaning = "where the pictures are looked at, as in `comparison`"}),
+      field<&R::display_given>({.name = "display_given", .meaning = "somebody chose that display"}));
+  return made;
+}
+
+template <>
+const Table<CurveBinRow>& table<CurveBinRow>() {
+  using R = CurveBinRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "curve_bin",
+       .rows = "bins",
+       .meaning = "One bin of a curve.",
+       .owner = "curve",
+       .within = "bin",
+       .since = 3},
+      nullptr,
+      field<&R::bin>({.name = "bin", .meaning = "its number from near to far, from 0"}),
+      field<&R::from>({.name = "x_from", .meaning = "x of its nearest point"}),
+      field<&R::to>({.name = "x_to", .meaning = "x of its farthest point"}),
+      field<&R::x>({.name = "x", .meaning = "median of x"}),
+      field<&R::median>({.name = "median", .meaning = "median of the score"}),
+      field<&R::low>({.name = "median_low", .meaning = "lower end of its 95 % interval, whole agents drawn anew"}),
+      field<&R::high>({.name = "median_high", .meaning = "upper end of that interval"}),
+      field<&R::points>({.name = "points", .meaning = "agents in frames"}),
+      field<&R::agents>({.name = "agents", .unit = "agents", .meaning = "different ones among them"}));
+  return made;
+}
+
+template <>
+const Table<ThresholdRow>& table<ThresholdRow>() {
+  using R = ThresholdRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "threshold",
+       .rows = "thresholds",
+       .meaning = "From where on, going away, the median of a curve is as good as a value or better.",
+       .since = 3},
+      &StoreContents::thresholds,
+      id_field<&R::id>(),
+      run_field<&R::run>(),
+      field<&R::curve>({.name = "curve", .meaning = "the curve that it is of", .references = "curve"}),
+      field<&R::value>({.name = "value", .meaning = "of the score"}),
+      field<&R::status>({.name = "status",
+                         .meaning = "whether the curve comes to it",
+                         .values = {"reached", "everywhere", "not_reached", "not_distinguishable"}}),
+      field<&R::at>({.name = "x", .meaning = "from where on; absent: everywhere or nowhere"}),
+      field<&R::low>({.name = "x_low", .meaning = "nearer end of its 95 % interval; absent: open at that end"}),
+      field<&R::high>({.name = "x_high", .meaning = "farther end of it"}));
   return made;
 }
 // clang-format on

@@ -83,7 +83,8 @@ struct Table {
 template <typename... Rows>
 struct RowTypes {};
 // Every table, in the order in which they are made and read: what a table references comes before it.
-using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ComparisonRow, ScoreRow, PictureRow>;
+using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ComparisonRow, ScoreRow, PictureRow, CurveRow,
+                             CurveBinRow, ThresholdRow>;
 
 // The table whose rows these are.
 template <typename Row>
@@ -102,6 +103,12 @@ template <>
 const Table<ScoreRow>& table();
 template <>
 const Table<PictureRow>& table();
+template <>
+const Table<CurveRow>& table();
+template <>
+const Table<CurveBinRow>& table();
+template <>
+const Table<ThresholdRow>& table();
 
 // Rows that lie in a row of another table.
 template <typename Row>
@@ -113,6 +120,10 @@ struct Owned<MeasurementRow> {
 template <>
 struct Owned<ComparisonRow> {
   static constexpr auto rows = &ComparisonRow::scores;
+};
+template <>
+struct Owned<CurveRow> {
+  static constexpr auto rows = &CurveRow::bins;
 };
 template <typename Row>
 concept OwnsRows = requires {

@@ -131,11 +131,11 @@ struct ScoreRow {
 struct ComparisonRow {
   int64_t id = 0;
   int64_t run = 0;
-  std::string kind;  // "crowd" or "agent"
+  std::string kind;  // "crowd", "agent" or "agent_in_crowd"
   std::string representation;
   std::string reference;
   std::string character;
-  // kind "crowd"
+  // kinds "crowd" and "agent_in_crowd"
   uint32_t agents = 0;
   double requested_occupancy = 0;
   uint64_t tick = 0;
@@ -143,6 +143,14 @@ struct ComparisonRow {
   std::optional<double> height_px, azimuth_deg, elevation_deg;
   std::string clip;
   std::optional<double> time;
+  // kind "agent_in_crowd", which has height_px too
+  std::optional<uint32_t> agent;
+  std::optional<double> distance, pixels_per_texel;
+  std::optional<uint64_t> alone_px, visible_px;
+  std::optional<std::string> state;
+  // any kind
+  std::optional<std::string> display;
+  std::optional<bool> display_given;
   std::vector<ScoreRow> scores;
   bool operator==(const ComparisonRow&) const = default;
 };
@@ -159,13 +167,54 @@ struct PictureRow {
   bool operator==(const PictureRow&) const = default;
 };
 
-// What a file holds; samples and scores lie in the rows that they belong to.
+// One bin of a curve.
+struct CurveBinRow {
+  int bin = 0;
+  double from = 0, to = 0, x = 0;
+  double median = 0, low = 0, high = 0;  // may be infinite
+  uint64_t points = 0;
+  uint32_t agents = 0;
+  bool operator==(const CurveBinRow&) const = default;
+};
+
+// A score of the agents of a crowd against how far away they are.
+struct CurveRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::string representation;
+  std::string reference;
+  std::string character;
+  std::string score;
+  std::string against;  // "distance_m", "height_px" or "pixels_per_texel"
+  uint64_t points = 0;
+  uint32_t agents = 0;
+  std::optional<double> rank_correlation;
+  std::string display;
+  bool display_given = false;
+  std::vector<CurveBinRow> bins;
+  bool operator==(const CurveRow&) const = default;
+};
+
+// From where on a curve is good enough.
+struct ThresholdRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  int64_t curve = 0;
+  double value = 0;
+  std::string status;
+  std::optional<double> at, low, high;
+  bool operator==(const ThresholdRow&) const = default;
+};
+
+// What a file holds; samples, scores and bins lie in the rows that they belong to.
 struct StoreContents {
   std::vector<RunRow> runs;
   std::vector<MeasurementRow> measurements;
   std::vector<RatioRow> ratios;
   std::vector<ComparisonRow> comparisons;
   std::vector<PictureRow> pictures;
+  std::vector<CurveRow> curves;
+  std::vector<ThresholdRow> thresholds;
 };
 
 }  // namespace crowdbench

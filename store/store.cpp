@@ -239,5 +239,7 @@ template int64_t StoreWriter::write(const MeasurementRow&);
 template int64_t StoreWriter::write(const RatioRow&);
 template int64_t StoreWriter::write(const ComparisonRow&);
 template int64_t StoreWriter::write(const PictureRow&);
+template int64_t StoreWriter::write(const CurveRow&);
+template int64_t StoreWriter::write(const ThresholdRow&);
 
 }  // namespace crowdbench

@@ -76,6 +76,7 @@ int run_bench(const Options& options) {
 
   const ChosenScenario chosen = read_scenario(options.scene);
   request.scenario = chosen.scenario;
+  request.display = chosen.display;
   const renderers::Spec own = representation_of(chosen);
   if (request.representations.empty() && own.text() != renderers::reference_spec().text())
     request.representations.push_back(own);
@@ -157,6 +158,7 @@ void add_bench(Command& app, Run& run) {
   add_seed_option(*command, options->scene.seed);
   add_size_option(*command, options->scene.size);
   add_character_options(*command, options->scene.character);
+  add_display_option(*command, options->scene.display);
   add_device_option(*command, options->scene.device);
   command->add_option("--budget-ms", request.budget_ms, "wall time a frame may take before its curve ends")
       ->type_name("MS")

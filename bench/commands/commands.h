@@ -17,6 +17,7 @@ void add_bake(Command& app, Run& run);
 void add_cache(Command& app, Run& run);
 void add_bench(Command& app, Run& run);
 void add_compare(Command& app, Run& run);
+void add_correlate(Command& app, Run& run);
 void add_demo(Command& app, Run& run);
 void add_distance(Command& app, Run& run);
 void add_info(Command& app, Run& run);

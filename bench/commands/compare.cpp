@@ -180,7 +180,7 @@ ordered_json to_json(const CompareOptions& options, const Result& result) {
     out["worst"] = {{"difference", result.worst->worst}, {"x", result.worst->worst_x}, {"y", result.worst->worst_y}};
   if (ordered_json conditions = conditions_json(result.scores); !conditions.empty()) out["conditions"] = conditions;
   if (ordered_json details = details_json(result.scores); !details.empty()) out["details"] = details;
-  out["display"] = display_json(result.setup);
+  out["display"] = display_json(result.setup.display);
   if (result.not_finite) out["not_finite"] = not_finite_json(*result.not_finite);
   if (!options.over.empty()) out["over"] = options.over;
   if (result.region) out["region"] = region_json(options.region, *result.region);

@@ -165,7 +165,7 @@ ordered_json to_json(const CompareOptions& options, const CompareSetup& setup, c
   }
   if (ordered_json conditions = conditions_json(whole); !conditions.empty()) out["conditions"] = conditions;
   if (ordered_json details = details_json(whole); !details.empty()) out["details"] = details;
-  out["display"] = display_json(setup);
+  out["display"] = display_json(setup.display);
   if (result.floats)
     out["not_finite"] = {{"reference", not_finite_json(result.not_finite_reference)},
                          {"test", not_finite_json(result.not_finite_test)}};
@@ -206,7 +206,7 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
   page.fps = result.fps;
   page.width = result.width;
   page.height = result.height;
-  page.display = metrics::display_text(setup.display);
+  page.display = metrics::display_text(setup.display.display);
   for (const ClipScore& of : result.scores) {
     reports::ClipSeries& series = page.scores.emplace_back();
     const metrics::Score* score = of.score;

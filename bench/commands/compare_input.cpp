@@ -9,6 +9,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
+#include "bench/commands/score_json.h"
 #include "core/error.h"
 #include "metrics/difference.h"
 
@@ -56,10 +57,7 @@ void add_inputs_and_outputs(Command& command, CompareOptions& options) {
   command.add_option("--scores", options.scores, "only these, name,name,...; `crowdbench schema --scores` lists them")
       ->type_name("LIST")
       ->capture_default_str();
-  command
-      .add_option("--display", options.display,
-                  "where it is looked at: a model's name, or a file with ColorVideoVDP's keys")
-      ->type_name("NAME|FILE.json");
+  add_display_option(command, options.display);
   command.add_option("--fps", options.fps, "frames a second, where clips do not say or frames are in folders")
       ->type_name("F")
       ->number(0.1, 1000);
@@ -138,8 +136,7 @@ CompareSetup compare_setup(const CompareOptions& options, metrics::ScoreTable ta
   }
   setup.colours = parse_colours(options.colours);
   setup.padding = parse_padding(options.padding);
-  setup.display_given = !options.display.empty();
-  setup.display = setup.display_given ? metrics::display_of(options.display, "--display") : metrics::default_display();
+  setup.display = display_of_option(options.display);
   return setup;
 }
 
@@ -175,8 +172,7 @@ metrics::ScoreInput score_input(const CompareSetup& setup, const std::optional<C
   metrics::ScoreInput input{buffers_of(pictures.reference, pictures.reference_ids),
                             buffers_of(pictures.test, pictures.test_ids)};
   if (region) input.region = &region->counted;
-  input.display = &setup.display;
-  input.display_is_default = !setup.display_given;
+  metrics::look_at(setup.display, input);
   input.padding = setup.padding;
   return input;
 }
@@ -202,20 +198,12 @@ std::vector<std::string> write_map(const std::filesystem::path& folder, const st
   return files;
 }
 
-Json display_json(const CompareSetup& setup) {
-  return {{"name", setup.display.name},
-          {"given", setup.display_given},
-          {"pixels_per_degree", setup.display.pixels_per_degree},
-          {"text", metrics::display_text(setup.display)}};
-}
-
 void print_display(const CompareSetup& setup, std::span<const metrics::Scored> scores) {
   if (std::none_of(scores.begin(), scores.end(), [](const metrics::Scored& scored) {
         return (scored.score->needs & metrics::kNeedsDisplay) != 0 && scored.result.value;
       }))
     return;
-  fmt::print("  display {}{}\n", metrics::display_text(setup.display),
-             setup.display_given ? "" : " (by default; --display chooses)");
+  fmt::print("  display {}\n", display_line(setup.display));
 }
 
 }  // namespace crowdbench::bench

@@ -44,8 +44,7 @@ struct CompareSetup {
   metrics::Needs also = 0;                   // scores that need these say why they are not there
   std::vector<ScoreBound> bounds;
   std::optional<std::array<uint8_t, 3>> over;
-  metrics::Display display;  // of --display, else what scores take that cannot do without
-  bool display_given = false;
+  metrics::ChosenDisplay display;
   metrics::Padding padding = metrics::Padding::replicate;
   metrics::MapColours colours = metrics::MapColours::own;
 };
@@ -80,8 +79,6 @@ std::vector<std::string> write_map(const std::filesystem::path& folder, const st
                                    const metrics::Score& score, const metrics::ScoreResult& result,
                                    metrics::MapColours colours);
 
-// {"name", "given", "pixels_per_degree", "text"}
-Json display_json(const CompareSetup& setup);
 // A line, where one of the scores needs a display.
 void print_display(const CompareSetup& setup, std::span<const metrics::Scored> scores);
 

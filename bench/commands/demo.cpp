@@ -8,7 +8,7 @@
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
-#include "bench/experiments/quality.h"
+#include "bench/experiments/quality_rows.h"
 #include "bench/experiments/score_rows.h"
 #include "bench/stage/cast_name.h"
 #include "bench/stage/stage_scenario.h"
@@ -130,32 +130,17 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
           view.time = motion != nullptr ? motion->start + phase * motion->duration() : 0;
           setup.views.push_back(view);
         }
+  const QualitySubject subject{cast_name(cast), motion != nullptr ? motion->name : "none"};
   Progress progress("comparing", setup.views.size());
   store.begin();
   compute_quality(context, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
     progress.advance();
-    ComparisonRow comparison;
-    comparison.run = run;
-    comparison.kind = "agent";
-    comparison.representation = row.representation;
-    comparison.reference = renderers::reference_spec().text();
-    comparison.character = cast_name(cast);
-    comparison.height_px = row.view.height_px;
-    comparison.azimuth_deg = row.view.azimuth_deg;
-    comparison.elevation_deg = row.view.elevation_deg;
-    comparison.clip = motion != nullptr ? motion->name : "none";
-    comparison.time = row.view.time;
-    comparison.scores = score_rows(row.scores.scores);
-    const int64_t id = store.write(comparison);
+    const int64_t id = store.write(quality_row(run, subject, row, setup.display));
     // One view of each height is shown.
     if (row.view.azimuth_deg != azimuths[azimuths.size() / 4] || row.view.elevation_deg != 15.0 ||
         row.view.time != setup.views.front().time)
       return;
-    const auto box =
-        metrics::crop_box(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids), 8);
-    if (box)
-      write_pictures(store, run, id, metrics::crop(pictures.reference.colour, *box),
-                     metrics::crop(pictures.test.colour, *box), comparison.reference, row.representation, false);
+    write_quality_pictures(store, run, id, row, pictures);
   });
   store.commit();
 }

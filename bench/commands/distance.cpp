@@ -12,7 +12,10 @@
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_bounds.h"
 #include "bench/commands/score_commands.h"
+#include "bench/experiments/distance_rows.h"
 #include "bench/stage/cast_name.h"
+#include "bench/timing/run_facts.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
@@ -27,9 +30,8 @@ struct Options {
   std::vector<std::string> representations;
   std::string reference = renderers::reference_spec().text();
   std::string scores = "all";
-  std::string display;
   std::vector<std::string> thresholds;
-  std::string out, chart;
+  std::string out, chart, results;
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   uint64_t bins = 8;
   DistanceRequest request;
@@ -72,18 +74,16 @@ DistanceReport read_options(const Options& options, metrics::ScoreTable table,
   request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
   report.list_all = options.scores != "all";
-  report.display_given = !options.display.empty();
-  report.display =
-      report.display_given ? metrics::display_of(options.display, "--display") : metrics::default_display();
   return report;
 }
 
 int run_distance(const Options& options, metrics::ScoreTable table) {
   std::vector<DistanceThreshold> thresholds;
   DistanceReport report = read_options(options, table, thresholds);
-  report.request.display = &report.display;
-  report.request.display_is_default = !report.display_given;
+  std::optional<StoreWriter> store;
+  if (!options.results.empty()) store.emplace(options.results);  // refused before anything is drawn
   const ChosenScenario chosen = read_scenario(options.scene);
+  report.request.display = chosen.display;
   {
     Progress progress("distance", 0);
     progress.note("loading the characters");
@@ -99,6 +99,11 @@ int run_distance(const Options& options, metrics::ScoreTable table) {
     progress.note("drawing agents anew for the intervals");
     report.curves = distance_curves(report.result, report.request, static_cast<size_t>(options.bins),
                                     report.scenario.seed, thresholds);
+    if (store) {
+      const RunRow run =
+          describe_run(*context, choose_timing_method(*context), chosen.scenario, "distance", command_line());
+      write_distance_rows(*store, rows_of(report, store->write(run)));
+    }
   }
   if (report.curves.empty())
     fmt::print(stderr, "crowdbench: warning: no agent counts, so there is no curve; see the counts\n");
@@ -164,10 +169,7 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
       ->take_all()
       ->allow_extra_args(false);
   add_frame_options(*command, *options);
-  command
-      ->add_option("--display", options->display,
-                   "where it is looked at: a model's name, or a file with ColorVideoVDP's keys")
-      ->type_name("NAME|FILE.json");
+  add_display_option(*command, options->scene.display);
   add_supersample_option(*command, options->request.supersample);
   command->add_option("--out", options->out, "every agent's values, one record an agent and representation")
       ->type_name("FILE.csv")
@@ -175,6 +177,7 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
   command->add_option("--chart", options->chart, "a page with every score against distance, height and texel ratio")
       ->type_name("FILE.html")
       ->output_file();
+  add_results_option(*command, options->results);
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_json_option(*command, options->json);
   command->callback([options, table, &run] { run = [options, table] { return run_distance(*options, table); }; });

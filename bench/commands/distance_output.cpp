@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bench/commands/score_json.h"
+#include "bench/experiments/distance_rows.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/statistics.h"
@@ -113,30 +114,6 @@ std::optional<double> median_in(const DistanceReport& report, const CurveBin& bi
   return median(values);
 }
 
-// "12.3 m", "0.45 pixels a texel".
-std::string with_unit(double value, const AgainstText& text) {
-  return fmt::format("{:.4g} {}", value, *text.unit == '\0' ? text.title : text.unit);
-}
-
-std::string interval_text(const ThresholdPlace& place) {
-  return fmt::format("95 %: {} to {}", place.low ? fmt::format("{:.4g}", *place.low) : "nearer than any",
-                     place.high ? fmt::format("{:.4g}", *place.high) : "farther than any");
-}
-
-std::string place_text(const DistanceCurve& of, const ThresholdPlace& place) {
-  const AgainstText& text = text_of(of.against);
-  const std::string at = place.at ? with_unit(*place.at, text) : "";
-  switch (place.reached) {
-    case Reached::from: return fmt::format("from {} on ({})", at.empty() ? "the nearest" : at, interval_text(place));
-    case Reached::everywhere: return "already at the nearest, " + with_unit(of.curve.bins.front().x, text);
-    case Reached::never: return "not reached at the farthest, " + with_unit(of.curve.bins.back().x, text);
-    case Reached::not_distinguishable: break;
-  }
-  if (of.curve.agents < kLeastBinAgents) return fmt::format("not distinguishable with {} agents", of.curve.agents);
-  return fmt::format("not distinguishable; by the medians {} ({})", at.empty() ? "not reached" : "from " + at + " on",
-                     interval_text(place));
-}
-
 void print_curve(const DistanceReport& report, const DistanceCurve& of) {
   const metrics::Score& score = *report.request.scores[of.score];
   fmt::print("\n{}: {}{}{}, {:g} = equal", representation_of(report, of.representation), score.title,
@@ -157,27 +134,15 @@ void print_curve(const DistanceReport& report, const DistanceCurve& of) {
 }
 
 void print_thresholds(const DistanceReport& report) {
+  const StoreContents rows = rows_of(report);
   bool first = true;
-  for (const DistanceCurve& of : report.curves)
-    for (const auto& [value, place] : of.thresholds) {
-      if (std::exchange(first, false)) fmt::print("\n");
-      fmt::print("{}: {} of {:g} or better by {}: {}\n", representation_of(report, of.representation),
-                 report.request.scores[of.score]->name, value, text_of(of.against).title, place_text(of, place));
-    }
-}
-
-reports::DistanceSeries series_of(const DistanceReport& report, const DistanceCurve& of) {
-  reports::DistanceSeries series;
-  series.representation = representation_of(report, of.representation);
-  for (const CurveBin& bin : of.curve.bins) series.bins.push_back({bin.x, bin.value, bin.low, bin.high, bin.agents});
-  if (of.against == Against::distance)
-    for (const DistanceAgent& agent : report.result.agents)
-      if (const std::optional<double>& value = agent.values[of.representation][of.score];
-          value && agent.view.state == AgentState::counted)
-        series.points.push_back({agent.view.distance, *value, agent.view.id - 1});
-  for (const auto& [value, place] : of.thresholds)
-    series.thresholds.push_back({value, place_text(of, place), reached_name(place.reached)});
-  return series;
+  for (const ThresholdRow& row : rows.thresholds) {
+    const CurveRow& curve = rows.curves[static_cast<size_t>(row.curve - 1)];
+    const size_t place = static_cast<size_t>(report.curves[static_cast<size_t>(row.curve - 1)].against);
+    if (std::exchange(first, false)) fmt::print("\n");
+    fmt::print("{}: {} of {:g} or better by {}: {}\n", curve.representation, curve.score, row.value,
+               all_against()[place].title, reports::threshold_text(row, curve));
+  }
 }
 
 std::string counts_text(const DistanceReport& report) {
@@ -201,6 +166,11 @@ std::string ticks_text(const DistanceRequest& request) {
 
 }  // namespace
 
+StoreContents rows_of(const DistanceReport& report, int64_t run) {
+  return distance_rows({report.cast, report.scenario.crowd.agents, report.scenario.occupancy.value_or(0)},
+                       report.request, report.result, report.curves, run);
+}
+
 Json distance_json(const DistanceReport& report) {
   const DistanceRequest& request = report.request;
   const Counts counts = counts_of(report);
@@ -211,10 +181,7 @@ Json distance_json(const DistanceReport& report) {
   for (size_t r = 0; r < request.representations.size(); ++r)
     out["representations"].push_back(representation_of(report, r));
   for (uint64_t f = 0; f < request.frames; ++f) out["ticks"].push_back(request.tick + f * request.step);
-  out["display"] = {{"name", report.display.name},
-                    {"given", report.display_given},
-                    {"pixels_per_degree", report.display.pixels_per_degree},
-                    {"text", metrics::display_text(report.display)}};
+  out["display"] = display_json(request.display);
   out["least_visible"] = request.least_visible;
   out["agents"] = {{"scenario", report.scenario.crowd.agents}};
   for (const AgentState state : kStates) out["agents"][state_name(state)] = counts.of(state);
@@ -258,9 +225,7 @@ void print_distance(const DistanceReport& report) {
     print_curve(report, of);
   }
   print_thresholds(report);
-  if (display || report.display_given)
-    fmt::print("\ndisplay {}{}\n", metrics::display_text(report.display),
-               report.display_given ? "" : " (by default; --display chooses)");
+  if (display || report.request.display.given) fmt::print("\ndisplay {}\n", display_line(report.request.display));
 }
 
 std::string distance_page_of(const DistanceReport& report) {
@@ -269,20 +234,9 @@ std::string distance_page_of(const DistanceReport& report) {
   page.scene = fmt::format("{} agents of {}, {} x {} pixels, {}", report.scenario.crowd.agents, report.cast,
                            report.scenario.width, report.scenario.height, ticks_text(report.request));
   page.counts = counts_text(report);
-  page.display = metrics::display_text(report.display);
+  page.display = metrics::display_text(report.request.display.display);
   page.renderer = report.renderer;
-  for (size_t s = 0; s < report.request.scores.size(); ++s) {
-    const metrics::Score* score = report.request.scores[s];
-    reports::DistanceScore of_score;
-    of_score.doc = score_docs({&score, 1})[0];
-    for (const AgainstText& text : all_against()) {
-      reports::DistanceGraph graph{text.title, text.unit, text.against != Against::distance, {}};
-      for (const DistanceCurve& of : report.curves)
-        if (of.score == s && of.against == text.against) graph.series.push_back(series_of(report, of));
-      if (!graph.series.empty()) of_score.graphs.push_back(std::move(graph));
-    }
-    if (!of_score.graphs.empty()) page.scores.push_back(std::move(of_score));
-  }
+  page.scores = reports::distance_scores(rows_of(report), 0, score_docs(report.request.scores));
   return reports::distance_page(page);
 }
 

@@ -5,7 +5,7 @@
 
 #include "bench/experiments/distance.h"
 #include "core/json.h"
-#include "metrics/display.h"
+#include "store/rows.h"
 
 namespace crowdbench::bench {
 
@@ -16,11 +16,11 @@ struct DistanceReport {
   DistanceRequest request;
   DistanceResult result;
   std::vector<DistanceCurve> curves;
-  metrics::Display display;
-  bool display_given = false;
   bool list_all = false;  // print every score, not only those of tables (metrics::kInTables)
 };
 
+// bench/experiments/distance_rows.h
+StoreContents rows_of(const DistanceReport& report, int64_t run = 0);
 // {"scenario", "cast", "seed", "width", "height", "renderer", "reference", "representations", "ticks", "display",
 //  "least_visible": share, "agents": {"scenario", "counted", "occluded", "cut_off", "no_pixel", "out_of_view"},
 //  "scores": [name],

@@ -117,6 +117,18 @@ void add_bake_options(Command& command, uint64_t& budget_mib, bool* no_cache) {
   if (no_cache != nullptr) command.add_flag("--no-cache", *no_cache, "neither read nor write stored bakes");
 }
 
+Option* add_display_option(Command& command, std::string& display) {
+  return command
+      .add_option("--display", display, "where it is looked at: a model's name, or a file with ColorVideoVDP's keys")
+      ->type_name("NAME|FILE.json");
+}
+
+Option* add_results_option(Command& command, std::string& file) {
+  return command.add_option("--db", file, "add what was found to this result file (`report`, `correlate`)")
+      ->type_name("FILE.sqlite")
+      ->output_file();
+}
+
 Option* add_json_option(Command& command, bool& json, const std::string& meaning) {
   return command.add_flag("--json", json, meaning);
 }

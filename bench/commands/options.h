@@ -44,6 +44,10 @@ Option* add_size_option(Command& command, std::string& size);
 Option* add_supersample_option(Command& command, int& samples);
 // --bake-budget; --no-cache where the command has it.
 void add_bake_options(Command& command, uint64_t& budget_mib, bool* no_cache = nullptr);
+// --display: a ColorVideoVDP model's name, FILE.json or FILE.json:NAME.
+Option* add_display_option(Command& command, std::string& display);
+// --db: a result file that rows are added to; made where missing.
+Option* add_results_option(Command& command, std::string& file);
 Option* add_json_option(Command& command, bool& json, const std::string& meaning = "print JSON");
 
 inline constexpr uint64_t kDefaultBakeBudgetMiB = 512;

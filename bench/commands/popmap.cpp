@@ -10,6 +10,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
+#include "bench/commands/score_bounds.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
 #include "bench/experiments/pop_map.h"
@@ -40,6 +41,8 @@ struct Options {
   std::string phases = "0.025:0.975:0.25";
   std::string ratios = "0.5,1,2";
   std::string heights;
+  std::string scores;
+  std::string display;
   std::string out;
   std::string device;
   int fade = 4;
@@ -243,9 +246,24 @@ reports::PopSize page_size(const std::vector<PopCell>& cells, const Scores& scor
   return size;
 }
 
+// Of --scores; what the user names must exist for a switch.
+Scores scores_for(const Options& options, metrics::ScoreTable table) {
+  if (options.scores.empty()) return usual_pop_scores(table);
+  const Scores possible = pop_scores(table);
+  if (options.scores == "all") return possible;
+  const Scores chosen = chosen_scores(options.scores, "--scores", table);
+  for (const metrics::Score* score : chosen)
+    if (std::find(possible.begin(), possible.end(), score) == possible.end())
+      throw Error("--scores", fmt::format("{} does not exist for a switch", score->name),
+                  "it needs more than two pictures of code values");
+  return chosen;
+}
+
+// table: the scores that are computed; they must outlive what is returned.
 PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   PopRequest request;
   request.table = table;
+  request.display = display_of_option(options.display);
   request.representation = parse_representation(options.representation);
   request.azimuths_deg = parse_numbers(options.azimuths, "--azimuth-deg", -360, 360);
   request.elevations_deg = parse_numbers(options.elevations, "--elevation-deg", -90, 90);
@@ -301,6 +319,7 @@ Json report_of(const PopMap& map, const PopRequest& request, const std::string& 
   Json report = {{"character", request.character->name},
                  {"representation", request.representation.text()},
                  {"fade", request.fade},
+                 {"display", display_json(request.display)},
                  {"renderer", renderer},
                  {"sizes", Json::array()}};
   for (const auto& size : by_size(map.cells))
@@ -320,6 +339,7 @@ void write_page(const std::filesystem::path& path, const PopMap& map, const PopR
   page.renderer = context.renderer();
   page.program = fmt::format("crowdbench {} ({})", version(), git_revision());
   page.software = context.is_software();
+  page.display = display_line(request.display);
   page.fade = request.fade;
   page.scores = score_docs(map.scores);
   page.ranking = map.ranking;
@@ -346,7 +366,8 @@ void write_folder(const std::filesystem::path& folder, const PopMap& map, const 
   write_page(folder / "popmap.html", map, request, context);
 }
 
-void print_text(const PopMap& map, const PopRequest& request) {
+// all: every score, not only those of tables.
+void print_text(const PopMap& map, const PopRequest& request, bool all) {
   fmt::print("{} against the mesh of {}: {} azimuths x {} elevations x {} phases, cross-fade of {} ticks\n",
              request.representation.text(), printable(request.character->name), request.azimuths_deg.size(),
              request.elevations_deg.size(), request.phases.size(), request.fade);
@@ -356,7 +377,7 @@ void print_text(const PopMap& map, const PopRequest& request) {
     for (const SwitchKind& kind : kSwitchKinds)
       for (size_t i = 0; i < map.scores.size(); ++i) {
         const metrics::Score& score = *map.scores[i];
-        if ((score.uses & metrics::kInTables) == 0) continue;
+        if (!all && (score.uses & metrics::kInTables) == 0) continue;
         const auto s = summarise_pops(size, score, i, kind.matched, kind.fade);
         if (!s) {
           fmt::print("  {:<26} {:<10} not available: {}\n", kind.text, score.column, score.absence);
@@ -371,7 +392,8 @@ void print_text(const PopMap& map, const PopRequest& request) {
 }
 
 int run_popmap(const Options& options, metrics::ScoreTable table) {
-  const PopRequest request = read_options(options, table);
+  const Scores scores = scores_for(options, table);
+  const PopRequest request = read_options(options, scores);
   constexpr size_t kMost = 200'000;
   if (const size_t total = cells_of(request); total > kMost)
     throw Error("popmap", fmt::format("{} cells are more than {}", total, kMost), "ask for fewer views");
@@ -383,7 +405,7 @@ int run_popmap(const Options& options, metrics::ScoreTable table) {
     fmt::print("{}\n", report.dump(2));
     return 0;
   }
-  print_text(map, request);
+  print_text(map, request, !options.scores.empty());
   if (!options.out.empty())
     fmt::print("popmap.html, popmap.json, popmap.csv, heat_map.png, worst.png in {}\n", printable(options.out));
   return 0;
@@ -397,7 +419,8 @@ void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
   Command* command =
       app.add_subcommand("popmap", "What a switch from the mesh would show, over views, phases and sizes");
   command->footer(
-      "Mesh and impostor at the identical camera and frame: scores over their silhouettes. `own pose`: the mesh\n"
+      "Mesh and impostor at the identical camera and frame: scores over their silhouettes, or the crop around them. "
+      "`own pose`: the mesh\n"
       "shows the exact phase, the impostor its stored frame; `matched pose`: the mesh shows the stored frame too.\n"
       "`fade step`: the largest step of a cross-fade.\n\n"
       "Examples:\n"
@@ -419,6 +442,12 @@ void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
       ->type_name("N")
       ->capture_default_str()
       ->whole_number(1, 60);
+  command
+      ->add_option("--scores", options->scores,
+                   "only these, name,name,...; all: every one that two pictures have, cvvdp too, which takes most of "
+                   "the time (those of the silhouettes, and flip)")
+      ->type_name("LIST");
+  add_display_option(*command, options->display);
   command->add_option("--out", options->out, "a folder for the page, the table, the heat map and the worst case")
       ->type_name("DIR")
       ->output_folder();

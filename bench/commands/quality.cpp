@@ -13,7 +13,10 @@
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
+#include "bench/experiments/quality_rows.h"
 #include "bench/experiments/score_rows.h"
+#include "bench/timing/run_facts.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/hash.h"
@@ -39,6 +42,8 @@ struct Options {
   std::string clip;
   std::string times;
   std::string maps;
+  std::string display;
+  std::string results;
   std::string device;
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   int rows = 480;
@@ -104,20 +109,51 @@ void write_maps(const std::filesystem::path& folder, const std::string& name, co
 using FilmKey = std::tuple<size_t, double, double, double>;
 using Films = std::map<FilmKey, metrics::ClipScores>;
 
-void add_to_films(Films& films, const QualityRow& row, const QualityPictures& pictures, metrics::ScoreTable table) {
+void add_to_films(Films& films, const QualityRow& row, const QualityPictures& pictures, metrics::ScoreTable table,
+                  const metrics::ChosenDisplay& display) {
   const FilmKey key(row.index, row.view.height_px, row.view.elevation_deg, row.view.azimuth_deg);
   const metrics::Mask either =
       metrics::union_of(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids));
   metrics::ScoreInput frame{buffers_of(pictures.reference), buffers_of(pictures.test)};
   frame.region = &either;
+  metrics::look_at(display, frame);
   films.try_emplace(key, table).first->second.take(frame);
 }
 
 // What is asked of compute_quality, and what the times and the clip of its views are called.
 struct Asked {
   QualitySetup setup;
+  scene::CharacterEntry entry;
   std::string clip;
   size_t times = 0;
+};
+
+// The result file of --db, and the run in it.
+class Results {
+ public:
+  Results(const std::string& file, gl::Context& context, const Asked& asked)
+      : store_(file), subject_{asked.setup.character->name, asked.clip}, display_(asked.setup.display) {
+    scene::Scenario scenario;
+    scenario.name = "quality";
+    scenario.characters = {asked.entry};
+    run_ = store_.write(describe_run(context, choose_timing_method(context), scenario, "quality", command_line()));
+    store_.begin();
+  }
+  void add(const QualityRow& row, const QualityPictures& pictures) {
+    write_quality_pictures(store_, run_, store_.write(quality_row(run_, subject_, row, display_)), row, pictures);
+  }
+  // Those that were refused are kept too, with the reason. All are kept, or none.
+  void finish(const std::vector<QualityRow>& rows) {
+    for (const QualityRow& row : rows)
+      if (!row.refused.empty()) store_.write(quality_row(run_, subject_, row, display_));
+    store_.commit();
+  }
+
+ private:
+  StoreWriter store_;
+  QualitySubject subject_;
+  metrics::ChosenDisplay display_;
+  int64_t run_ = 0;
 };
 
 Asked read_options(const Options& options, metrics::ScoreTable table) {
@@ -129,9 +165,11 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   for (const renderers::Spec& spec : parse_representations(options.representations))
     setup.representations.push_back(spec.text());
   setup.debug = options.debug;
+  setup.display = display_of_option(options.display);
   scene::CharacterEntry entry = options.character.entry();
   if (!options.clip.empty()) entry.clips = {options.clip};
   setup.character = std::make_shared<const scene::Character>(scene::open_character(entry));
+  asked.entry = entry;
   const scene::Character& character = *setup.character;
   setup.rows = options.rows;
   setup.exact_pose = options.exact_pose;
@@ -209,7 +247,8 @@ void print_json(const std::vector<QualityRow>& rows, const Films& films, const A
   ordered_json out = {{"representations", asked.setup.representations},
                       {"character", asked.setup.character->name},
                       {"renderer", renderer},
-                      {"exact_pose", asked.setup.exact_pose}};
+                      {"exact_pose", asked.setup.exact_pose},
+                      {"display", display_json(asked.setup.display)}};
   out["rows"] = ordered_json::array();
   for (const QualityRow& row : rows) out["rows"].push_back(row_json(row, asked));
   put_films(out, films, asked);
@@ -257,6 +296,7 @@ void print_text(const std::vector<QualityRow>& rows, const Films& films, const A
     }
     print_scores(row, asked);
   }
+  fmt::print("display {}\n", display_line(asked.setup.display));
   if (films.empty()) return;
   fmt::print("\nover {} times as successive frames, over the silhouettes\n", asked.times);
   print_films(films, asked);
@@ -267,16 +307,20 @@ int run_quality(const Options& options, metrics::ScoreTable table) {
   const std::vector<std::string> names = file_names(asked.setup.representations);
   if (!options.maps.empty()) make_folder(options.maps);
   gl::Context context({.device = options.device});
+  std::optional<Results> results;
+  if (!options.results.empty()) results.emplace(options.results, context, asked);
   Films films;
   std::vector<QualityRow> rows;
   {
     Progress progress("quality", asked.setup.views.size() * asked.setup.representations.size());
     rows = compute_quality(context, asked.setup, [&](const QualityRow& row, const QualityPictures& pictures) {
-      if (options.flicker) add_to_films(films, row, pictures, table);
+      if (options.flicker) add_to_films(films, row, pictures, table, asked.setup.display);
       if (!options.maps.empty()) write_maps(options.maps, stem(names[row.index], row.view), row, pictures);
+      if (results) results->add(row, pictures);
       progress.advance();
     });
   }
+  if (results) results->finish(rows);
   if (options.json)
     print_json(rows, films, asked, context.renderer());
   else
@@ -334,6 +378,8 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
   command->add_flag("--causes", options->causes,
                     "ssim had the pixels of one kind been the mesh's own: outside one silhouette, on another surface, "
                     "otherwise shaded");
+  add_display_option(*command, options->display);
+  add_results_option(*command, options->results);
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);
   add_json_option(*command, options->json);

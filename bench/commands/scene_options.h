@@ -9,6 +9,7 @@
 
 #include "bench/commands/options.h"
 #include "core/image_io.h"
+#include "metrics/display.h"
 #include "scene/crowd/crowd.h"
 #include "scene/crowd/occupancy.h"
 #include "scene/scenario/scenario.h"
@@ -28,6 +29,7 @@ struct SceneOptions {
   std::string size;            // "WxH"
   CharacterOptions character;  // its source replaces the scenario's characters; its changes are for all of them
   std::string device;          // gl::ContextOptions::device
+  std::string display;         // of add_display_option, in commands that score pictures
 };
 
 // [SCENARIO] --agents --seed --occupancy --size --device and add_character_options. `options` must outlive `command`.
@@ -41,10 +43,13 @@ struct ChosenScenario {
   scene::Scenario scenario;
   std::filesystem::path folder;
   scene::KeyPlaces places;
+  metrics::ChosenDisplay display;                        // --display, else the scenario's
   std::string representation_from = "--representation";  // who is to blame where it cannot be parsed
 };
 // Throws Error.
 ChosenScenario read_scenario(const SceneOptions& options);
+// The display of --display; the default one where the text is empty. Throws Error.
+metrics::ChosenDisplay display_of_option(const std::string& text);
 // The scenario draws this instead, unless the text is empty.
 void override_representation(ChosenScenario& chosen, const std::string& text);
 // scenario.representation taken apart. Throws Error naming the option or the file's line.

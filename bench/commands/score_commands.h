@@ -7,6 +7,7 @@ namespace crowdbench::bench {
 
 // table: of scores that outlive the command.
 void add_compare(Command& app, Run& run, metrics::ScoreTable table);
+void add_correlate(Command& app, Run& run, metrics::ScoreTable table);
 void add_distance(Command& app, Run& run, metrics::ScoreTable table);
 void add_quality(Command& app, Run& run, metrics::ScoreTable table);
 void add_popmap(Command& app, Run& run, metrics::ScoreTable table);

@@ -19,6 +19,17 @@ Json score_json(const metrics::ScoreResult& result) {
   return out;
 }
 
+Json display_json(const metrics::ChosenDisplay& chosen) {
+  return {{"name", chosen.display.name},
+          {"given", chosen.given},
+          {"pixels_per_degree", chosen.display.pixels_per_degree},
+          {"text", metrics::display_text(chosen.display)}};
+}
+
+std::string display_line(const metrics::ChosenDisplay& chosen) {
+  return metrics::display_text(chosen.display) + (chosen.given ? "" : " (by default; --display chooses)");
+}
+
 void put_scores(Json& values, Json& reasons, std::span<const metrics::Scored> scores) {
   for (const auto& [score, result] : scores) {
     const std::string name(score->name);

@@ -14,6 +14,10 @@ Json json_number(const std::optional<double>& value);
 
 // {"mean": ..., "weighted_median": ...} where there are pooled figures, else the bare value.
 Json score_json(const metrics::ScoreResult& result);
+// {"name", "given", "pixels_per_degree", "text"}
+Json display_json(const metrics::ChosenDisplay& chosen);
+// For people: metrics::display_text(), and that nobody chose it where it is so.
+std::string display_line(const metrics::ChosenDisplay& chosen);
 
 // Adds each score to `values` by its name, and its reason to `reasons` where it is absent. Both are objects.
 void put_scores(Json& values, Json& reasons, std::span<const metrics::Scored> scores);

@@ -315,7 +315,8 @@ class Sweep {
     row.character = point.character;
     row.agents = point.agents;
     row.requested_occupancy = point.requested_occupancy;
-    row.scores = score_crowd(request_.table, reference, test);
+    row.scores = score_crowd(request_.table, request_.display, reference, test);
+    put_display(row, request_.display);
     const int64_t id = store_.write(row);
     if (keep_pictures)
       write_pictures(store_, run_.id, id, reference.colour, test.colour, row.reference, row.representation);
@@ -394,10 +395,12 @@ SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const Timi
   return Sweep(context, cast, method, run, request, store, progress).run();
 }
 
-std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const renderers::Capture& reference,
-                                  const renderers::Capture& test) {
+std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::ChosenDisplay& display,
+                                  const renderers::Capture& reference, const renderers::Capture& test) {
+  metrics::ScoreInput input{buffers_of(reference), buffers_of(test)};
+  metrics::look_at(display, input);
   metrics::Shared shared;
-  return score_rows(metrics::score_pictures(table, {buffers_of(reference), buffers_of(test)}, shared));
+  return score_rows(metrics::score_pictures(table, input, shared));
 }
 
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,

@@ -31,6 +31,7 @@ struct SweepRequest {
   uint32_t picture_agents = 250;     // pictures are kept of the largest measured crowd up to this, at each occupancy
   uint64_t bake_budget = uint64_t{512} << 20;
   metrics::ScoreTable table = metrics::scores();  // of the pictures
+  metrics::ChosenDisplay display;                 // that they are looked at on
 };
 
 // The stage of a point, as it was solved for.
@@ -61,8 +62,8 @@ SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const Timi
 
 // Whole-frame scores of a representation's picture against the reference's (same view): each of the table's that
 // colours, ids and depths have.
-std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const renderers::Capture& reference,
-                                  const renderers::Capture& test);
+std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::ChosenDisplay& display,
+                                  const renderers::Capture& reference, const renderers::Capture& test);
 // The pictures of one comparison: reference, test, pseudocolour difference, with its colour bar where `bar`.
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,
                     const std::string& reference_name, const std::string& test_name, bool bar = true);

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/progress.h"
 #include "metrics/agents.h"
+#include "reports/model/distance_series.h"
 #include "scene/crowd/crowd.h"
 
 namespace crowdbench::bench {
@@ -74,8 +75,7 @@ std::vector<const metrics::Score*> agent_scores(metrics::ScoreTable table, bool 
 std::vector<AgentValues> score_views(const std::vector<AgentView>& views, const DistanceRequest& request,
                                      const Capture& reference, const Capture& test) {
   metrics::ScoreInput input{buffers_of(reference), buffers_of(test)};
-  input.display = request.display;
-  input.display_is_default = request.display_is_default;
+  metrics::look_at(request.display, input);
   metrics::Shared shared;
   const metrics::AgentScores scored = metrics::score_agents(request.scores, input, shared);
   std::vector<AgentValues> out;
@@ -144,9 +144,12 @@ std::optional<double> pixels_per_texel(const DistanceResult& result, const Agent
 }
 
 const std::vector<AgainstText>& all_against() {
-  static const std::vector<AgainstText> all = {{Against::distance, "distance_m", "distance from the eye", "m"},
-                                               {Against::height, "height_px", "height", "pixels"},
-                                               {Against::texel, "pixels_per_texel", "pixels a texel", ""}};
+  static const std::vector<AgainstText> all = [] {
+    std::vector<AgainstText> texts;
+    for (const reports::DistanceAxis& axis : reports::distance_axes())
+      texts.push_back({static_cast<Against>(texts.size()), axis.name, axis.title, axis.unit});
+    return texts;
+  }();
   return all;
 }
 

@@ -21,13 +21,12 @@ struct DistanceRequest {
   renderers::Spec reference;
   std::vector<renderers::Spec> representations;  // at least one
   std::vector<const metrics::Score*> scores;     // of agent_scores()
-  const metrics::Display* display = nullptr;
-  bool display_is_default = false;  // metrics::ScoreInput
-  uint64_t tick = 0;                // the first
-  uint64_t frames = 1;              // at least one
-  uint64_t step = 10;               // ticks from one frame to the next, at least one
-  double least_visible = 0.75;      // AgentState::occluded below it
-  int supersample = 1;              // renderers::CaptureOptions
+  metrics::ChosenDisplay display;
+  uint64_t tick = 0;            // the first
+  uint64_t frames = 1;          // at least one
+  uint64_t step = 10;           // ticks from one frame to the next, at least one
+  double least_visible = 0.75;  // AgentState::occluded below it
+  int supersample = 1;          // renderers::CaptureOptions
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
 };
@@ -59,7 +58,7 @@ DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, c
 // Pixels that a texel of the agent's map spans at the agent's depth; nothing where there are no texels.
 std::optional<double> pixels_per_texel(const DistanceResult& result, const AgentView& view, size_t representation);
 
-// What a curve is drawn against. Heights and ratios fall with distance.
+// What a curve is drawn against, in the order of reports::distance_axes(). Heights and ratios fall with distance.
 enum class Against : uint8_t { distance, height, texel };
 struct AgainstText {
   Against against;

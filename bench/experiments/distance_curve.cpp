@@ -4,11 +4,11 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "core/random.h"
+#include "core/rank_correlation.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -23,37 +23,6 @@ double middle_of(double a, double b) { return a == b ? a : 0.5 * (a + b); }
 double median_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return middle_of(values[(values.size() - 1) / 2], values[values.size() / 2]);
-}
-
-// Ranks from 1, ties at their mean.
-std::vector<double> ranks_of(const std::vector<double>& values) {
-  std::vector<size_t> order(values.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return values[a] < values[b]; });
-  std::vector<double> ranks(values.size());
-  for (size_t i = 0; i < order.size();) {
-    size_t end = i + 1;
-    while (end < order.size() && values[order[end]] == values[order[i]]) ++end;
-    for (size_t k = i; k < end; ++k) ranks[order[k]] = 0.5 * static_cast<double>(i + end + 1);
-    i = end;
-  }
-  return ranks;
-}
-
-std::optional<double> spearman(const std::vector<double>& a, const std::vector<double>& b) {
-  const std::vector<double> p = ranks_of(a);
-  const std::vector<double> q = ranks_of(b);
-  const double mean = 0.5 * static_cast<double>(a.size() + 1);
-  double pp = 0;
-  double qq = 0;
-  double pq = 0;
-  for (size_t i = 0; i < p.size(); ++i) {
-    pp += (p[i] - mean) * (p[i] - mean);
-    qq += (q[i] - mean) * (q[i] - mean);
-    pq += (p[i] - mean) * (q[i] - mean);
-  }
-  if (pp == 0 || qq == 0) return std::nullopt;
-  return pq / std::sqrt(pp * qq);
 }
 
 // The points of one bin by value, with the places of their agents among all.

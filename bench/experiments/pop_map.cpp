@@ -18,7 +18,8 @@ using Scores = std::vector<const metrics::Score*>;
 using Values = std::vector<std::optional<double>>;
 
 // Over the crop around the region, as metrics::score_figure has them.
-Values score(const Scores& scores, const Image8& a, const Image8& b, const metrics::Mask& either) {
+Values score(const Scores& scores, const Image8& a, const Image8& b, const metrics::Mask& either,
+             const metrics::ChosenDisplay& display) {
   Values values(scores.size());
   const auto box = metrics::crop_box(either, either);
   if (!box) return values;
@@ -29,20 +30,22 @@ Values score(const Scores& scores, const Image8& a, const Image8& b, const metri
   input.reference.codes = &left;
   input.test.codes = &right;
   input.region = &region;
+  metrics::look_at(display, input);
   metrics::Shared shared;
   const auto scored = metrics::score_pictures(scores, input, shared);
   for (size_t i = 0; i < values.size(); ++i) values[i] = scored[i].result.value;
   return values;
 }
 
-PopScores score_switch(const Scores& scores, const renderers::Capture& from, const renderers::Capture& to, int fade) {
+PopScores score_switch(const Scores& scores, const renderers::Capture& from, const renderers::Capture& to,
+                       const PopRequest& request) {
   const metrics::Mask either = metrics::union_of(metrics::mask_of(from.ids), metrics::mask_of(to.ids));
   PopScores out;
-  out.cut = score(scores, from.colour, to.colour, either);
+  out.cut = score(scores, from.colour, to.colour, either, request.display);
   out.fade_step.resize(scores.size());
-  const std::vector<Image8> pictures = fade_pictures(from.colour, to.colour, fade);
+  const std::vector<Image8> pictures = fade_pictures(from.colour, to.colour, request.fade);
   for (size_t i = 1; i < pictures.size(); ++i) {
-    const Values step = score(scores, pictures[i - 1], pictures[i], either);
+    const Values step = score(scores, pictures[i - 1], pictures[i], either, request.display);
     for (size_t s = 0; s < scores.size(); ++s)
       if (step[s] && (!out.fade_step[s] || metrics::is_worse(*scores[s], *step[s], *out.fade_step[s])))
         out.fade_step[s] = step[s];
@@ -81,9 +84,17 @@ std::vector<Image8> fade_pictures(const Image8& a, const Image8& b, int fade) {
 std::vector<const metrics::Score*> pop_scores(metrics::ScoreTable table) {
   std::vector<const metrics::Score*> out;
   for (const metrics::Score* score : table)
-    if (score->compute && score->scope == metrics::Scope::region &&
-        (score->needs & ~(metrics::kNeedsCodes | metrics::kNeedsRegion)) == 0)
+    if (score->compute &&
+        (score->needs & ~(metrics::kNeedsCodes | metrics::kNeedsRegion | metrics::kNeedsDisplay)) == 0)
       out.push_back(score);
+  return out;
+}
+
+std::vector<const metrics::Score*> usual_pop_scores(metrics::ScoreTable table) {
+  std::vector<const metrics::Score*> out = pop_scores(table);
+  std::erase_if(out, [](const metrics::Score* score) {
+    return score->scope != metrics::Scope::region && (score->uses & metrics::kHeadline) == 0;
+  });
   return out;
 }
 
@@ -175,8 +186,8 @@ std::vector<PopCell> compute_pop_map(gl::Context& context, const PopRequest& req
           pictures.mesh = renderer.capture(at(phase), *mesh);
           pictures.matched = renderer.capture(at(cell.shown_phase), *mesh);
           pictures.impostor = renderer.capture(at(phase), *impostor);
-          cell.own = score_switch(scores, pictures.mesh, pictures.impostor, request.fade);
-          cell.matched = score_switch(scores, pictures.matched, pictures.impostor, request.fade);
+          cell.own = score_switch(scores, pictures.mesh, pictures.impostor, request);
+          cell.matched = score_switch(scores, pictures.matched, pictures.impostor, request);
           if (seen) seen(cell, pictures);
           cells.push_back(cell);
         }

@@ -30,6 +30,7 @@ struct PopRequest {
   double pose_rate = 30;
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
+  metrics::ChosenDisplay display;
   metrics::ScoreTable table = metrics::scores();
 };
 
@@ -49,8 +50,12 @@ struct PopCell {
   PopScores matched;  // the mesh in the stored frame's pose
 };
 
-// The scores of a table that a switch can have: over a region, of two pictures of code values.
+// The scores of a table that a switch can have: of two pictures of code values. Those that count no region are of the
+// crop around the silhouettes.
 std::vector<const metrics::Score*> pop_scores(metrics::ScoreTable table);
+// Of those what `popmap` computes where no scores are asked for: those of a region and those that head a report. Twelve
+// pairs of pictures a cell are scored, so that what is dear would be most of the time.
+std::vector<const metrics::Score*> usual_pop_scores(metrics::ScoreTable table);
 
 // Of one score over cells: mean, the bad end's 5 % (the 95th percentile where lower is better, else the 5th) and the
 // worst. Of the cells that have the score; none: nothing. Infinite where cells are (equal pictures have no finite

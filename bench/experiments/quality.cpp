@@ -69,21 +69,22 @@ Image8 mended(const QualityPictures& pictures, double height, Wrong wanted) {
   return out;
 }
 
-QualityCauses causes_of(const QualityPictures& pictures, double height, metrics::ScoreTable table) {
+QualityCauses causes_of(const QualityPictures& pictures, double height, metrics::ScoreTable table,
+                        const metrics::ChosenDisplay& display) {
   const metrics::Score* score = metrics::score_by_cause(table);
   if (!score) return {};
   const auto without = [&](Wrong kind) {
     const Image8 picture = mended(pictures, height, kind);
     metrics::Buffers test = buffers_of(pictures.test);
     test.codes = &picture;
-    return metrics::score_figure({&score, 1}, buffers_of(pictures.reference), test).value(score->name);
+    return metrics::score_figure({&score, 1}, buffers_of(pictures.reference), test, {&display}).value(score->name);
   };
   return {without(Wrong::silhouette), without(Wrong::surface), without(Wrong::shading)};
 }
 
 // What the scores of a figure may ask for.
 constexpr metrics::Needs kOffered =
-    metrics::kNeedsCodes | metrics::kNeedsIds | metrics::kNeedsDepth | metrics::kNeedsRegion;
+    metrics::kNeedsCodes | metrics::kNeedsIds | metrics::kNeedsDepth | metrics::kNeedsRegion | metrics::kNeedsDisplay;
 
 // All of one call: what the views have in common is made once.
 class Comparison {
@@ -219,9 +220,9 @@ class Comparison {
     // After the last representation nobody will ask again.
     pictures.reference = last ? std::move(references_[v]) : references_[v];
     pictures.test = side->second.capture(frame, row.phase);
-    row.scores =
-        metrics::score_figure(setup_.table, buffers_of(pictures.reference), buffers_of(pictures.test), setup_.maps);
-    if (setup_.causes) row.causes = causes_of(pictures, height(view), setup_.table);
+    row.scores = metrics::score_figure(setup_.table, buffers_of(pictures.reference), buffers_of(pictures.test),
+                                       {&setup_.display, setup_.maps});
+    if (setup_.causes) row.causes = causes_of(pictures, height(view), setup_.table, setup_.display);
     if (seen) seen(row, pictures);
     for (metrics::Scored& one : row.scores.scores) one.result.map.reset();
   }

@@ -57,7 +57,8 @@ struct QualitySetup {
   bool use_cache = true;
   bool causes = false;  // fill QualityRow::causes
   bool maps = false;    // fill the scores' maps, over FigureScores::box
-  std::string debug;    // a debug view of the representations instead of their pictures
+  metrics::ChosenDisplay display;
+  std::string debug;  // a debug view of the representations instead of their pictures
   metrics::ScoreTable table = metrics::scores();
 };
 

@@ -22,6 +22,11 @@ std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores) {
   return rows;
 }
 
+void put_display(ComparisonRow& row, const metrics::ChosenDisplay& chosen) {
+  row.display = metrics::display_text(chosen.display);
+  row.display_given = chosen.given;
+}
+
 std::vector<reports::ScoreDoc> score_docs(metrics::ScoreTable table) {
   std::vector<reports::ScoreDoc> docs;
   for (const metrics::Score* score : table) {

@@ -16,6 +16,9 @@ metrics::Buffers buffers_of(const renderers::Capture& capture);
 // One row a score, absent ones with their reason; further figures as "name.figure".
 std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores);
 
+// The display columns of a comparison whose scores were computed on it.
+void put_display(ComparisonRow& row, const metrics::ChosenDisplay& chosen);
+
 // In the table's order.
 std::vector<reports::ScoreDoc> score_docs(metrics::ScoreTable table);
 

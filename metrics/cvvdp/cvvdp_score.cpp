@@ -174,6 +174,7 @@ extern const Score score_cvvdp = {
     .least = -std::numeric_limits<double>::infinity(),
     .greatest = 10,
     .needs = kNeedsDisplay,
+    .uses = kInTables,
     .computes =
         "visible differences by band of spatial frequency, opponent channel and (in a clip) time, pooled; 10 less "
         "their just-objectionable differences. Of an agent: the mean of the map over its pixels",

@@ -2,12 +2,24 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "reports/model/score_doc.h"
+#include "store/rows.h"
 
 namespace crowdbench::reports {
+
+// What a curve is drawn against.
+struct DistanceAxis {
+  const char* name;   // in the result store and in JSON
+  const char* title;  // for people
+  const char* unit;   // for people; may be empty
+  bool far_is_low;    // what is far away has low x
+};
+// Distance, height, pixels a texel.
+std::span<const DistanceAxis> distance_axes();
 
 struct DistanceBin {
   double x = 0;
@@ -44,5 +56,12 @@ struct DistanceScore {
   ScoreDoc doc;
   std::vector<DistanceGraph> graphs;
 };
+
+// For people: "from 12.3 m on (95 %: 10.1 to 14)". curve: of the row, with its bins.
+std::string threshold_text(const ThresholdRow& row, const CurveRow& curve);
+
+// The curves of one run: scores as `docs` order them, each against what it was drawn against.
+std::vector<DistanceScore> distance_scores(const StoreContents& contents, int64_t run,
+                                           const std::vector<ScoreDoc>& docs);
 
 }  // namespace crowdbench::reports

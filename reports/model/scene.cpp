@@ -116,7 +116,8 @@ std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<Sc
     const auto key = key_of_run(row.run, row.character);
     for (const auto& [place, index] : places)
       if (key && std::get<0>(place) == *key) {
-        (row.kind == "crowd" ? scenes[index].crowd_comparisons : scenes[index].agent_comparisons).push_back(&row);
+        if (row.kind == "crowd") scenes[index].crowd_comparisons.push_back(&row);
+        if (row.kind == "agent") scenes[index].agent_comparisons.push_back(&row);
         scene_of_comparison[row.id] = index;
         break;
       }

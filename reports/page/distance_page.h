@@ -1,9 +1,11 @@
-// The page of `distance`: every score of the agents of a crowd against how far away they are.
+// The page of `distance`, and the same within a report: every score of the agents of a crowd against how far away they
+// are.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "reports/model/distance_series.h"
+#include "reports/page/html_template.h"
 
 namespace crowdbench::reports {
 
@@ -15,6 +17,9 @@ struct DistancePage {
   std::string renderer;
   std::vector<DistanceScore> scores;  // in the order in which people read them
 };
+
+// Charts of the scores and where thresholds are reached. last_chart: the number of the page's last chart, counted up.
+Html distance_section(const std::vector<DistanceScore>& scores, int& last_chart);
 
 // One self-contained HTML page that opens without a network. Throws Error when the program was built without the chart
 // library.

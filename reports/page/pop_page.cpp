@@ -120,6 +120,7 @@ std::string pop_page(const PopPage& page) {
                                                             {"clip", page.clip},
                                                             {"renderer", page.renderer},
                                                             {"program", page.program},
+                                                            {"display", page.display},
                                                             {"answer", std::move(sentences)},
                                                             {"cells", count_text(cells)},
                                                             {"fade", page.fade},

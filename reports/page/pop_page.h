@@ -16,6 +16,7 @@ struct PopPage {
   std::vector<ScoreDoc> scores;                                    // of the points and summaries, in their order
   size_t ranking = 0;                                              // into scores: by which the worst is found
   std::vector<PopSize> sizes;
+  std::string display;  // where it is looked at, for people
 };
 
 // One self-contained HTML page that opens without a network. Throws Error when the program was built without the chart

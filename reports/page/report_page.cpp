@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "reports/page/blocks.h"
+#include "reports/page/distance_page.h"
 #include "reports/page/page_files.h"
 #include "reports/page/page_frame.h"
 #include "reports/page/sections.h"
@@ -23,11 +24,14 @@ std::string title_of(const Scene& scene) {
                          : fmt::format("A crowd drawn as {} and as {}: cost and difference", scene.reference, against);
 }
 
-// Each once, in the order of the scenes.
-std::string characters_of(const std::vector<Scene>& scenes) {
+// Each once, in the order of the scenes, then of the curves.
+std::string characters_of(const std::vector<Scene>& scenes, const std::vector<CurveRow>& curves) {
   std::vector<std::string> names;
-  for (const Scene& scene : scenes)
-    if (std::find(names.begin(), names.end(), scene.character) == names.end()) names.push_back(scene.character);
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const Scene& scene : scenes) add(scene.character);
+  for (const CurveRow& curve : curves) add(curve.character);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -72,25 +76,49 @@ TemplateValues run_values(const RunRow& run) {
   return {{"id", run.id}, {"started", run.started}, {"facts", std::move(facts)}, {"scenario", run.scenario}};
 }
 
+// Those that `distance` made, in their order.
+std::vector<const RunRow*> runs_with_curves(const StoreContents& contents) {
+  std::vector<const RunRow*> runs;
+  for (const RunRow& run : contents.runs)
+    if (std::any_of(contents.curves.begin(), contents.curves.end(), [&](const CurveRow& c) { return c.run == run.id; }))
+      runs.push_back(&run);
+  return runs;
+}
+
+TemplateValues distance_values(const StoreContents& contents, const RunRow& run, const PageOptions& options,
+                               int& last_chart) {
+  const auto curve =
+      std::find_if(contents.curves.begin(), contents.curves.end(), [&](const CurveRow& c) { return c.run == run.id; });
+  return {{"character", curve->character},
+          {"scenario", run.scenario_name},
+          {"reference", curve->reference},
+          {"display", curve->display},
+          {"run", run.id},
+          {"section", distance_section(distance_scores(contents, run.id, options.scores), last_chart)}};
+}
+
 }  // namespace
 
 std::string report_page(const StoreContents& contents, const PageOptions& options) {
   const std::vector<Scene> scenes = scenes_of(contents, options.scores);
-  if (scenes.empty())
+  const std::vector<const RunRow*> distances = runs_with_curves(contents);
+  if (scenes.empty() && distances.empty())
     throw Error(options.source, "holds no measurement", "run `crowdbench bench --out " + options.source + "` first");
   const bool several = scenes.size() > 1;
-  const RunRow& run = *scenes.front().run;
+  const RunRow& run = scenes.empty() ? *distances.front() : *scenes.front().run;
   std::vector<Html> answers;
-  if (!several) answers.push_back(answer_section(scenes.front()));
+  if (scenes.size() == 1) answers.push_back(answer_section(scenes.front()));
   std::erase_if(answers, [](const Html& answer) { return answer.text.empty(); });
   int last_chart = 0;
   Rows on_page;
   for (const Scene& scene : scenes) on_page.push_back(scene_values(scene, options.floors, several, last_chart));
+  Rows over_distance;
+  for (const RunRow* each : distances) over_distance.push_back(distance_values(contents, *each, options, last_chart));
   Rows runs;
   for (const RunRow& each : contents.runs) runs.push_back(run_values(each));
   Html content = fill_template(
       page_file("report.html"),
-      {{"characters", characters_of(scenes)},
+      {{"characters", characters_of(scenes, contents.curves)},
        {"started", run.started},
        {"processor", run.cpu_model.value_or("an unnamed processor")},
        {"renderer", run.gl_renderer},
@@ -99,8 +127,11 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
        {"answer", html_rows(std::move(answers))},
        {"software", std::any_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return scene.run->software; })},
        {"scenes", std::move(on_page)},
+       {"distances", std::move(over_distance)},
+       {"timed", !scenes.empty()},
        {"runs", std::move(runs)}});
-  return page_frame(title_of(scenes.front()), std::move(content), options.source);
+  return page_frame(scenes.empty() ? "Difference over distance" : title_of(scenes.front()), std::move(content),
+                    options.source);
 }
 
 }  // namespace crowdbench::reports

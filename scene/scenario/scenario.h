@@ -1,5 +1,6 @@
 // Scenario: one TOML file that says what is shown; every key has a default, a unit and a range.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -47,6 +48,23 @@ struct CrowdSettings {
   bool operator==(const CrowdSettings&) const = default;
 };
 
+// Where the pictures are looked at: a model by name, or a display by ColorVideoVDP's keys, whose meaning, defaults and
+// dependence on each other are those of metrics/display.h. Nothing given: nobody chose one.
+struct DisplaySettings {
+  std::optional<std::string> model;                  // a model's name, or FILE.json[:NAME]
+  std::optional<std::array<int64_t, 2>> resolution;  // width and height in pixels
+  std::optional<double> viewing_distance_meters, viewing_distance_inches;
+  std::optional<double> diagonal_size_meters, diagonal_size_inches;
+  std::optional<double> fov_diagonal;  // degrees
+  std::optional<double> pixels_per_degree;
+  std::optional<double> max_luminance, min_luminance;  // cd/m2
+  std::optional<double> contrast;
+  std::optional<double> e_ambient;  // lux
+  std::optional<double> k_refl, exposure;
+  std::optional<std::string> colorspace;
+  bool operator==(const DisplaySettings&) const = default;
+};
+
 struct Scenario {
   std::string name = "default";
   uint64_t seed = 1;
@@ -62,6 +80,7 @@ struct Scenario {
   Light light;
   bool ground = false;
   glm::vec3 background{0.2158605F, 0.2158605F, 0.2158605F};  // linear; in TOML '#rrggbb' sRGB
+  DisplaySettings display;
   bool operator==(const Scenario&) const = default;
 };
 

@@ -334,6 +334,50 @@ void add_character_keys(std::vector<Key>& keys) {
       [](Scenario & s, size_t i) -> auto& { return s.characters[i].share; }));
 }
 
+// A key of [display]: not given where it is "none".
+template <typename T>
+void add_display_key(std::vector<Key>& keys, const char* name, KeyType type, const char* unit, Range range,
+                     const char* meaning, std::optional<T> DisplaySettings::*member) {
+  keys.push_back(or_else(key<std::optional<T>>(
+                             "display", name, type, unit, range,
+                             meaning, [member](Scenario & s, size_t) -> auto& { return s.display.*member; }),
+                         "none"));
+}
+
+// The ranges are those of metrics/display_file.cpp.
+void add_display_keys(std::vector<Key>& keys) {
+  using D = DisplaySettings;
+  constexpr double kInch = 0.0254;
+  const auto number = [&](const char* name, const char* unit, Range range, const char* meaning,
+                          std::optional<double> D::*member) {
+    add_display_key(keys, name, KeyType::number, unit, range, meaning, member);
+  };
+  add_display_key(keys, "model", KeyType::text, "", {},
+                  "a model of ColorVideoVDP by its name, or FILE.json, or FILE.json:NAME, seen from the scenario's "
+                  "folder; instead of all other keys",
+                  &D::model);
+  add_display_key(keys, "resolution", KeyType::size, "pixels", {1, 65536}, "width and height", &D::resolution);
+  number("viewing_distance_meters", "m", {1e-3, 1e4}, "from the eye", &D::viewing_distance_meters);
+  number("viewing_distance_inches", "inches", {1e-3 / kInch, 1e4 / kInch}, "the same", &D::viewing_distance_inches);
+  number("diagonal_size_meters", "m", {1e-3, 1e4}, "between opposite corners", &D::diagonal_size_meters);
+  number("diagonal_size_inches", "inches", {1e-3 / kInch, 1e4 / kInch}, "the same", &D::diagonal_size_inches);
+  number("fov_diagonal", "", {0.1, 179}, "degrees between opposite corners, in place of distance and diagonal",
+         &D::fov_diagonal);
+  number("pixels_per_degree", "pixels/degree", {1, 1e4}, "in place of resolution, distance and diagonal",
+         &D::pixels_per_degree);
+  number("max_luminance", "cd/m2", {1e-2, 1e6}, "of the largest value; needed without `model`", &D::max_luminance);
+  number("min_luminance", "cd/m2", {0, 1e6}, "of the smallest value, without reflections", &D::min_luminance);
+  number("contrast", "", {1.01, 1e12}, "max_luminance / contrast is min_luminance; 500 where neither is given",
+         &D::contrast);
+  number("E_ambient", "lux", {0, 1e6}, "light of the room on the screen; 0 where not given", &D::e_ambient);
+  number("k_refl", "", {0, 1}, "share of that light that the screen sends back; 0.005 where not given", &D::k_refl);
+  number("exposure", "", {1e-6, 1e6}, "multiplies linear values before they are shown; 1 where not given",
+         &D::exposure);
+  add_display_key(keys, "colorspace", KeyType::text, "", {},
+                  "from value to light, as ColorVideoVDP names it: sRGB (where not given), BT.2020-PQ, ...",
+                  &D::colorspace);
+}
+
 std::vector<Key> make_keys() {
   std::vector<Key> keys;
   add_top_keys(keys);
@@ -344,6 +388,7 @@ std::vector<Key> make_keys() {
       [](Scenario & s, size_t i) -> auto& { return s.camera.keys[i].time; }));
   add_camera_keys(keys, "camera.key");
   add_light_keys(keys);
+  add_display_keys(keys);
   add_character_keys(keys);
   return keys;
 }
@@ -352,12 +397,16 @@ std::vector<Key> make_keys() {
 
 const std::vector<KeyTable>& scenario_tables() {
   static const std::vector<KeyTable> all = {
-      {"", false, "the picture, the ticks and what is solved for"},
-      {"crowd", false, "who stands where and how they move"},
-      {"camera", false, "one view; a scenario has this or a path of [[camera.key]]"},
-      {"camera.key", true, "a view of a path, passed at its time; keys by ascending time"},
-      {"light", false, "albedo * (ambient + diffuse * max(0, N.L)) in linear light"},
-      {"character", true, "a type of character; one mannequin when there is none"},
+      {"", false, "the picture, the ticks and what is solved for", ""},
+      {"crowd", false, "who stands where and how they move", ""},
+      {"camera", false, "one view; a scenario has this or a path of [[camera.key]]", ""},
+      {"camera.key", true, "a view of a path, passed at its time; keys by ascending time", ""},
+      {"light", false, "albedo * (ambient + diffuse * max(0, N.L)) in linear light", ""},
+      {"display", false,
+       "where the pictures are looked at, for scores that depend on it: `display = \"standard_fhd\"`, or "
+       "ColorVideoVDP's keys; --display goes first",
+       "model"},
+      {"character", true, "a type of character; one mannequin when there is none", ""},
   };
   return all;
 }
@@ -383,6 +432,7 @@ std::string toml_value(const Key& key, const KeyValue& value) {
     std::string operator()(const glm::dvec3& v) const {
       return fmt::format("[{}, {}, {}]", decimal(v.x), decimal(v.y), decimal(v.z));
     }
+    std::string operator()(const std::array<int64_t, 2>& v) const { return fmt::format("[{}, {}]", v[0], v[1]); }
     std::string operator()(const std::vector<std::string>& v) const {
       std::string line;
       std::string lines;

@@ -1,5 +1,6 @@
 // The one table of scenario keys that the parser, to_toml, the JSON Schema and the Markdown table are made from.
 #pragma once
+#include <array>
 #include <functional>
 #include <glm/glm.hpp>
 #include <string>
@@ -19,19 +20,20 @@ enum class KeyType : uint8_t {
   choice,   // one of `words`, kept as its position in int64_t
   colour,   // '#rrggbb' as std::string
   vector,   // three numbers, glm::dvec3
+  size,     // two integers, [width, height], std::array<int64_t, 2>
   texts     // a list of at most 256 texts
 };
 
 // std::monostate is the word in `Key::absent`.
-using KeyValue =
-    std::variant<std::monostate, bool, int64_t, uint64_t, double, std::string, glm::dvec3, std::vector<std::string>>;
+using KeyValue = std::variant<std::monostate, bool, int64_t, uint64_t, double, std::string, glm::dvec3,
+                              std::array<int64_t, 2>, std::vector<std::string>>;
 
 struct Key {
-  std::string table;  // "", "crowd", "camera", "camera.key", "character", "light"
+  std::string table;  // "", "crowd", "camera", "camera.key", "character", "light", "display"
   std::string name;
   KeyType type = KeyType::number;
   std::string unit;  // empty where there is none
-  double low = 0;    // range of integers, numbers and of each number of a vector, inclusive
+  double low = 0;    // range of integers, numbers and of each number of a vector or size, inclusive
   double high = 0;
   std::vector<std::string> words;  // of a choice
   std::string absent;              // a word that stands for "none of these" ("as_is"); empty where there is none
@@ -45,6 +47,7 @@ struct KeyTable {
   std::string name;   // "" for the top level
   bool list = false;  // [[name]]
   std::string meaning;
+  std::string short_for;  // the key that a text in the table's place is: display = "standard_fhd"; empty: none
 };
 
 // In the order in which they are written and documented.

@@ -187,12 +187,7 @@ class Reader {
       case KeyType::flag:
         if (!value.is_boolean()) wrong_type(value, "true or false");
         return value.as_boolean();
-      case KeyType::integer: {
-        if (!value.is_integer()) wrong_type(value, "an integer");
-        const int64_t number = value.as_integer();
-        check_range(value, static_cast<double>(number), fmt::format("{}", number));
-        return number;
-      }
+      case KeyType::integer: return integer(value);
       case KeyType::seed: return seed(value);
       case KeyType::number: return number(value);
       case KeyType::text: return text(value);
@@ -217,6 +212,12 @@ class Reader {
         glm::dvec3 vector;
         for (int i = 0; i < 3; ++i) vector[i] = number(value.as_array()[static_cast<size_t>(i)]);
         return vector;
+      }
+      case KeyType::size: {
+        if (!value.is_array() || value.as_array().size() != 2) wrong_type(value, "two integers like [1920, 1080]");
+        std::array<int64_t, 2> size{};
+        for (size_t i = 0; i < 2; ++i) size.at(i) = integer(value.as_array()[i]);
+        return size;
       }
       case KeyType::texts: {
         if (!value.is_array()) wrong_type(value, "a list of texts");
@@ -252,6 +253,13 @@ class Reader {
     fail(
         value, fmt::format("is {}", shown),
         fmt::format("it must lie between {} and {}{}{}", key_.low, key_.high, key_.unit.empty() ? "" : " ", key_.unit));
+  }
+
+  int64_t integer(const Toml& value) const {
+    if (!value.is_integer()) wrong_type(value, "an integer");
+    const int64_t number = value.as_integer();
+    check_range(value, static_cast<double>(number), fmt::format("{}", number));
+    return number;
   }
 
   double number(const Toml& value) const {
@@ -317,12 +325,21 @@ class Parser {
         if (candidate.name == key_name) key = &candidate;
       }
       if (key == nullptr) unknown(name, key_name, entry, std::move(known));
-      key->set(scenario_, index, Reader(where_, *key).read(entry));
-      if (places_ != nullptr) (*places_)[key_place(name, key_name, index)] = at_line(where_, line_of(entry));
+      take(*key, entry, index);
     }
   }
 
+  void take(const Key& key, const Toml& value, size_t index) {
+    key.set(scenario_, index, Reader(where_, key).read(value));
+    if (places_ != nullptr) (*places_)[key_place(key.table, key.name, index)] = at_line(where_, line_of(value));
+  }
+
   void open(const KeyTable& inner, const Toml& entry) {
+    if (!inner.short_for.empty() && entry.is_string()) {
+      for (const Key& key : scenario_keys())
+        if (key.table == inner.name && key.name == inner.short_for) take(key, entry, 0);
+      return;
+    }
     if (!inner.list) {
       if (!entry.is_table())
         throw Error(at_line(where_, line_of(entry)), fmt::format("`{}` is {}", inner.name, type_name(entry)),

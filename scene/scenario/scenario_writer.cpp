@@ -43,6 +43,7 @@ Json json_value(const Key& key, const KeyValue& value) {
     Json operator()(double v) const { return v; }
     Json operator()(const std::string& v) const { return v; }
     Json operator()(const glm::dvec3& v) const { return {v.x, v.y, v.z}; }
+    Json operator()(const std::array<int64_t, 2>& v) const { return {v[0], v[1]}; }
     Json operator()(const std::vector<std::string>& v) const { return v; }
   };
   return std::visit(Writer{key}, value);
@@ -60,6 +61,9 @@ Json value_schema(const Key& key) {
     case KeyType::choice: return {{"type", "string"}, {"enum", key.words}};
     case KeyType::colour: return {{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}};
     case KeyType::vector: return {{"type", "array"}, {"items", bounded}, {"minItems", 3}, {"maxItems", 3}};
+    case KeyType::size:
+      bounded["type"] = "integer";
+      return {{"type", "array"}, {"items", bounded}, {"minItems", 2}, {"maxItems", 2}};
     case KeyType::texts:
       return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}, {"maxItems", 256}};
   }
@@ -76,6 +80,7 @@ const char* type_text(KeyType type) {
     case KeyType::choice: return "word";
     case KeyType::colour: return "colour";
     case KeyType::vector: return "three numbers";
+    case KeyType::size: return "two integers";
     case KeyType::texts: return "list of texts";
   }
   return "";
@@ -87,6 +92,7 @@ std::string range_text(const Key& key) {
     case KeyType::integer:
     case KeyType::number: text = fmt::format("{} to {}", key.low, key.high); break;
     case KeyType::seed: text = "0 to 18446744073709551615"; break;
+    case KeyType::size:
     case KeyType::vector: text = fmt::format("each {} to {}", key.low, key.high); break;
     case KeyType::colour: text = "'#000000' to '#ffffff'"; break;
     case KeyType::choice:
@@ -113,6 +119,7 @@ Json table_schema(const KeyTable& table) {
   }
   Json object = {{"type", "object"}, {"description", table.meaning}, {"additionalProperties", false}};
   object["properties"] = properties;
+  if (!table.short_for.empty()) return {{"anyOf", {object, properties[table.short_for]}}};
   if (!table.list) return object;
   const size_t most = table.name == "character" ? kScenarioCharacters : kScenarioCameraKeys;
   return {{"type", "array"}, {"minItems", 1}, {"maxItems", most}, {"items", object}};

@@ -239,7 +239,7 @@ TEST(AddedScore, IsInRowsReportAndExports) {
     row.character = "somebody";
     row.agents = 3;
     if (row.kind == "agent") row.height_px = 64;
-    row.scores = score_crowd(table(), reference, test);
+    row.scores = score_crowd(table(), {}, reference, test);
     contents.comparisons.push_back(row);
   }
   const std::vector<ScoreRow>& rows = contents.comparisons[0].scores;

@@ -185,12 +185,23 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const json j = facts(
              "distance --agents 8 --occupancy 0.1 --size 96x72 --scores mae --threshold mae=255 "
              "--representation " +
-             impostor + " --out agents.csv --json" + character);
+             impostor + " --out agents.csv --db d.sqlite --json" + character);
          EXPECT_GE(j.at("agents").at("counted").get<int>(), 2);
          ASSERT_EQ(j.at("curves").size(), 3U) << "against distance, height and texels";
          EXPECT_GT(j.at("curves")[0].at("bins")[0].at("median").get<double>(), 0);
          EXPECT_EQ(j.at("curves")[0].at("thresholds").size(), 1U);
          EXPECT_NE(text("agents.csv").find("counted"), std::string::npos);
+         // The same from the result file.
+         const Outcome report = run("report d.sqlite --out d.html --json-out d.json");
+         EXPECT_EQ(report.status, 0) << report.text;
+         EXPECT_NE(text("d.html").find("Difference over distance"), std::string::npos);
+         const json rows = json::parse(text("d.json"));
+         ASSERT_EQ(rows.at("curves").size(), 3U);
+         EXPECT_EQ(rows.at("curves")[0].at("bins")[0].at("median"), j.at("curves")[0].at("bins")[0].at("median"));
+         EXPECT_EQ(rows.at("thresholds").size(), 3U);
+         ASSERT_EQ(rows.at("comparisons").size(), j.at("rows").size());
+         EXPECT_EQ(rows.at("comparisons")[0].at("distance_m"), j.at("rows")[0].at("distance_m"));
+         EXPECT_EQ(rows.at("comparisons")[0].at("scores").at("mae"), j.at("rows")[0].at("scores").begin()->at("mae"));
        }},
       {"ratio",
        [&] {
@@ -217,6 +228,21 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
            EXPECT_GT(row.at("frame_ns").get<double>(), 0);
          }
          EXPECT_EQ(text("r.sqlite").substr(0, 13), "SQLite format");
+       }},
+      {"correlate",
+       [&] {
+         const std::string views = "quality --height-px 24,40 --azimuth-deg 0,90 --rows 64 --db q.sqlite --json" +
+                                   character + " --representation ";
+         facts(views + impostor);
+         facts(views + "rigid");
+         const json j =
+             facts("correlate q.sqlite --scores silhouette_iou,mae,flip --markdown q.md --pictures worst --json");
+         EXPECT_EQ(j.at("views"), 8);
+         EXPECT_EQ(j.at("groups"), 2);
+         ASSERT_EQ(j.at("pairs").size(), 3U);
+         EXPECT_GT(j.at("pairs")[2].at("spearman").at("value"), 0.5) << "mae and flip agree";
+         EXPECT_NE(text("q.md").find("| `flip` |"), std::string::npos);
+         EXPECT_TRUE(fs::is_directory(work_ / "worst"));
        }},
       {"report",
        [&] {

@@ -122,6 +122,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
             0);
   const std::string flat = "--representation flat:views=sphere-4x1,texels=32,frames=1";
   const std::string small = " --character mannequin:triangles=500";
+  ASSERT_EQ(run("quality --representation mesh --height-px 20,24 --rows 48 --db q.sqlite" + small).status, 0);
   const std::multimap<std::string, std::string> prints = {
       {"info", ""},
       {"info", "--json"},
@@ -140,6 +141,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite --json"},
       {"pair", "--a mesh --b mesh --agents 2 --size 48x48 --frames 2 --out c.mp4"},
+      {"correlate", "q.sqlite"},
+      {"correlate", "q.sqlite --json"},
       {"report", "r.sqlite --csv r.csv"},
       {"demo", "--tiny --no-clip " + flat + small},
       {"schema", ""},
@@ -242,6 +245,10 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "popmap --out a/b/pops",
       "distance --representation mesh --out a/b/agents.csv",
       "distance --representation mesh --chart a/b/page.html",
+      "distance --representation mesh --db a/b/r.sqlite",
+      "quality --representation mesh --db a/b/r.sqlite",
+      "correlate r.sqlite --markdown a/b/r.md",
+      "correlate r.sqlite --pictures a/b/pictures",
       "quality --representation mesh --maps a/b/maps",
       "compare x.png y.png --maps a/b/maps",
   };
@@ -292,7 +299,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
-        command != "compare") {
+        command != "correlate" && command != "compare") {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

@@ -198,6 +198,8 @@ TEST(NotFinite, InfinityInBothIsNoDifference) {
   for (const Scored& one : score_pictures(scores(), input, shared)) {
     if (one.score->name == "linear_mae") {
       EXPECT_EQ(one.result.value, 1.0 / 16);
+    } else if (one.score->name == "linear_rms") {
+      EXPECT_EQ(one.result.value, 0.25);
     } else if (one.score->name == "hdr_flip") {
       EXPECT_FALSE(one.result.value);
       EXPECT_NE(one.result.reason.find("15 pixels that are infinite"), std::string::npos);

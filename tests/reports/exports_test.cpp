@@ -80,6 +80,10 @@ StoreContents full_contents() {
   all.comparisons = {full_comparison(3)};
   all.comparisons[0].id = 6;
   all.pictures = {full_picture(3, 6)};
+  all.curves = {full_curve(3)};
+  all.curves[0].id = 7;
+  all.thresholds = {full_threshold(3, 7)};
+  all.thresholds[0].id = 8;
   return all;
 }
 
@@ -106,7 +110,7 @@ const char* const kFullMeasurement = R"({"id": 4, "run": 3, "representation": "f
 // Columns in this order, which spreadsheets and scripts of others have come to know.
 TEST(Exports, JsonHasEveryColumnUnderItsName) {
   const auto all = nlohmann::ordered_json::parse(results_json(full_contents()));
-  ASSERT_EQ(all.size(), 4U) << all;
+  ASSERT_EQ(all.size(), 6U) << all;
   const auto wanted = [](const char* text) { return nlohmann::ordered_json::parse(text); };
   EXPECT_EQ(all.at("runs").at(0).dump(), wanted(kFullRun).dump());
   auto measurement = all.at("measurements").at(0);
@@ -120,9 +124,22 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
     "character": "mannequin", "agents": 250, "width_px": 640, "height_px": 480, "requested_occupancy": 0.15,
     "to": "mesh", "metric": "cpu", "ratio": 12.5, "ratio_low": 11.5, "ratio_high": 13.5, "pairs": 20}])")
                                          .dump());
+  EXPECT_EQ(all.at("curves").dump(), wanted(R"([{"id": 7, "run": 3, "representation": "flat", "reference": "mesh",
+    "character": "mannequin", "score": "flip", "against": "height_px", "points": 401, "agents": 201,
+    "rank_correlation": -0.25, "display": "standard_fhd: ...", "display_given": true, "bins": [
+    {"bin": 0, "x_from": 1.5, "x_to": 2.5, "x": 3.5, "median": 4.5, "median_low": 5.5, "median_high": "inf",
+     "points": 200, "agents": 101},
+    {"bin": 1, "x_from": 11.5, "x_to": 12.5, "x": 13.5, "median": 14.5, "median_low": 15.5, "median_high": 16.5,
+     "points": 202, "agents": 100}]}])")
+                                         .dump());
+  EXPECT_EQ(all.at("thresholds").dump(), wanted(R"([{"id": 8, "run": 3, "curve": 7, "value": 0.125,
+    "status": "reached", "x": 20.5, "x_low": 18.5, "x_high": 22.5}])")
+                                             .dump());
   EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
     "reference": "mesh", "character": "mannequin", "agents": 9, "requested_occupancy": 0.25, "tick": 11,
     "height_px": 64.5, "azimuth_deg": 45.5, "elevation_deg": 15.5, "clip": "walk", "time_s": 0.75,
+    "agent": 12, "distance_m": 23.5, "pixels_per_texel": 0.5, "alone_px": 1300, "visible_px": 1200,
+    "state": "counted", "display": "standard_fhd: ...", "display_given": true,
     "scores": {"psnr": "inf", "ssim": null}, "reasons": {"ssim": "smaller than 11 pixels"}}])")
                                               .dump());
 }

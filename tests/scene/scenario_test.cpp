@@ -194,6 +194,12 @@ KeyValue random_value(const Key& key, uint64_t seed, uint64_t index) {
       }
       return v;
     }
+    case KeyType::size: {
+      const auto side = [&](uint64_t purpose) {
+        return static_cast<int64_t>(1 + random_below(seed, index, purpose, static_cast<uint64_t>(key.high)));
+      };
+      return std::array{side(13), side(14)};
+    }
     case KeyType::texts: {
       std::vector<std::string> texts;
       for (uint64_t i = 0; i < random_below(seed, index, 11, 4); ++i) texts.push_back(text(12 + i));
@@ -231,6 +237,27 @@ TEST(Scenario, RandomScenariosSurviveTheRoundTrip) {
   }
 }
 
+TEST(Scenario, ADisplayIsANameOrATable) {
+  EXPECT_EQ(parse_scenario("display = 'standard_fhd'", "s.toml"),
+            parse_scenario("[display]\nmodel = 'standard_fhd'", "s.toml"));
+  KeyPlaces places;
+  const Scenario s = parse_scenario("[display]\nresolution = [1920, 1080]\nE_ambient = 10\n", "s.toml", &places);
+  EXPECT_EQ(s.display.resolution, (std::array<int64_t, 2>{1920, 1080}));
+  EXPECT_EQ(s.display.e_ambient, 10);
+  EXPECT_EQ(s.display.model, std::nullopt);
+  EXPECT_EQ(places.at("display.E_ambient"), "s.toml:3");
+  places.clear();
+  parse_scenario("\ndisplay = 'a'", "s.toml", &places);
+  EXPECT_EQ(places.at("display.model"), "s.toml:2");
+  EXPECT_EQ(fault("[display]\nmax_luminence = 200"),
+            "s.toml:2: unknown key `display.max_luminence`; did you mean `max_luminance`?");
+  EXPECT_EQ(fault("[display]\nresolution = [1920]"),
+            "s.toml:2: `display.resolution` is a list; give two integers like [1920, 1080] or \"none\"");
+  EXPECT_EQ(fault("[display]\nresolution = [1920, 0]"),
+            "s.toml:2: `display.resolution` is 0; it must lie between 1 and 65536 pixels");
+  EXPECT_EQ(fault("display = 4"), "s.toml:1: `display` is an integer; write it as a table: [display]");
+}
+
 TEST(Scenario, EveryKeyIsInTheTextTheSchemaAndTheManual) {
   const auto schema = nlohmann::json::parse(scenario_schema());
   EXPECT_EQ(schema.at("$schema"), "https://json-schema.org/draft/2020-12/schema");
@@ -243,7 +270,8 @@ TEST(Scenario, EveryKeyIsInTheTextTheSchemaAndTheManual) {
     std::string rest = key.table;
     while (!rest.empty()) {
       const size_t dot = rest.find('.');
-      const nlohmann::json& inner = properties->at(rest.substr(0, dot));
+      const nlohmann::json& found = properties->at(rest.substr(0, dot));
+      const nlohmann::json& inner = found.contains("anyOf") ? found.at("anyOf").at(0) : found;  // or a short form
       properties = inner.at("type") == "array" ? &inner.at("items").at("properties") : &inner.at("properties");
       rest = dot == std::string::npos ? "" : rest.substr(dot + 1);
     }

@@ -27,7 +27,7 @@ TEST(FieldCount, CountsMembersAndNotMembersOfMembers) {
 // That each column is its own member is what the tests of the store show: every field there has a value of its own.
 TEST(Columns, EveryFieldOfARowHasOne) {
   const auto columns = []<typename Row>(const Table<Row>& table) { return table.fields.size(); };
-  constexpr size_t held = 1;  // samples, scores: rows of their own table
+  constexpr size_t held = 1;  // samples, scores, bins: rows of their own table
   EXPECT_EQ(columns(table<RunRow>()), field_count<RunRow>());
   EXPECT_EQ(columns(table<MeasurementRow>()),
             field_count<MeasurementRow>() - held + field_count<PointKey>() - 1 + 4 * (field_count<TimeSummary>() - 1));
@@ -36,6 +36,9 @@ TEST(Columns, EveryFieldOfARowHasOne) {
   EXPECT_EQ(columns(table<ComparisonRow>()), field_count<ComparisonRow>() - held);
   EXPECT_EQ(columns(table<ScoreRow>()), field_count<ScoreRow>());
   EXPECT_EQ(columns(table<PictureRow>()), field_count<PictureRow>());
+  EXPECT_EQ(columns(table<CurveRow>()), field_count<CurveRow>() - held);
+  EXPECT_EQ(columns(table<CurveBinRow>()), field_count<CurveBinRow>());
+  EXPECT_EQ(columns(table<ThresholdRow>()), field_count<ThresholdRow>());
 }
 
 TEST(Columns, EveryVectorOfTheContentsIsATable) {

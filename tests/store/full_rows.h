@@ -92,9 +92,39 @@ inline ComparisonRow full_comparison(int64_t run) {
   row.elevation_deg = 15.5;
   row.clip = "walk";
   row.time = 0.75;
+  row.agent = 12;
+  row.distance = 23.5;
+  row.pixels_per_texel = 0.5;
+  row.alone_px = 1300;
+  row.visible_px = 1200;
+  row.state = "counted";
+  row.display = "standard_fhd: ...";
+  row.display_given = true;
   row.scores = {{"psnr", std::numeric_limits<double>::infinity(), ""},
                 {"ssim", std::nullopt, "smaller than 11 pixels"}};
   return row;
+}
+
+inline CurveRow full_curve(int64_t run) {
+  CurveRow row;
+  row.run = run;
+  row.representation = "flat";
+  row.reference = "mesh";
+  row.character = "mannequin";
+  row.score = "flip";
+  row.against = "height_px";
+  row.points = 401;
+  row.agents = 201;
+  row.rank_correlation = -0.25;
+  row.display = "standard_fhd: ...";
+  row.display_given = true;
+  row.bins = {{0, 1.5, 2.5, 3.5, 4.5, 5.5, std::numeric_limits<double>::infinity(), 200, 101},
+              {1, 11.5, 12.5, 13.5, 14.5, 15.5, 16.5, 202, 100}};
+  return row;
+}
+
+inline ThresholdRow full_threshold(int64_t run, int64_t curve) {
+  return {0, run, curve, 0.125, "reached", 20.5, 18.5, 22.5};
 }
 
 inline PictureRow full_picture(int64_t run, int64_t comparison) {

@@ -1,6 +1,9 @@
 // Files of older schemas. tests/data/store/schema-1.sqlite was written by the last crowdbench of schema 1:
 //   for seed in 1 2; do crowdbench bench --representations flat:views=hemi-4 --agents 1,2 --rounds 10
 //     --occupancy 0.15,0.99 --size 64x48 --picture-agents 0 --seed $seed --device software --out schema-1.sqlite; done
+// and tests/data/store/schema-2.sqlite by the last of schema 2:
+//   crowdbench bench --representation flat:views=hemi-4 --agents 1,2 --rounds 10 --occupancy 0.15 --size 64x48
+//     --picture-agents 1 --device software --out schema-2.sqlite
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
@@ -21,10 +24,7 @@ namespace {
 
 class MigrationTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::filesystem::copy_file(std::filesystem::path(CROWDBENCH_TEST_DATA) / "store/schema-1.sqlite", file_);
-    std::filesystem::permissions(file_, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  }
+  void SetUp() override { take("schema-1.sqlite"); }
 
   static std::string bytes(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
@@ -58,6 +58,24 @@ class MigrationTest : public testing::Test {
     EXPECT_TRUE(a.ratios == b.ratios);
     EXPECT_TRUE(a.comparisons == b.comparisons);
     EXPECT_TRUE(a.pictures == b.pictures);
+    EXPECT_TRUE(a.curves == b.curves);
+    EXPECT_TRUE(a.thresholds == b.thresholds);
+  }
+  void take(const char* name) {
+    std::filesystem::copy_file(std::filesystem::path(CROWDBENCH_TEST_DATA) / "store" / name, file_,
+                               std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::permissions(file_, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  }
+  static std::map<std::string, std::string> statements(const std::filesystem::path& path) {
+    std::map<std::string, std::string> all;
+    // White space apart; a table that was renamed has its name in quotes.
+    for (const std::string& row : rows(path, "SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL")) {
+      std::string text;
+      for (const char c : row.substr(row.find('|') + 1))
+        if (c != ' ' && c != '\n' && c != '"') text += c;
+      all[row.substr(0, row.find('|'))] = text;
+    }
+    return all;
   }
 
   support::ScratchFolder folder_;
@@ -121,23 +139,43 @@ TEST_F(MigrationTest, AWriterBringsItForwardAndGoesOn) {
 // Whoever changes a column, a check or an index without a new schema, or a table that migration then forgets, fails
 // here.
 TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
-  { StoreWriter store(file_); }
   const auto fresh = folder_ / "new.sqlite";
   { StoreWriter store(fresh); }
-  const auto statements = [](const std::filesystem::path& path) {
-    std::map<std::string, std::string> all;
-    // White space apart; a table that was renamed has its name in quotes.
-    for (const std::string& row : rows(path, "SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL")) {
-      std::string text;
-      for (const char c : row.substr(row.find('|') + 1))
-        if (c != ' ' && c != '\n' && c != '"') text += c;
-      all[row.substr(0, row.find('|'))] = text;
-    }
-    return all;
-  };
   const auto wanted = statements(fresh);
   EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
-  EXPECT_EQ(statements(file_), wanted);
+  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite"}) {
+    take(older);
+    { StoreWriter store(file_); }
+    EXPECT_EQ(statements(file_), wanted) << older;
+  }
+}
+
+// Schema 2 knew neither displays nor agents of a crowd, nor curves.
+TEST_F(MigrationTest, SchemaTwoGainsCurvesAndKeepsItsScores) {
+  take("schema-2.sqlite");
+  const StoreContents before = read_store(file_, true);
+  ASSERT_EQ(before.comparisons.size(), 2U);
+  EXPECT_EQ(before.comparisons[1].display, std::nullopt);
+  EXPECT_EQ(before.comparisons[1].agent, std::nullopt);
+  EXPECT_EQ(before.comparisons[1].scores.size(), 19U);
+  EXPECT_EQ(before.pictures.size(), 3U);
+  EXPECT_TRUE(before.curves.empty());
+  CurveRow curve = full_curve(1);
+  ComparisonRow agent = full_comparison(1);
+  agent.kind = "agent_in_crowd";
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    curve.id = store.write(curve);
+    agent.id = store.write(agent);
+  }
+  EXPECT_EQ(schema(file_), std::to_string(kStoreSchemaVersion));
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.curves.size(), 1U);
+  EXPECT_TRUE(after.curves[0] == curve);
+  ASSERT_EQ(after.comparisons.size(), 3U);
+  EXPECT_TRUE(after.comparisons[1] == before.comparisons[1]);
+  EXPECT_TRUE(after.comparisons[2] == agent);
 }
 
 TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {

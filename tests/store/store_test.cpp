@@ -106,6 +106,8 @@ TEST_F(StoreTest, EveryFieldIsInTheColumnOfItsName) {
     for (int i = 0; i < 4; ++i) store.write(full_ratio(run));
     for (int i = 0; i < 5; ++i) store.write(full_comparison(run));
     for (int i = 0; i < 6; ++i) store.write(full_picture(run, 5));
+    for (int i = 0; i < 7; ++i) store.write(full_curve(run));
+    for (int i = 0; i < 8; ++i) store.write(full_threshold(run, 7));
   }
   EXPECT_EQ(record(file_, "run WHERE id = 3"), (Record{{"id", "3"},
                                                        {"command", "'bench'"},
@@ -223,7 +225,45 @@ TEST_F(StoreTest, EveryFieldIsInTheColumnOfItsName) {
                                                               {"azimuth_deg", "45.5"},
                                                               {"elevation_deg", "15.5"},
                                                               {"clip", "'walk'"},
-                                                              {"time_s", "0.75"}}));
+                                                              {"time_s", "0.75"},
+                                                              {"agent", "12"},
+                                                              {"distance_m", "23.5"},
+                                                              {"pixels_per_texel", "0.5"},
+                                                              {"alone_px", "1300"},
+                                                              {"visible_px", "1200"},
+                                                              {"state", "'counted'"},
+                                                              {"display", "'standard_fhd: ...'"},
+                                                              {"display_given", "1"}}));
+  EXPECT_EQ(record(file_, "curve WHERE id = 7"), (Record{{"id", "7"},
+                                                         {"run", "3"},
+                                                         {"representation", "'flat'"},
+                                                         {"reference", "'mesh'"},
+                                                         {"character", "'mannequin'"},
+                                                         {"score", "'flip'"},
+                                                         {"against", "'height_px'"},
+                                                         {"points", "401"},
+                                                         {"agents", "201"},
+                                                         {"rank_correlation", "-0.25"},
+                                                         {"display", "'standard_fhd: ...'"},
+                                                         {"display_given", "1"}}));
+  EXPECT_EQ(record(file_, "curve_bin WHERE curve = 7 AND bin = 1"), (Record{{"curve", "7"},
+                                                                            {"bin", "1"},
+                                                                            {"x_from", "11.5"},
+                                                                            {"x_to", "12.5"},
+                                                                            {"x", "13.5"},
+                                                                            {"median", "14.5"},
+                                                                            {"median_low", "15.5"},
+                                                                            {"median_high", "16.5"},
+                                                                            {"points", "202"},
+                                                                            {"agents", "100"}}));
+  EXPECT_EQ(record(file_, "threshold WHERE id = 8"), (Record{{"id", "8"},
+                                                             {"run", "3"},
+                                                             {"curve", "7"},
+                                                             {"value", "0.125"},
+                                                             {"status", "'reached'"},
+                                                             {"x", "20.5"},
+                                                             {"x_low", "18.5"},
+                                                             {"x_high", "22.5"}}));
   EXPECT_EQ(
       record(file_, "score WHERE comparison = 5 AND name = 'ssim'"),
       (Record{{"comparison", "5"}, {"name", "'ssim'"}, {"value", "NULL"}, {"reason", "'smaller than 11 pixels'"}}));
@@ -259,6 +299,12 @@ TEST_F(StoreTest, EveryFieldComesBack) {
     wanted.pictures = {full_picture(run, 2), full_picture(run, 1)};
     wanted.pictures[1].comparison = std::nullopt;
     for (PictureRow& row : wanted.pictures) row.id = store.write(row);
+    wanted.curves = {full_curve(run), CurveRow()};
+    wanted.curves[1].run = run;
+    wanted.curves[1].against = "distance_m";
+    for (CurveRow& row : wanted.curves) row.id = store.write(row);
+    wanted.thresholds = {full_threshold(run, 1), {0, run, 2, 0, "everywhere", {}, {}, {}}};
+    for (ThresholdRow& row : wanted.thresholds) row.id = store.write(row);
     RunRow unknown = full_run();
     unknown.order_seed = std::nullopt;
     unknown.cpu_model = std::nullopt;
@@ -273,6 +319,8 @@ TEST_F(StoreTest, EveryFieldComesBack) {
   EXPECT_TRUE(all.ratios == wanted.ratios);
   EXPECT_TRUE(all.comparisons == wanted.comparisons);
   EXPECT_TRUE(all.pictures == wanted.pictures);
+  EXPECT_TRUE(all.curves == wanted.curves);
+  EXPECT_TRUE(all.thresholds == wanted.thresholds);
 }
 
 TEST_F(StoreTest, SamplesAndPicturesAreReadOnlyWhenAskedFor) {

@@ -37,6 +37,7 @@ const std::map<std::string, std::string> kScripts = {
     {"polypostor_figures.mjs", "PolypostorFigures"},
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
+    {"score_correlations.sh", "ScoreCorrelations"},
 };
 
 std::string quoted(const fs::path& path) { return shell_quoted(path.string()); }
@@ -139,6 +140,20 @@ TEST_F(ScriptsGl, ReliefQuality) {
   expect_tables("\n" + outcome.text, 1);
   EXPECT_NE(outcome.text.find("| three-quarter | 0."), std::string::npos) << outcome.text;
   EXPECT_EQ(run("relief_quality.mjs", "").status, 2);
+}
+
+TEST_F(ScriptsGl, ScoreCorrelations) {
+  const Outcome outcome = run("score_correlations.sh", driver_ + " scores.md --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  const std::string page = text("scores.md");
+  for (const char* part : {"## Spearman's rho", "## Kendall's tau-b", "| `ssim` |", "| `cvvdp` |", "4 views",
+                           "crowdbench quality --representation flat:views=hemi-4,rigid"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  // The pictures that the page shows are there.
+  const std::regex link("\\]\\(([^)]+\\.png)\\)");
+  for (auto at = std::sregex_iterator(page.begin(), page.end(), link); at != std::sregex_iterator(); ++at)
+    EXPECT_TRUE(fs::exists(folder_ / (*at)[1].str())) << (*at)[1].str();
+  EXPECT_EQ(run("score_correlations.sh", driver_ + " scores.md --frobnicate").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {
