@@ -157,6 +157,7 @@ void add_bench(Command& app, Run& run) {
       ->number(0.05, 10'000);
   add_seed_option(*command, options->scene.seed);
   add_size_option(*command, options->scene.size);
+  add_antialiasing_options(*command, options->scene.antialiasing);
   add_character_options(*command, options->scene.character);
   add_display_option(*command, options->scene.display);
   add_device_option(*command, options->scene.device);

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
@@ -132,13 +133,27 @@ Option* Option::whole_number(uint64_t least, uint64_t most) {
   return this;
 }
 
-Option* Option::odd_number(uint64_t least, uint64_t most) {
-  const auto check = [least, most](std::string& text) -> std::string {
+namespace {
+
+// Whole numbers of a kind: "odd number".
+CLI::Validator of_a_kind(uint64_t least, uint64_t most, const char* kind, bool (*is)(uint64_t)) {
+  const auto check = [=](std::string& text) -> std::string {
     const auto value = read_number<uint64_t>(text);
-    if (value && *value >= least && *value <= most && *value % 2 == 1) return {};
-    return fmt::format("'{}' is not an odd number from {} to {}", printable(text, 60), least, most);
+    if (value && *value >= least && *value <= most && is(*value)) return {};
+    return fmt::format("'{}' is not {} from {} to {}", printable(text, 60), kind, least, most);
   };
-  option_->check(CLI::Validator(check, fmt::format("{}..{}", least, most)));
+  return {check, fmt::format("{}..{}", least, most)};
+}
+
+}  // namespace
+
+Option* Option::odd_number(uint64_t least, uint64_t most) {
+  option_->check(of_a_kind(least, most, "an odd number", [](uint64_t v) { return v % 2 == 1; }));
+  return this;
+}
+
+Option* Option::power_of_two(uint64_t least, uint64_t most) {
+  option_->check(of_a_kind(least, most, "a power of two", [](uint64_t v) { return std::has_single_bit(v); }));
   return this;
 }
 

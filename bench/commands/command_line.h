@@ -26,6 +26,7 @@ class Option {
   Option* number(double least, double most);
   Option* whole_number(uint64_t least, uint64_t most);
   Option* odd_number(uint64_t least, uint64_t most);
+  Option* power_of_two(uint64_t least, uint64_t most);
   Option* output_file();              // a file that can be written: its folder exists, none is made (core/files.h)
   Option* output_folder();            // a folder that can be written, or made within one that exists
   Option* delimiter(char separator);  // one argument holds several values

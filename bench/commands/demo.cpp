@@ -90,12 +90,12 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
   scenario.crowd.spacing = 1.3;
   scenario.camera.keys = {{0.0, scene::Camera{{5.5, 3.4, 11.5}, {0.0, 0.7, 0.0}}}};
   const Staged staged = stage_scenario(scenario, cast, context);
-  const scene::Frame frame = scene::make_frame(staged.scenario, cast, staged.crowd, staged.camera, 20);
+  scene::Frame frame = scene::make_frame(staged.scenario, cast, staged.crowd, staged.camera, 20);
+  if (!options.tiny) frame.antialiasing.supersample = 3;
   renderers::Renderer renderer(context, cast);
   for (const std::string& name : {renderers::reference_spec().text(), options.representation}) {
     const auto representation = renderers::make_representation({context, cast}, renderers::parse_spec(name));
-    const renderers::Capture capture =
-        renderer.capture(frame, *representation, {.supersample = options.tiny ? 1 : 3, .linear = false});
+    const renderers::Capture capture = renderer.capture(frame, *representation);
     Image8 rgb(capture.colour.width, capture.colour.height, 3);
     for (size_t i = 0; i < rgb.pixels(); ++i)
       for (size_t c = 0; c < 3; ++c) rgb.data[3 * i + c] = capture.colour.data[4 * i + c];

@@ -170,7 +170,6 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
       ->allow_extra_args(false);
   add_frame_options(*command, *options);
   add_display_option(*command, options->scene.display);
-  add_supersample_option(*command, options->request.supersample);
   command->add_option("--out", options->out, "every agent's values, one record an agent and representation")
       ->type_name("FILE.csv")
       ->output_file();

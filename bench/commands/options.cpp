@@ -102,10 +102,19 @@ Option* add_size_option(Command& command, std::string& size) {
   return command.add_option("--size", size, "size of the picture in pixels")->type_name("WxH")->capture_default_str();
 }
 
-Option* add_supersample_option(Command& command, int& samples) {
-  return command.add_option("--supersample", samples, "K x K samples a pixel, averaged in linear light; K is odd")
+void AntialiasingOptions::change(scene::Antialiasing& antialiasing) const {
+  if (samples) antialiasing.samples = *samples;
+  if (supersample) antialiasing.supersample = *supersample;
+}
+
+void add_antialiasing_options(Command& command, AntialiasingOptions& options) {
+  command
+      .add_option("--samples", options.samples,
+                  "samples a pixel of multisampling: 1, 2, 4 or 8, as the driver has them")
+      ->type_name("N")
+      ->power_of_two(1, 8);
+  command.add_option("--supersample", options.supersample, "K x K samples a pixel, averaged in linear light; K is odd")
       ->type_name("K")
-      ->capture_default_str()
       ->odd_number(1, 9);
 }
 

@@ -41,7 +41,12 @@ void add_character_changes(Command& command, CharacterOptions& options);
 Option* add_clip_option(Command& command, std::string& clip);  // --clip; empty: the default clip
 Option* add_device_option(Command& command, std::string& device);
 Option* add_size_option(Command& command, std::string& size);
-Option* add_supersample_option(Command& command, int& samples);
+// --samples and --supersample (scene::Antialiasing); what is not given stays empty.
+struct AntialiasingOptions {
+  std::optional<int> samples, supersample;
+  void change(scene::Antialiasing& antialiasing) const;
+};
+void add_antialiasing_options(Command& command, AntialiasingOptions& options);
 // --bake-budget; --no-cache where the command has it.
 void add_bake_options(Command& command, uint64_t& budget_mib, bool* no_cache = nullptr);
 // --display: a ColorVideoVDP model's name, FILE.json or FILE.json:NAME.

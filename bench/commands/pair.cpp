@@ -23,7 +23,6 @@ struct Options {
   std::string out;
   double seconds = 25;
   std::optional<size_t> frames;
-  int supersample = 1;
   uint64_t fps = 30;
   bool no_ground = false;
   bool json = false;
@@ -36,7 +35,6 @@ int run_pair(const Options& options) {
   studies::PairRequest request;
   request.a = parse_representation(options.a, "--a");
   request.b = parse_representation(options.b, "--b");
-  request.supersample = options.supersample;
   request.clip = options.clip;
   request.clip.fps = static_cast<int>(options.fps);
   request.clip.title = "crowdbench pair";
@@ -118,7 +116,6 @@ void add_pair(Command& app, Run& run) {
       ->type_name("N")
       ->excludes(seconds)
       ->whole_number(1, 108'000);
-  add_supersample_option(*command, options->supersample);
   command->add_flag("--no-ground", options->no_ground, "leave the grey grid out");
   command->add_option("--crf", options->clip.crf, "x264's rate factor to start from; lowered until accurate enough")
       ->type_name("N")

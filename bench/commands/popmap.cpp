@@ -46,6 +46,7 @@ struct Options {
   std::string out;
   std::string device;
   int fade = 4;
+  AntialiasingOptions antialiasing;
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   bool no_cache = false;
   bool json = false;
@@ -276,6 +277,7 @@ PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
   request.clip = request.character->placement.default_clip;
   if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
+  options.antialiasing.change(request.antialiasing);
   request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
   return request;
@@ -451,6 +453,7 @@ void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
   command->add_option("--out", options->out, "a folder for the page, the table, the heat map and the worst case")
       ->type_name("DIR")
       ->output_folder();
+  add_antialiasing_options(*command, options->antialiasing);
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);
   add_json_option(*command, options->json);

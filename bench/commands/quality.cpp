@@ -45,6 +45,7 @@ struct Options {
   std::string display;
   std::string results;
   std::string device;
+  AntialiasingOptions antialiasing;
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   int rows = 480;
   bool exact_pose = false;
@@ -177,6 +178,7 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   setup.causes = options.causes;
   setup.maps = !options.maps.empty();
   setup.table = table;
+  options.antialiasing.change(setup.antialiasing);
   setup.bake_budget = options.bake_budget_mib << 20;
 
   QualityView view;
@@ -380,6 +382,7 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
                     "otherwise shaded");
   add_display_option(*command, options->display);
   add_results_option(*command, options->results);
+  add_antialiasing_options(*command, options->antialiasing);
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);
   add_json_option(*command, options->json);

@@ -33,7 +33,6 @@ struct RenderOptions {
   std::vector<std::string> clips;
   uint64_t tick = 0;
   std::string out, mask, ids, depth;
-  int supersample = 1;
   bool json = false;
   // --single
   bool single = false;
@@ -75,7 +74,6 @@ std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& 
                     const RenderOptions& options) {
   const Json facts = {{"representation", spec.text()},
                       {"tick", options.tick},
-                      {"supersample", options.supersample},
                       {"renderer", context.renderer()},
                       {"stage", stage_json(measure_stage(staged, cast, context))}};
   return facts.dump(2) + "\n";
@@ -119,7 +117,7 @@ int render_crowd(const RenderOptions& options) {
   progress.note(fmt::format("drawing {} agents as {}", crowd.size(), spec.text()));
   const scene::Frame frame = frame_at(options.tick);
   renderers::Renderer renderer(*context, cast);
-  const renderers::Capture capture = renderer.capture(frame, *representation, {.supersample = options.supersample});
+  const renderers::Capture capture = renderer.capture(frame, *representation);
   ImageMetadata metadata = picture_metadata(scenario, spec.text());
   metadata["tick"] = std::to_string(options.tick);
   progress.end();
@@ -168,6 +166,7 @@ int render_single(const RenderOptions& options) {
     frame.width = size.width;
     frame.height = size.height;
   }
+  options.scene.antialiasing.change(frame.antialiasing);
   scene::Camera& camera = frame.camera;
   camera.fov_y = options.fov_y_deg * kPi / 180;
   camera.near = options.near;
@@ -199,7 +198,7 @@ int render_single(const RenderOptions& options) {
   const auto context = open_context(options.scene.device);
   const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
   renderers::Renderer renderer(*context, cast);
-  const renderers::Capture capture = renderer.capture(frame, *representation, {.supersample = options.supersample});
+  const renderers::Capture capture = renderer.capture(frame, *representation);
   const std::string clip_name =
       clip < 0 ? "none" : fmt::format("{} '{}'", clip, character->clips[static_cast<size_t>(clip)].name);
   const ImageMetadata metadata = {
@@ -249,7 +248,6 @@ void add_render(Command& app, Run& run) {
   add_picture("--mask", options->mask, "FILE.png", "silhouettes: 255 where an agent covers the pixel's centre, else 0");
   add_picture("--ids", options->ids, "FILE.exr", "agent index + 1 by pixel, 0 = nothing: 32-bit unsigned");
   add_picture("--depth", options->depth, "FILE.exr", "metres along the view axis, infinite where empty: float");
-  add_supersample_option(*command, options->supersample);
   auto* json = add_json_option(*command, options->json,
                                "print what stands on the stage: the camera, the crowd's placement, the occupancy");
   auto* single = command->add_flag("--single", options->single, "one agent, its glTF origin at the world's origin")

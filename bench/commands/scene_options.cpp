@@ -27,6 +27,7 @@ void add_scene_options(Command& command, SceneOptions& options) {
       ->type_name("F")
       ->number(0.0001, 1);
   add_size_option(command, options.size);
+  add_antialiasing_options(command, options.antialiasing);
   add_character_options(command, options.character);
   add_device_option(command, options.device);
 }
@@ -131,6 +132,7 @@ ChosenScenario read_scenario(const SceneOptions& options) {
     scenario.width = size.width;
     scenario.height = size.height;
   }
+  options.antialiasing.change(scenario.antialiasing);
   if (!options.character.source.empty()) {
     scenario.characters = {options.character.entry()};
     chosen.places.erase(scene::key_place("character", "clips"));

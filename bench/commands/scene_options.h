@@ -26,7 +26,8 @@ struct SceneOptions {
   std::optional<uint32_t> agents;
   std::optional<uint64_t> seed;
   std::optional<double> occupancy;
-  std::string size;            // "WxH"
+  std::string size;  // "WxH"
+  AntialiasingOptions antialiasing;
   CharacterOptions character;  // its source replaces the scenario's characters; its changes are for all of them
   std::string device;          // gl::ContextOptions::device
   std::string display;         // of add_display_option, in commands that score pictures

@@ -97,7 +97,7 @@ int run_view(const Options& options) {
 
   const auto draw = [&](size_t which, int width) {
     if (!target || target->width() != width) {
-      target.emplace(context, width, scenario.height, renderers::Pass{});
+      target.emplace(context, width, scenario.height, renderers::Pass{.samples = scenario.antialiasing.samples});
     }
     scene::Frame frame = scene::make_frame(scenario, cast, staged.crowd, camera_of(state.orbit, start), state.tick);
     frame.width = width;

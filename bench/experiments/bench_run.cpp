@@ -345,8 +345,7 @@ class Sweep {
     auto& place = timed_[spec];
     if (!place) {
       progress_("baking " + specs_[spec].text());
-      place = std::make_unique<TimedRepresentation>(stage_, specs_[spec], request_.scenario.width,
-                                                    request_.scenario.height, request_.bake_budget);
+      place = std::make_unique<TimedRepresentation>(stage_, specs_[spec], request_.scenario, request_.bake_budget);
     }
     return *place;
   }
@@ -357,8 +356,7 @@ class Sweep {
     auto& place = floors_[spec];
     if (!place) {
       progress_("baking " + floor.text());
-      place = std::make_unique<TimedRepresentation>(stage_, floor, request_.scenario.width, request_.scenario.height,
-                                                    request_.bake_budget);
+      place = std::make_unique<TimedRepresentation>(stage_, floor, request_.scenario, request_.bake_budget);
     }
     return place.get();
   }

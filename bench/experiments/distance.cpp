@@ -116,7 +116,7 @@ DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, c
   }
   renderers::Renderer renderer(context, cast);
   const bool linear = (needs_of(request.scores) & metrics::kNeedsLinear) != 0;
-  const renderers::CaptureOptions options{.supersample = request.supersample, .linear = linear};
+  const renderers::CaptureOptions options{.linear = linear};
   for (uint64_t f = 0; f < request.frames; ++f) {
     const scene::Frame frame = frame_at(request.tick + f * request.step);
     progress.note(fmt::format("tick {}, {}", frame.tick, request.reference.text()));

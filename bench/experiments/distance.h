@@ -26,7 +26,6 @@ struct DistanceRequest {
   uint64_t frames = 1;          // at least one
   uint64_t step = 10;           // ticks from one frame to the next, at least one
   double least_visible = 0.75;  // AgentState::occluded below it
-  int supersample = 1;          // renderers::CaptureOptions
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
 };

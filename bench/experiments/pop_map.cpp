@@ -169,6 +169,7 @@ std::vector<PopCell> compute_pop_map(gl::Context& context, const PopRequest& req
           scene::Frame frame;
           frame.width = side;
           frame.height = side;
+          frame.antialiasing = request.antialiasing;
           const QualityView view{size.height_px, azimuth, elevation, request.clip, 0};
           frame.camera = quality_camera(view, centre, distance_of_height(view, height, side));
           frame.origin = frame.camera.eye;

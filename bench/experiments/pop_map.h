@@ -28,6 +28,7 @@ struct PopRequest {
   int clip = -1;                          // into Character::clips; -1: the bind pose
   int fade = 4;                           // ticks, 1..60
   double pose_rate = 30;
+  scene::Antialiasing antialiasing;
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
   metrics::ChosenDisplay display;

@@ -192,6 +192,7 @@ class Comparison {
     frame.origin = frame.camera.eye;
     frame.width = size.width;
     frame.height = size.height;
+    frame.antialiasing = setup_.antialiasing;
     frame.outfits.resize(1);
     for (glm::vec4& colour : frame.outfits[0].colours) colour = glm::vec4(1.0F);
     frame.agents.resize(1);

@@ -50,8 +50,9 @@ struct QualitySetup {
   std::shared_ptr<const scene::Character> character;
   std::vector<std::string> representations;
   std::vector<QualityView> views;
-  int rows = 480;           // of the picture, 4:3; taller figures get a picture of 1.5 times their height
-  double pose_rate = 30;    // Hz, of the bank that the representation draws from; the mesh has the exact time
+  int rows = 480;         // of the picture, 4:3; taller figures get a picture of 1.5 times their height
+  double pose_rate = 30;  // Hz, of the bank that the representation draws from; the mesh has the exact time
+  scene::Antialiasing antialiasing;
   bool exact_pose = false;  // give the representation the exact time too, so that only its drawing is judged
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;

@@ -25,8 +25,7 @@ struct TimedSet {
 TimedSet bake_set(Stage& stage, Stage& low_polygon_stage, const RatioRequest& request) {
   TimedSet set;
   const auto enter = [&](Stage& on, const renderers::Spec& spec) {
-    set.all.push_back(std::make_unique<TimedRepresentation>(on, spec, request.scenario.width, request.scenario.height,
-                                                            request.bake_budget));
+    set.all.push_back(std::make_unique<TimedRepresentation>(on, spec, request.scenario, request.bake_budget));
     return set.all.size() - 1;
   };
   set.of = enter(stage, request.of);

@@ -33,6 +33,7 @@ scene::MeasureCoverage mesh_coverage(gl::Context& context, const scene::Cast& ca
   return [drawn](const scene::Frame& frame) {
     scene::Frame bare = frame;
     bare.ground = false;
+    bare.antialiasing = {};
     return coverage_of(drawn->renderer.capture(bare, *drawn->mesh).ids);
   };
 }

@@ -14,7 +14,8 @@ StageFacts measure_stage(const Staged& staged, const scene::Cast& cast, gl::Cont
   Stage stage(context, cast);
   stage.show(staged);
   const auto mesh = renderers::make_representation({context, cast}, renderers::reference_spec());
-  const scene::Frame& frame = stage.frame(0);
+  scene::Frame frame = stage.frame(0);
+  frame.antialiasing = {};  // what is counted is seen at the pixels' centres
   StageFacts facts;
   facts.scenario = staged.scenario;
   facts.coverage = coverage_of(stage.renderer().capture(frame, *mesh).ids);
@@ -29,6 +30,8 @@ Json stage_json(const StageFacts& facts) {
   const scene::Scenario& scenario = facts.scenario;
   return {{"width", scenario.width},
           {"height", scenario.height},
+          {"samples", scenario.antialiasing.samples},
+          {"supersample", scenario.antialiasing.supersample},
           {"seed", scenario.seed},
           {"camera", scene::table_json(scenario, "camera")},
           {"crowd", scene::table_json(scenario, "crowd")},

@@ -21,7 +21,7 @@ struct StageFacts {
 StageFacts measure_stage(const Staged& staged, const scene::Cast& cast, gl::Context& context);
 
 // How every command prints it:
-//   {"width", "height", "seed": of the picture and the crowd,
+//   {"width", "height", "samples", "supersample", "seed": of the picture and the crowd,
 //    "camera": {...}, "crowd": {...}: the scenario's keys of those names as staged (scene::table_json),
 //    "requested_occupancy": fraction of the picture or null, "achieved_occupancy", "unreachable",
 //    "covered_px", "touched_px", "agents_visible",

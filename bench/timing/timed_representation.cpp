@@ -6,13 +6,15 @@
 
 namespace crowdbench::bench {
 
-TimedRepresentation::TimedRepresentation(Stage& stage, const renderers::Spec& spec, int width, int height,
+TimedRepresentation::TimedRepresentation(Stage& stage, const renderers::Spec& spec, const scene::Scenario& scenario,
                                          uint64_t bake_budget)
     : stage_(stage),
       name_(spec.text()),
       floor_(renderers::is_floor(spec)),
       representation_(renderers::make_representation({stage.context(), stage.cast(), bake_budget}, spec)),
-      target_(stage.context(), width, height, renderers::Pass{}) {}
+      target_(stage.context(), scenario.width * scenario.antialiasing.supersample,
+              scenario.height * scenario.antialiasing.supersample,
+              renderers::Pass{.samples = scenario.antialiasing.samples}) {}
 
 Variant TimedRepresentation::variant() {
   return {name_, [this](uint64_t tick) { stage_.frame(tick); },

@@ -14,8 +14,9 @@ namespace crowdbench::bench {
 // One representation on one stage, with the target that its timed frames go to (no ids).
 class TimedRepresentation {
  public:
-  // Bakes; its pictures are width x height. Throws Error.
-  TimedRepresentation(Stage& stage, const renderers::Spec& spec, int width, int height, uint64_t bake_budget);
+  // Bakes; its pictures are of the scenario's size and samples. The averaging of supersamples is not timed, that of
+  // multisamples is. Throws Error.
+  TimedRepresentation(Stage& stage, const renderers::Spec& spec, const scene::Scenario& scenario, uint64_t bake_budget);
   const std::string& name() const { return name_; }  // canonical text
   bool is_floor() const { return floor_; }
   renderers::Representation& representation() { return *representation_; }

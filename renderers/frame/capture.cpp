@@ -194,10 +194,11 @@ void Renderer::finish() { state_->context.finish(); }
 
 Capture Renderer::capture(const scene::Frame& frame, Representation& representation, const CaptureOptions& options) {
   State& s = *state_;
-  const int k = options.supersample;
+  const int samples = frame.antialiasing.samples;
+  const int k = frame.antialiasing.supersample;
   const int side = s.context.limits().viewport_size;
-  if (options.samples != 1 && options.samples != 2 && options.samples != 4 && options.samples != 8)
-    throw Error("samples", fmt::format("'{}' is not a number of samples a pixel", options.samples), "use 1, 2, 4 or 8");
+  if (samples != 1 && samples != 2 && samples != 4 && samples != 8)
+    throw Error("samples", fmt::format("'{}' is not a number of samples a pixel", samples), "use 1, 2, 4 or 8");
   if (k < 1 || k % 2 == 0)
     throw Error("supersample", fmt::format("{} is not an odd number of samples a side", k), "use 1, 3, 5, ...");
   if (frame.width > side / k || frame.height > side / k)
@@ -210,9 +211,9 @@ Capture Renderer::capture(const scene::Frame& frame, Representation& representat
     draw(frame, representation, target);
     return target.read();
   };
-  const bool several = options.samples > 1;
+  const bool several = samples > 1;
   const auto colours = [&](bool linear) {
-    return take(several ? Pass{.linear = linear, .samples = options.samples} : Pass{.ids = true, .linear = linear});
+    return take(several ? Pass{.linear = linear, .samples = samples} : Pass{.ids = true, .linear = linear});
   };
   if (k == 1) {
     Capture out = take({.ids = true, .linear = false});

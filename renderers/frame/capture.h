@@ -18,12 +18,6 @@ struct Capture {
 };
 
 struct CaptureOptions {
-  // Odd k: k x k samples a pixel, colour averaged in linear light, id and depth from the centre sample, which are those
-  // of k = 1: what is drawn is chosen for the picture's own size (Representation::draw).
-  int supersample = 1;
-  // Multisampling: samples a pixel of the colour, 1, 2, 4 or 8 as the driver has them (at `supersample` > 1 of each of
-  // its samples). Id and depth stay those of one sample, the centre's.
-  int samples = 1;
   bool linear = false;  // also fill Capture::linear
 };
 
@@ -60,6 +54,7 @@ class Renderer {
   // does. target: frame.width x frame.height pixels, or a whole number of samples a pixel along both.
   void draw(const scene::Frame& frame, Representation& representation, const Target& target);
   void finish();
+  // Colours as Frame::antialiasing says. Throws Error where the driver has no such samples.
   Capture capture(const scene::Frame& frame, Representation& representation, const CaptureOptions& options = {});
   // Bytes of the pose banks and frame buffers that all representations share.
   uint64_t shared_bytes() const;

@@ -503,6 +503,7 @@ Frame make_frame(const Scenario& scenario, const Cast& cast, const Crowd& crowd,
   frame.camera = camera;
   frame.width = scenario.width;
   frame.height = scenario.height;
+  frame.antialiasing = scenario.antialiasing;
   frame.light = scenario.light;
   frame.background = glm::vec4(scenario.background, 1.0F);
   frame.ground = scenario.ground;

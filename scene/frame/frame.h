@@ -32,12 +32,21 @@ struct Outfit {
   std::array<glm::vec4, kOutfitSlots> colours;
 };
 
+// How many samples a pixel's colour is the mean of, in linear light. What a pixel shows (id, depth, coverage) is that
+// of its centre, and what is drawn is chosen for the picture's own size, whatever stands here.
+struct Antialiasing {
+  int samples = 1;      // multisampling, as the hardware does it: 1, 2, 4 or 8
+  int supersample = 1;  // odd k: pictures k times as wide and high, k x k of whose pixels are averaged
+  bool operator==(const Antialiasing&) const = default;
+};
+
 struct Frame {
   uint64_t tick = 0;       // of the scenario
   glm::dvec3 origin{0.0};  // the eye in world space; everything else is relative to it
   Camera camera;
   int width = 640;
   int height = 480;
+  Antialiasing antialiasing;
   Light light;
   glm::vec4 background{0.2158605F, 0.2158605F, 0.2158605F, 1.0F};  // linear; the default is sRGB (128,128,128)
   bool ground = false;                                             // draw the grey grid

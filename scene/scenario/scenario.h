@@ -8,6 +8,7 @@
 
 #include "scene/character/character.h"
 #include "scene/frame/camera.h"
+#include "scene/frame/frame.h"
 #include "scene/frame/light.h"
 
 namespace crowdbench::scene {
@@ -70,6 +71,7 @@ struct Scenario {
   uint64_t seed = 1;
   int width = 640;  // 1..16384
   int height = 480;
+  Antialiasing antialiasing;
   double tick_rate = 30;                     // Hz
   double pose_rate = 30;                     // Hz, of the pose bank
   std::string representation = "reference";  // a spec as renderers/representation.h has it

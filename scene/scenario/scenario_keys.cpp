@@ -188,6 +188,13 @@ void add_top_keys(std::vector<Key>& keys) {
   keys.push_back(key<int>(
       "", "height", KeyType::integer, "pixels", {1, 16384}, "height of the picture",
       [](Scenario & s, size_t) -> auto& { return s.height; }));
+  keys.push_back(key<int>(
+      "", "samples", KeyType::integer, "", {1, 8},
+      "samples a pixel of multisampling: 1, 2, 4 or 8, as the driver has them",
+      [](Scenario & s, size_t) -> auto& { return s.antialiasing.samples; }));
+  keys.push_back(key<int>(
+      "", "supersample", KeyType::integer, "", {1, 9}, "odd K: K x K samples a pixel, averaged in linear light",
+      [](Scenario & s, size_t) -> auto& { return s.antialiasing.supersample; }));
   keys.push_back(key<double>(
       "", "tick_rate", KeyType::number, "Hz", {0.001, 1e6}, "ticks a second",
       [](Scenario & s, size_t) -> auto& { return s.tick_rate; }));

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -410,6 +411,12 @@ class Parser {
     }
     if (glm::length(scenario_.light.direction) == 0)
       throw Error(place("light"), "`light.direction` has length 0", "try [0.4, 0.8, 0.45]");
+    const Antialiasing& antialiasing = scenario_.antialiasing;
+    if (std::popcount(static_cast<unsigned>(antialiasing.samples)) != 1)
+      throw Error(place("samples"), fmt::format("`samples` is {}", antialiasing.samples), "choose 1, 2, 4 or 8");
+    if (antialiasing.supersample % 2 == 0)
+      throw Error(place("supersample"), fmt::format("`supersample` is {}", antialiasing.supersample),
+                  "choose 1, 3, 5, 7 or 9");
     const CrowdSettings& crowd = scenario_.crowd;
     if (crowd.stage_far < crowd.stage_near)
       throw Error(place("crowd"), "`crowd.stage_far` is before `crowd.stage_near`", "exchange them");

@@ -44,7 +44,10 @@ Json manifest(const gl::Context& context, const PairRequest& request, const Pair
   json["seed"] = scenario.seed;
   json["equal"] = pair.equal;
   json["agents"] = request.crowd.size();
-  json["half"] = {{"width", scenario.width}, {"height", scenario.height}, {"supersample", request.supersample}};
+  json["half"] = {{"width", scenario.width},
+                  {"height", scenario.height},
+                  {"samples", scenario.antialiasing.samples},
+                  {"supersample", scenario.antialiasing.supersample}};
   json["bar"] = {{"height", request.style.bar_height},
                  {"colour", fmt::format("#{:02x}{:02x}{:02x}", red, green, blue)}};
   json["ticks_per_frame"] = ticks;
@@ -75,15 +78,13 @@ Pair export_pair(gl::Context& context, const scene::Cast& cast, const PairReques
     const auto b = renderers::make_representation({context, cast}, request.b);
     renderers::Representation& top = pair.a_on_top ? *a : *b;
     renderers::Representation& bottom = pair.a_on_top ? *b : *a;
-    renderers::CaptureOptions options;
-    options.supersample = request.supersample;
     Progress progress("drawing " + target.filename().string(), request.frames);
     for (size_t f = 0; f < request.frames; ++f) {
       const uint64_t tick = f * ticks;
       const scene::Camera camera = scenario.camera.at(static_cast<double>(tick) / scenario.tick_rate);
       const scene::Frame frame = scene::make_frame(scenario, cast, request.crowd, camera, tick);
-      const Image8 upper = renderer.capture(frame, top, options).colour;
-      const Image8 lower = renderer.capture(frame, bottom, options).colour;
+      const Image8 upper = renderer.capture(frame, top).colour;
+      const Image8 lower = renderer.capture(frame, bottom).colour;
       pair.equal = pair.equal && upper == lower;
       writer.add(stack_vertically(upper, lower, request.style));
       progress.advance();

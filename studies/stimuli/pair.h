@@ -19,7 +19,6 @@ struct PairRequest {
   renderers::Spec a;
   renderers::Spec b;
   size_t frames = 750;  // the source's 25 s
-  int supersample = 1;  // odd; alike for both
   uint64_t pair = 0;    // counts the pairs of one study: the side is drawn anew for each
   StackStyle style;
   ClipSettings clip;

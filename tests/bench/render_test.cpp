@@ -167,6 +167,7 @@ TEST_F(RenderGl, WhatAUserGetsWrongIsOneLineAndStatusTwo) {
       {"render --out x.png --single --fov-y-deg 180", "from 0.1 to 179"},
       {"render --out x.png --single --clip no_such_clip", "no_such_clip"},
       {"render --out x.png --supersample 2", "odd"},
+      {"render --out x.png --samples 3", "a power of two from 1 to 8"},
       {"render nowhere.toml --out x.png", "nowhere.toml"},
       {"render --out /proc/nowhere/x.png --agents 1 --size 8x8", "/proc/nowhere"},
   };

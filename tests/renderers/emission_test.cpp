@@ -150,9 +150,10 @@ class EmissionGl : public testing::GlTest, public ::testing::WithParamInterface<
                                 parse_spec(spec));
     return *one;
   }
-  static Capture draw(const scene::Frame& frame, const std::string& spec, int supersample = 1) {
+  static Capture draw(scene::Frame frame, const std::string& spec, int supersample = 1) {
+    frame.antialiasing.supersample = supersample;
     Renderer renderer(context(), cast());
-    return renderer.capture(frame, made(spec), {.supersample = supersample, .linear = true});
+    return renderer.capture(frame, made(spec), {.linear = true});
   }
   static std::map<std::string, std::unique_ptr<Representation>> made_;
 };

@@ -267,7 +267,8 @@ TEST_F(MeshGl, SupersamplingAveragesInLinearLight) {
   // 10 pixels a metre at 4 m; the card's right edge lies at x = 1 m - 2/3 pixel.
   scene::Frame frame = frame_of_one(4.0, 2.0, size, size, fov_deg(size, 40));
   add_agent(frame, cast, {-2.0 / 30.0, 0, 0}, 1);
-  const Capture c = draw(cast, frame, {.supersample = 3, .linear = true});
+  frame.antialiasing.supersample = 3;
+  const Capture c = draw(cast, frame, {.linear = true});
   const double background = static_cast<double>(frame.background.r);
   const double mean = (1.0 + 2.0 * background) / 3.0;
   EXPECT_NEAR(c.linear.at(24, 15)[0], mean, 1e-6);
@@ -280,8 +281,10 @@ TEST_F(MeshGl, SupersamplingAveragesInLinearLight) {
   EXPECT_TRUE(std::isinf(c.depth.at(24, 15)[0]));
   const auto mesh = make(cast, "mesh");
   Renderer renderer(context(), cast);
-  EXPECT_THROW((void)renderer.capture(frame, *mesh, {.supersample = 2}), Error);
-  EXPECT_THROW((void)renderer.capture(frame, *mesh, {.supersample = 1001}), Error);
+  for (const int wrong : {0, 2, 1001}) {
+    frame.antialiasing.supersample = wrong;
+    EXPECT_THROW((void)renderer.capture(frame, *mesh), Error) << wrong;
+  }
 }
 
 // Every 8-bit code, through the outfit's factor of an unlit white card.

@@ -51,17 +51,21 @@ class SamplesGl : public ::testing::TestWithParam<const char*> {};
 TEST_P(SamplesGl, SmoothOutlinesAsSupersamplingDoes) {
   Renderer renderer(context(), walker());
   const auto representation = make(walker(), GetParam());
-  const scene::Frame frame = two_walkers();
-  const Capture plain = renderer.capture(frame, *representation, {.linear = true});
-  const Capture sampled = renderer.capture(frame, *representation, {.samples = kSamples, .linear = true});
-  const Capture truth = renderer.capture(frame, *representation, {.supersample = 9, .linear = true});
+  scene::Frame frame = two_walkers();
+  const auto draw = [&](scene::Antialiasing antialiasing) {
+    frame.antialiasing = antialiasing;
+    return renderer.capture(frame, *representation, {.linear = true});
+  };
+  const Capture plain = draw({});
+  const Capture sampled = draw({.samples = kSamples});
+  const Capture truth = draw({.supersample = 9});
   EXPECT_EQ(sampled.ids, plain.ids);
   EXPECT_EQ(sampled.depth, plain.depth);
   EXPECT_NE(sampled.colour, plain.colour);
   // The error of 4 of a pixel's samples is about half that of one.
   EXPECT_LT(apart_at_outlines(sampled, truth), 0.65 * apart_at_outlines(plain, truth));
   for (size_t i = 3; i < sampled.colour.data.size(); i += 4) ASSERT_EQ(sampled.colour.data[i], 255);
-  EXPECT_EQ(renderer.capture(frame, *representation, {.linear = true}), plain) << "the state is as it was";
+  EXPECT_EQ(draw({}), plain) << "the state is as it was";
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, SamplesGl,
@@ -76,12 +80,15 @@ INSTANTIATE_TEST_SUITE_P(Families, SamplesGl,
 TEST(SampleLimitGl, MoreThanTheDriverHasAreRefused) {
   Renderer renderer(context(), walker());
   const auto mesh = make(walker(), "mesh");
+  scene::Frame frame = two_walkers();
   for (const int samples : {0, 3, 5, 16}) {
-    EXPECT_THROW(renderer.capture(two_walkers(), *mesh, {.samples = samples}), Error) << samples;
+    frame.antialiasing.samples = samples;
+    EXPECT_THROW((void)renderer.capture(frame, *mesh), Error) << samples;
   }
   if (context().limits().samples >= 8) GTEST_SKIP() << "this driver has 8 samples a pixel";
   try {
-    renderer.capture(two_walkers(), *mesh, {.samples = 8});
+    frame.antialiasing.samples = 8;
+    (void)renderer.capture(frame, *mesh);
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("8 samples a pixel are more than this driver's"), std::string::npos);
