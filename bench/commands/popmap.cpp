@@ -445,9 +445,9 @@ void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
       ->capture_default_str()
       ->whole_number(1, 60);
   command
-      ->add_option("--scores", options->scores,
-                   "only these, name,name,...; all: every one that two pictures have, cvvdp too, which takes most of "
-                   "the time (those of the silhouettes, and flip)")
+      ->add_option(
+          "--scores", options->scores,
+          "only these, name,name,...; all: every one that two pictures have (those of the silhouettes and of tables)")
       ->type_name("LIST");
   add_display_option(*command, options->display);
   command->add_option("--out", options->out, "a folder for the page, the table, the heat map and the worst case")

@@ -93,7 +93,7 @@ std::vector<const metrics::Score*> pop_scores(metrics::ScoreTable table) {
 std::vector<const metrics::Score*> usual_pop_scores(metrics::ScoreTable table) {
   std::vector<const metrics::Score*> out = pop_scores(table);
   std::erase_if(out, [](const metrics::Score* score) {
-    return score->scope != metrics::Scope::region && (score->uses & metrics::kHeadline) == 0;
+    return score->scope != metrics::Scope::region && (score->uses & metrics::kInTables) == 0;
   });
   return out;
 }

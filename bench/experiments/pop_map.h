@@ -54,8 +54,7 @@ struct PopCell {
 // The scores of a table that a switch can have: of two pictures of code values. Those that count no region are of the
 // crop around the silhouettes.
 std::vector<const metrics::Score*> pop_scores(metrics::ScoreTable table);
-// Of those what `popmap` computes where no scores are asked for: those of a region and those that head a report. Twelve
-// pairs of pictures a cell are scored, so that what is dear would be most of the time.
+// Of those what `popmap` computes where no scores are asked for: those of a region and those of tables.
 std::vector<const metrics::Score*> usual_pop_scores(metrics::ScoreTable table);
 
 // Of one score over cells: mean, the bad end's 5 % (the 95th percentile where lower is better, else the 5th) and the

@@ -67,7 +67,7 @@ const metrics::Score kAdded = {
         -> std::optional<double> { return static_cast<double>(agent.pixels.size()); },
 };
 
-// Whatever needs a display is not offered where none is given.
+// Whatever needs a display gets the default one where nobody chose another.
 const metrics::Score kOfADisplay = {
     .name = "of_a_display",
     .title = "of a display",
@@ -249,7 +249,8 @@ TEST(AddedScore, IsInRowsReportAndExports) {
   ASSERT_NE(named("first_red"), rows.end());
   EXPECT_EQ(named("first_red")->value, 5.5);
   ASSERT_NE(named("first_red.q3"), rows.end());
-  EXPECT_EQ(named("of_a_display"), rows.end());
+  ASSERT_NE(named("of_a_display"), rows.end());
+  EXPECT_EQ(named("of_a_display")->value, metrics::default_display().pixels_per_degree);
 
   const std::vector<reports::ScoreDoc> docs = score_docs(table());
   const std::vector<reports::Scene> scenes = reports::scenes_of(contents, docs);
