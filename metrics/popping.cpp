@@ -16,13 +16,22 @@
 namespace crowdbench::metrics {
 namespace {
 
-constexpr std::array<PopScore, 5> kScores = {{
-    {"pop_cvvdp", "ColorVideoVDP across the switch", "CVVDP", "JOD", Direction::higher_is_better, 3, 10,
-     "ColorVideoVDP (a clip, at the display) of the two frames with the switch against the two without, over the box"},
+// Places in kScores.
+enum Place : uint8_t { kCvvdpStay, kFlip, kLuma, kCvvdp, kExcess, kFlipExcess };
+
+constexpr std::array<PopScore, 6> kScores = {{
+    {"pop_cvvdp_stay", "ColorVideoVDP across the switch, frame t staying for a quarter of a second", "CVVDP", "JOD",
+     Direction::higher_is_better, 3, 10,
+     "ColorVideoVDP (a clip at the frame rate, at the display) over the box: T[t-1], then T[t] for 1/4 s, against "
+     "T[t-1], then H[t] for 1/4 s: what has switched stays so, and the metric's memory is as long"},
     {"pop_flip", "FLIP of the switch", "FLIP", "", Direction::lower_is_better, 4, 0,
      "mean over the agent's pixels of FLIP between the frame with the switch and the frame without"},
     {"pop_luma", "luma of the switch", "luma", "code values", Direction::lower_is_better, 2, 0,
      "mean over the agent's pixels of |(T[t] - T[t-1]) - (H[t] - T[t-1])|, BT.601 luma; 0..255"},
+    {"pop_cvvdp", "ColorVideoVDP of the two frames alone", "2 frames", "JOD", Direction::higher_is_better, 4, 10,
+     "ColorVideoVDP of the clip of T[t-1] and T[t] against the clip of T[t-1] and H[t]; near 10 throughout, for it "
+     "ends "
+     "with the switch"},
     {"pop_excess", "change of luma beyond the motion's", "excess", "code values", Direction::lower_is_better, 2, 0,
      "mean over the agent's pixels of |T[t] - T[t-1]| - |H[t] - T[t-1]|, BT.601 luma; -255..255; may be 0 though the "
      "switch is seen"},
@@ -66,8 +75,8 @@ void score_luma(const Cut& cut, Pop& pop) {
     apart += std::abs(with - without);
     excess += std::abs(with) - std::abs(without);
   }
-  pop.values[2] = apart / static_cast<double>(pop.pixels);
-  pop.values[3] = excess / static_cast<double>(pop.pixels);
+  pop.values[kLuma] = apart / static_cast<double>(pop.pixels);
+  pop.values[kExcess] = excess / static_cast<double>(pop.pixels);
 }
 
 void score_flip(const Cut& cut, const PopView& view, Pop& pop) {
@@ -75,16 +84,23 @@ void score_flip(const Cut& cut, const PopView& view, Pop& pop) {
   if (view.display && !view.display_is_default) settings.pixels_per_degree = view.display->pixels_per_degree;
   if (settings.pixels_per_degree < 1) return;
   const auto flip = [&](const Image8& a, const Image8& b) { return mean_of(flip_map(a, b, settings), cut.mask); };
-  pop.values[1] = flip(cut.held, cut.shown);
-  pop.values[4] = flip(cut.before, cut.shown) - flip(cut.before, cut.held);
+  pop.values[kFlip] = flip(cut.held, cut.shown);
+  pop.values[kFlipExcess] = flip(cut.before, cut.shown) - flip(cut.before, cut.held);
+}
+
+// frames: how many T[t] and H[t] are shown for.
+double cvvdp_across(const Cut& cut, const PopView& view, int frames) {
+  Cvvdp metric(*view.display, {.fps = view.fps, .threads = view.threads});
+  metric.take(cut.before, cut.before);
+  for (int f = 0; f < frames; ++f) metric.take(cut.held, cut.shown);
+  return metric.finish().jod;
 }
 
 void score_cvvdp(const Cut& cut, const PopView& view, Pop& pop) {
   if (!view.display || !cvvdp_obstacle(cut.shown.width, cut.shown.height).empty()) return;
-  Cvvdp metric(*view.display, {.fps = view.fps, .threads = view.threads});
-  metric.take(cut.before, cut.before);
-  metric.take(cut.held, cut.shown);
-  pop.values[0] = metric.finish().jod;
+  constexpr double kStay = 0.25;  // seconds: ColorVideoVDP's temporal filters
+  pop.values[kCvvdpStay] = cvvdp_across(cut, view, std::max(1, static_cast<int>(std::lround(kStay * view.fps))));
+  pop.values[kCvvdp] = cvvdp_across(cut, view, 1);
 }
 
 }  // namespace

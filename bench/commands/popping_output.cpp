@@ -169,17 +169,17 @@ std::vector<std::string> write_pop_pictures(const std::filesystem::path& folder,
     const PoppingRun& run = report.runs[r];
     size_t number = 0;
     for (const Switch& of : run.result.switches) {
-      if (!of.pictures) continue;
+      if (!of.pictures.kept()) continue;
       const std::string name =
           fmt::format("{}{:02}_tick{}_agent{}", report.runs.size() > 1 ? fmt::format("run{:02}_", r) : std::string(),
                       ++number, of.worst_tick, of.id - 1);
       ImageMetadata metadata = picture_metadata(report.scenario, run.representation.text());
       metadata["tick"] = std::to_string(of.worst_tick);
-      const metrics::Box& box = of.pictures->box;
+      const metrics::Box& box = of.pictures.box;
       metadata["box"] = fmt::format("{},{},{},{}", box.x, box.y, box.width, box.height);
       for (const auto& [ending, image] :
-           {std::pair("before", &of.pictures->before), std::pair("with", &of.pictures->with),
-            std::pair("without", &of.pictures->without)}) {
+           {std::pair("before", &of.pictures.before), std::pair("with", &of.pictures.with),
+            std::pair("without", &of.pictures.without)}) {
         const std::filesystem::path file = folder / fmt::format("{}_{}.png", name, ending);
         write_png(file, *image, metadata);
         files.push_back(file.string());

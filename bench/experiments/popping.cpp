@@ -166,8 +166,8 @@ class Measurement {
       Switch& of = switch_of(frame.tick, steps[i], shares[steps[i].place].shares);
       const std::optional<metrics::Pop> pop = metrics::score_pop(frames, of.id, request_.view);
       if (!pop || !keep_worst(of, *pop, frame.tick) || request_.pictures == 0) continue;
-      of.pictures = SwitchPictures{pop->box, picture_of(last_.colour, pop->box), picture_of(drawn.colour, pop->box),
-                                   picture_of(held.colour, pop->box)};
+      of.pictures = {pop->box, picture_of(last_.colour, pop->box), picture_of(drawn.colour, pop->box),
+                     picture_of(held.colour, pop->box)};
       drop_pictures();
     }
   }
@@ -217,11 +217,11 @@ class Measurement {
     Switch* least = nullptr;
     size_t count = 0;
     for (Switch& s : result_.switches) {
-      if (!s.pictures) continue;
+      if (!s.pictures.kept()) continue;
       ++count;
       if (!least || visibility(s.values[0].value_or(0)) > visibility(least->values[0].value_or(0))) least = &s;
     }
-    if (count > request_.pictures) least->pictures.reset();
+    if (count > request_.pictures) least->pictures = {};
   }
 
   const scene::Cast& cast_;

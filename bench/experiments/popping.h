@@ -34,12 +34,13 @@ struct PoppingRequest {
   bool use_cache = true;
 };
 
-// The box around the agent (metrics::Pop::box): RGB.
+// The box around the agent (metrics::Pop::box): RGB. Empty where they are not kept.
 struct SwitchPictures {
   metrics::Box box;
   Image8 before;   // the frame before the step
   Image8 with;     // the frame of the step as it is drawn
   Image8 without;  // the same had the agent not switched
+  bool kept() const { return !with.empty(); }
 };
 
 struct Switch {
@@ -53,7 +54,7 @@ struct Switch {
   uint64_t pixels = 0;      // of the most visible step; 0: no pixel of the agent is seen in any, and no values
   uint64_t worst_tick = 0;  // of the most visible step
   std::vector<std::optional<double>> values;  // by metrics::pop_scores(): the worst of all steps
-  std::optional<SwitchPictures> pictures;     // of the most visible step
+  SwitchPictures pictures;                    // of the most visible step
 };
 
 struct PoppingResult {

@@ -97,8 +97,8 @@ TEST_F(PoppingGl, FindsAllSwitchesAndNoOthers) {
   ASSERT_GE(seen, 4U);
   for (size_t i = 1; i < seen; ++i) EXPECT_LE(*result.switches[i - 1].values[0], *result.switches[i].values[0]);
   EXPECT_LT(*result.switches[0].values[0], 10);
-  for (size_t i = 0; i < result.switches.size(); ++i) EXPECT_EQ(result.switches[i].pictures.has_value(), i < 3) << i;
-  const SwitchPictures& pictures = *result.switches[0].pictures;
+  for (size_t i = 0; i < result.switches.size(); ++i) EXPECT_EQ(result.switches[i].pictures.kept(), i < 3) << i;
+  const SwitchPictures& pictures = result.switches[0].pictures;
   EXPECT_EQ(pictures.with.width, pictures.box.width);
   EXPECT_NE(pictures.with.data, pictures.without.data);
 }
@@ -177,7 +177,9 @@ TEST_F(PoppingGl, ACrossFadeIsOneSwitchAndShowsLess) {
   request_.tick = 3;
   request_.frames = 12;
   for (const Switch& s : measure("hybrid(mesh,(" + kFlat + "),distance=8,fade=5)").switches)
-    if (s.tick > 4 && s.steps == 6) EXPECT_TRUE(keys(fade).contains({s.tick, s.id})) << s.tick << " " << s.id;
+    if (s.tick > 4 && s.steps == 6) {
+      EXPECT_TRUE(keys(fade).contains({s.tick, s.id})) << s.tick << " " << s.id;
+    }
 }
 
 TEST_F(PoppingGl, RefusesWhatNeverSwitches) { EXPECT_THROW((void)measure("mesh"), Error); }
