@@ -1,6 +1,7 @@
 #include "bench/experiments/popping.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -58,11 +59,21 @@ Sweep parse_sweep(const std::string& text) {
   return sweep;
 }
 
-// The spec with the option set to the value, whatever it was. Throws Error where it has none of that name.
+// The spec with the option set to the value, whatever it was; what makes the representation checks the value. Throws
+// Error where it has none of that name.
 renderers::Spec with_option(renderers::Spec spec, const std::string& key, const std::string& value) {
+  std::vector<std::string> keys;
+  for (const renderers::OptionDoc& doc : renderers::option_docs(renderers::representation_type(spec.name)))
+    keys.push_back(doc.key);
+  if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+    const std::string near = nearest_name(key, keys);
+    throw Error(
+        "--sweep", fmt::format("'{}' has no option '{}'", spec.name, printable(key)),
+        near.empty() ? fmt::format("it has {}", fmt::join(keys, ", ")) : fmt::format("did you mean '{}'?", near));
+  }
   std::erase_if(spec.options, [&](const auto& option) { return option.first == key; });
   spec.options.emplace_back(key, value);
-  return parse_representation(spec.text(), "--sweep " + key + "=" + value);
+  return spec;
 }
 
 // Every combination, the last option changing fastest.

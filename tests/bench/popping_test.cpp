@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const std::string kFlat = "flat:views=sphere-8x3,texels=32,frames=4";
+const std::string kFlat = "flat:views=sphere-8x3,frames=4,texels=32";
 
 // An eye that rises over a crowd that steps on the spot.
 class PoppingGl : public ::testing::Test {
@@ -73,7 +73,8 @@ TEST_F(PoppingGl, FindsAllSwitchesAndNoOthers) {
   std::map<uint32_t, bool> before;
   for (uint64_t tick = 0; tick < request_.frames; ++tick) {
     std::map<uint32_t, bool> now;
-    for (const scene::FrameAgent& agent : frame_at(tick).agents[0]) now[agent.id] = glm::length(agent.position) > 8;
+    const scene::Frame frame = frame_at(tick);
+    for (const scene::FrameAgent& agent : frame.agents[0]) now[agent.id] = glm::length(agent.position) > 8;
     for (const auto& [id, far] : now)
       if (before.contains(id) && before[id] != far) expected.emplace(tick, id, far);
     before = now;
@@ -106,6 +107,13 @@ TEST_F(PoppingGl, FindsAllSwitchesAndNoOthers) {
 // Agents held together are those held one by one, by the frames themselves.
 TEST_F(PoppingGl, ScoresTheFrameAgainstTheFrameWithoutTheSwitch) {
   const std::string spec = "hybrid(mesh,(" + kFlat + "),distance=8)";
+  // Several agents a frame, and room between them.
+  scenario_.tick_rate = 6;
+  scenario_.width = 720;
+  scenario_.height = 480;
+  staged_ = stage_scenario(scenario_, cast_, context_);
+  request_.frames = 7;
+  request_.view.fps = scenario_.tick_rate;
   const PoppingResult result = measure(spec);
   const auto hybrid =
       renderers::make_representation({.context = context_, .cast = cast_, .use_cache = false}, request_.representation);

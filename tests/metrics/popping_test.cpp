@@ -203,7 +203,7 @@ TEST(Discontinuity, MotionIsNone) {
   EXPECT_TRUE(found_in(walking(12, 99)).empty());
   const std::vector<Jump> jumps = jumps_of(walking(12, 99));
   ASSERT_EQ(jumps.size(), 11U);
-  EXPECT_GT(jumps[4].change, 1) << "it moves";
+  EXPECT_GT(jumps[4].change, 0.5) << "it moves";
   EXPECT_LT(jumps[4].left, jumps[4].change / 4) << "which is explained";
 }
 

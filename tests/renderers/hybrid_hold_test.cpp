@@ -60,7 +60,7 @@ TEST_F(HybridHoldGl, SharesFollowTheRule) {
     EXPECT_EQ(all[i], (AgentShares{static_cast<uint32_t>(i) + 1, expected})) << distance;
   }
   EXPECT_EQ(all[0].shares[0], 1);
-  EXPECT_EQ(all[1].shares[1], 1);
+  EXPECT_EQ(all[2].shares[1], 1);
   EXPECT_EQ(all[3].shares[2], 1);
 }
 
