@@ -5,7 +5,8 @@
 // to the most similar place of the frame before, at most kDiscontinuityReach pixels away. Uncovered ground, turning
 // limbs and noise leave something in every step; what pops leaves much in one step only. So the jump of a block is how
 // much more the step to frame t leaves than the steps before and after it do, and the jump of a frame is the mean over
-// those blocks that change at all from t-2 to t+1.
+// those blocks that change at all from t-2 to t+1. It is of the whole picture: a single figure that pops in a crowd is
+// lost among turning limbs.
 // Based on: block matching by exhaustive search (Jain and Jain 1981, "Displacement measurement and its application in
 // interframe image coding") for the motion. The comparison with the neighbouring steps is an addition.
 #pragma once

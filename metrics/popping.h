@@ -57,7 +57,8 @@ struct Pop {
   std::vector<std::optional<double>> values;  // by pop_scores()
 };
 // Pixels around an agent that belong to its box: half a degree of visual angle, and no less than 32. FLIP's filters end
-// within it; ColorVideoVDP's coarsest bands reach further and see the box only.
+// within it; ColorVideoVDP's coarsest bands reach further and see the box only, over which it pools: a small box at the
+// picture's edge dilutes less.
 int pop_margin(const PopView& view);
 // Nothing where no pixel carries the id. Throws Error when sizes differ.
 std::optional<Pop> score_pop(const PopFrames& frames, uint32_t id, const PopView& view);

@@ -127,7 +127,9 @@ class Measurement {
     for (size_t c = 0; c < frame.agents.size(); ++c)
       for (const scene::FrameAgent& agent : frame.agents[c]) {
         const auto before = before_.find(agent.id);
-        if (before != before_.end() && before->second != shares[place].shares)
+        // A fade without its first step began before the sequence.
+        if (before != before_.end() && before->second != shares[place].shares &&
+            (!is_fading(before->second) || goes_on(agent.id, frame.tick)))
           steps.push_back({place, c, &agent, before->second});
         ++place;
       }
@@ -172,13 +174,17 @@ class Measurement {
     }
   }
 
+  // Whether the agent's latest switch reached to the frame before.
+  bool goes_on(uint32_t id, uint64_t tick) const {
+    const auto latest = latest_.find(id);
+    return latest != latest_.end() &&
+           result_.switches[latest->second].tick + result_.switches[latest->second].steps == tick;
+  }
+
   // The one that this step begins or goes on with.
   Switch& switch_of(uint64_t tick, const Step& step, const Shares& now) {
     const uint32_t id = step.agent->id;
-    const auto latest = latest_.find(id);
-    const bool goes_on = is_fading(step.before) && latest != latest_.end() &&
-                         result_.switches[latest->second].tick + result_.switches[latest->second].steps == tick;
-    if (!goes_on) {
+    if (!is_fading(step.before)) {
       Switch begun;
       begun.id = id;
       begun.character = step.character;
@@ -189,7 +195,7 @@ class Measurement {
       latest_[id] = result_.switches.size();
       result_.switches.push_back(std::move(begun));
     } else {
-      ++result_.switches[latest->second].steps;
+      ++result_.switches[latest_[id]].steps;
     }
     Switch& of = result_.switches[latest_[id]];
     of.to = growing(step.before, now);

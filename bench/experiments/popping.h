@@ -6,9 +6,9 @@
 // enough from each other on the screen are held in one drawing.
 //
 // A switch is a cut, which takes one frame, or a cross-fade, which takes a frame a step; a fade that turns back is one
-// switch. A fade that was under way in the first frame counts from there. An agent that comes into view does not
-// switch. What a representation does within itself (another view, stored frame or tier) is not a switch: with and
-// without it are drawn alike.
+// switch. One that began before the first frame is left out, and an agent that comes into view does not switch. What a
+// representation does within itself (another view, stored frame or tier) is not a switch: with and without it are drawn
+// alike.
 #pragma once
 #include <cstdint>
 #include <optional>

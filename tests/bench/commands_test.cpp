@@ -101,6 +101,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_TRUE(facts("schema").contains("properties"));
          EXPECT_NE(run("schema --markdown").text.find("agents"), std::string::npos);
          EXPECT_NE(run("schema --scores").text.find("ssim"), std::string::npos);
+         EXPECT_NE(run("schema --scores").text.find("pop_luma"), std::string::npos);
          EXPECT_FALSE(facts("schema --results --json").empty());
          const Outcome defaults = run("schema --defaults", false);
          ASSERT_EQ(defaults.status, 0);
