@@ -109,6 +109,14 @@ using AgentLists = std::vector<std::vector<uint32_t>>;
 // Every agent of a frame.
 AgentLists all_agents(const scene::Frame& frame);
 
+// Who draws an agent: the share of its pixels that each of Representation::components() has. They sum to 1; more than
+// one is above 0 while the agent fades from one to another.
+struct AgentShares {
+  uint32_t id = 0;  // FrameAgent::id
+  std::vector<float> shares;
+  bool operator==(const AgentShares&) const = default;
+};
+
 // Which outputs the bound target has. Timed frames draw without ids; a test shows that their colours are equal.
 struct Pass {
   bool ids = false;     // second colour attachment, R32UI: agent index + 1
@@ -159,6 +167,17 @@ class Representation {
   // of the frame.
   virtual bool has_history() const { return false; }
   virtual void advance(const scene::Frame& /*frame*/, const AgentLists& /*agents*/) {}
+
+  // Representations whose agents switch between others: which those are, nearest first, those of a component that has
+  // such itself in its place. None: no agent ever switches.
+  virtual std::vector<std::string> components() const { return {}; }
+  // Who draws the listed agents in this frame, in the order of the lists, one character after the other; empty where
+  // there are no components. To the history it is a draw of the frame: of the frame that was drawn last it changes
+  // nothing.
+  virtual std::vector<AgentShares> shares(const scene::Frame& /*frame*/, const AgentLists& /*agents*/) { return {}; }
+  // Until it is called with none, `draw` draws these agents by these shares, whoever would draw them otherwise: a frame
+  // without its switches. Such draws leave the history as it is.
+  virtual void hold(const std::vector<AgentShares>& /*held*/) {}
 };
 
 // How one agent is seen at one tick: the eye in the agent's model space (metres at scale 1, from its pivot), and its

@@ -20,6 +20,7 @@ void add_all_commands(Command& app, Run& run) {
       add_quality,
       add_switch_distance,
       add_popmap,
+      add_popping,
       add_distance,
       add_ratio,
       add_bench,

@@ -25,6 +25,7 @@ void add_inspect(Command& app, Run& run);
 void add_pair(Command& app, Run& run);
 void add_quality(Command& app, Run& run);
 void add_popmap(Command& app, Run& run);
+void add_popping(Command& app, Run& run);
 void add_pose(Command& app, Run& run);
 void add_ratio(Command& app, Run& run);
 void add_render(Command& app, Run& run);

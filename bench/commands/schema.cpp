@@ -4,6 +4,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "metrics/popping.h"
 #include "metrics/registry.h"
 #include "reports/exports/results_schema.h"
 #include "scene/scenario/scenario.h"
@@ -47,7 +48,7 @@ void add_schema(Command& app, Run& run) {
       if (options->results)
         fmt::print("{}", options->json ? reports::results_schema_json() : reports::results_schema_markdown());
       else if (options->scores)
-        fmt::print("{}", metrics::scores_markdown(metrics::scores()));
+        fmt::print("{}{}", metrics::scores_markdown(metrics::scores()), metrics::pop_scores_markdown());
       else if (options->markdown)
         fmt::print("{}", scene::scenario_markdown());
       else if (options->defaults)

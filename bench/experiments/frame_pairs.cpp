@@ -27,16 +27,7 @@ std::string ending_of(const fs::path& path) {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// One side. frames and fps as in FramePairs.
-class Side {
- public:
-  virtual ~Side() = default;
-  virtual bool next(AnyImage& image) = 0;
-  double fps = 0;
-  size_t frames = 0;
-};
-
-class ClipSide : public Side {
+class ClipSide : public FrameSequence {
  public:
   explicit ClipSide(const fs::path& path) : reader_(path) {
     const studies::ClipReader::Tags& tags = reader_.tags();
@@ -57,7 +48,7 @@ class ClipSide : public Side {
   studies::ClipReader::Frame frame_;
 };
 
-class FolderSide : public Side {
+class FolderSide : public FrameSequence {
  public:
   explicit FolderSide(const fs::path& folder) : files_(frames_in(folder)) { frames = files_.size(); }
   bool next(AnyImage& image) override {
@@ -71,11 +62,6 @@ class FolderSide : public Side {
   size_t at_ = 0;
 };
 
-std::unique_ptr<Side> open_side(const fs::path& path) {
-  if (fs::is_directory(path)) return std::make_unique<FolderSide>(path);
-  return std::make_unique<ClipSide>(path);
-}
-
 std::pair<int, int> size_of(const AnyImage& image) {
   return std::visit([](const auto& i) { return std::pair{i.width, i.height}; }, image);
 }
@@ -83,7 +69,7 @@ std::pair<int, int> size_of(const AnyImage& image) {
 class TwoSides : public FramePairs {
  public:
   TwoSides(const fs::path& reference_path, const fs::path& test_path, double fps_given)
-      : reference_side_(open_side(reference_path)), test_side_(open_side(test_path)) {
+      : reference_side_(open_sequence(reference_path)), test_side_(open_sequence(test_path)) {
     reference = reference_path.string();
     test = test_path.string();
     const double a = reference_side_->fps;
@@ -116,7 +102,7 @@ class TwoSides : public FramePairs {
   }
 
  private:
-  std::unique_ptr<Side> reference_side_, test_side_;
+  std::unique_ptr<FrameSequence> reference_side_, test_side_;
   std::pair<int, int> size_;
   size_t done_ = 0;
 };
@@ -174,6 +160,11 @@ class Halves : public FramePairs {
 };
 
 }  // namespace
+
+std::unique_ptr<FrameSequence> open_sequence(const fs::path& path) {
+  if (fs::is_directory(path)) return std::make_unique<FolderSide>(path);
+  return std::make_unique<ClipSide>(path);
+}
 
 bool in_natural_order(std::string_view a, std::string_view b) {
   size_t i = 0;

@@ -1,5 +1,5 @@
-// Two sequences of frames, read side by side and one pair at a time: clips, folders of pictures, the two halves of one
-// stacked clip.
+// Sequences of frames, read one frame at a time, alone or two side by side: clips, folders of pictures, the two halves
+// of one stacked clip.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -10,6 +10,18 @@
 #include "core/image_io.h"
 
 namespace crowdbench::bench {
+
+// One sequence of frames, read one at a time.
+class FrameSequence {
+ public:
+  virtual ~FrameSequence() = default;
+  // The next frame into `image`; false at the end. Throws Error: a damaged frame.
+  virtual bool next(AnyImage& image) = 0;
+  double fps = 0;     // 0: it does not say
+  size_t frames = 0;  // as many as to expect; 0: unknown
+};
+// A clip or a folder of pictures. Throws Error.
+std::unique_ptr<FrameSequence> open_sequence(const std::filesystem::path& path);
 
 struct FramePair {
   AnyImage reference, test;

@@ -1,6 +1,10 @@
 #include "renderers/hybrid/hybrid.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <unordered_map>
 
 #include "core/error.h"
 #include "renderers/frame/frame_resources.h"
@@ -8,9 +12,14 @@
 namespace crowdbench::renderers {
 
 HybridRepresentation::HybridRepresentation(std::unique_ptr<Representation> near, std::unique_ptr<Representation> far,
-                                           const LodPolicy& policy, std::vector<LodCharacter> characters,
+                                           std::array<std::string, 2> names, const LodPolicy& policy,
+                                           std::vector<LodCharacter> characters,
                                            std::vector<std::shared_ptr<const scene::PoseBank>> banks)
-    : near_(std::move(near)), far_(std::move(far)), switch_(policy, std::move(characters)), banks_(std::move(banks)) {}
+    : near_(std::move(near)),
+      far_(std::move(far)),
+      names_(std::move(names)),
+      switch_(policy, std::move(characters)),
+      banks_(std::move(banks)) {}
 
 const scene::Frame& HybridRepresentation::pose_matched(const scene::Frame& frame, const LodSplit& split) {
   bool copied = false;
@@ -29,7 +38,9 @@ const scene::Frame& HybridRepresentation::pose_matched(const scene::Frame& frame
 
 void HybridRepresentation::draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
                                 const Pass& pass) {
-  const LodSplit& split = switch_.split(frame, agents);
+  std::optional<LodSwitch> aside;  // what is held leaves no trace in the sequence
+  if (!held_.empty()) aside.emplace(switch_);
+  const LodSplit& split = (aside ? *aside : switch_).split(frame, agents, held_);
   near_agents_ = split.count(split.near);
   far_agents_ = split.count(split.far);
   fading_agents_ = 0;
@@ -68,6 +79,72 @@ void HybridRepresentation::advance(const scene::Frame& frame, const AgentLists& 
     for (size_t m = 1; m < split.fading.size(); ++m)
       if (split.count(split.fading[m]) != 0) component->advance(frame, split.fading[m]);
   }
+}
+
+std::vector<std::string> HybridRepresentation::components() const {
+  std::vector<std::string> all;
+  for (const auto& [component, name] : {std::pair(near_.get(), &names_[0]), std::pair(far_.get(), &names_[1])}) {
+    const std::vector<std::string> inner = component->components();
+    all.insert(all.end(), inner.begin(), inner.end());
+    if (inner.empty()) all.push_back(*name);
+  }
+  return all;
+}
+
+std::vector<AgentShares> HybridRepresentation::shares(const scene::Frame& frame, const AgentLists& agents) {
+  const LodSplit& split = switch_.split(frame, agents);
+  const size_t near_count = std::max<size_t>(1, near_->components().size());
+  const size_t count = near_count + std::max<size_t>(1, far_->components().size());
+  std::unordered_map<uint32_t, std::vector<float>> by_id;
+  const auto add = [&](Representation& component, size_t first, const AgentLists& lists, float share) {
+    const std::vector<AgentShares> inner = component.shares(frame, lists);
+    size_t at = 0;
+    for (size_t c = 0; c < lists.size(); ++c)
+      for (const uint32_t i : lists[c]) {
+        std::vector<float>& sum = by_id[frame.agents[c][i].id];
+        sum.resize(count);
+        if (inner.empty()) sum[first] += share;
+        for (size_t k = 0; !inner.empty() && k < inner[at].shares.size(); ++k)
+          sum[first + k] += share * inner[at].shares[k];
+        ++at;
+      }
+  };
+  // In the order of draw, and with its lists: the components' histories depend on them.
+  add(*near_, 0, split.near, 1);
+  for (size_t m = 1; m < split.fading.size(); ++m) {
+    if (split.count(split.fading[m]) == 0) continue;
+    const float far_share = static_cast<float>(m) / static_cast<float>(split.fading.size());
+    add(*near_, 0, split.fading[m], 1 - far_share);
+    add(*far_, near_count, split.fading[m], far_share);
+  }
+  add(*far_, near_count, split.far, 1);
+  std::vector<AgentShares> out;
+  for (size_t c = 0; c < agents.size(); ++c)
+    for (const uint32_t i : agents[c]) {
+      const uint32_t id = frame.agents[c][i].id;
+      out.push_back({id, by_id[id]});
+    }
+  return out;
+}
+
+void HybridRepresentation::hold(const std::vector<AgentShares>& held) {
+  held_.clear();
+  const size_t near_count = std::max<size_t>(1, near_->components().size());
+  std::array<std::vector<AgentShares>, 2> inner;
+  for (const AgentShares& agent : held) {
+    const auto border = agent.shares.begin() + static_cast<std::ptrdiff_t>(near_count);
+    const std::array<std::vector<float>, 2> sides = {std::vector<float>(agent.shares.begin(), border),
+                                                     std::vector<float>(border, agent.shares.end())};
+    const std::array<float, 2> sums = {std::accumulate(sides[0].begin(), sides[0].end(), 0.0F),
+                                       std::accumulate(sides[1].begin(), sides[1].end(), 0.0F)};
+    if (agent.id >= held_.size()) held_.resize(agent.id + 1, kNotHeld);
+    held_[agent.id] = static_cast<uint8_t>(
+        std::lround(sums[1] / (sums[0] + sums[1]) * static_cast<float>(switch_.policy().fade + 1)));
+    for (size_t side = 0; side < 2; ++side)
+      if (sums.at(side) > 0) inner.at(side).push_back({agent.id, sides.at(side)});
+  }
+  near_->hold(inner[0]);
+  far_->hold(inner[1]);
 }
 
 double HybridRepresentation::shown_phase(size_t character, int bank_clip, double phase) const {
@@ -156,8 +233,9 @@ const RepresentationType hybrid_type = {
         const double own = context.cast.characters[c]->placement.height;
         characters.push_back({own > 0 ? own : static_cast<double>(bank.bounds_max().y - bank.bounds_min().y), texel});
       }
-      return std::make_unique<HybridRepresentation>(std::move(near_component), std::move(far_component), policy,
-                                                    std::move(characters), context.cast.banks);
+      return std::make_unique<HybridRepresentation>(std::move(near_component), std::move(far_component),
+                                                    std::array{spec.components[0].text(), spec.components[1].text()},
+                                                    policy, std::move(characters), context.cast.banks);
     },
     .components = 2,
     .floor = "the floors of both",

@@ -1,6 +1,8 @@
 // Hybrid: a representation made of two, one for the agents that are near and one for those that are far. See README.md.
 #pragma once
+#include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "renderers/hybrid/lod_switch.h"
@@ -13,8 +15,9 @@ extern const RepresentationType hybrid_type;
 // Made of two representations of the same cast.
 class HybridRepresentation : public Representation {
  public:
+  // names: of near and far, as components() says them.
   HybridRepresentation(std::unique_ptr<Representation> near, std::unique_ptr<Representation> far,
-                       const LodPolicy& policy, std::vector<LodCharacter> characters,
+                       std::array<std::string, 2> names, const LodPolicy& policy, std::vector<LodCharacter> characters,
                        std::vector<std::shared_ptr<const scene::PoseBank>> banks);
   void draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
             const Pass& pass) override;
@@ -26,6 +29,9 @@ class HybridRepresentation : public Representation {
   double shown_phase(size_t character, int bank_clip, double phase) const override;
   bool has_history() const override;
   void advance(const scene::Frame& frame, const AgentLists& agents) override;
+  std::vector<std::string> components() const override;
+  std::vector<AgentShares> shares(const scene::Frame& frame, const AgentLists& agents) override;
+  void hold(const std::vector<AgentShares>& held) override;
 
   // Agents of the last frame drawn; those that fade are neither.
   size_t near_agents() const { return near_agents_; }
@@ -37,7 +43,9 @@ class HybridRepresentation : public Representation {
   const scene::Frame& pose_matched(const scene::Frame& frame, const LodSplit& split);
 
   std::unique_ptr<Representation> near_, far_;
+  std::array<std::string, 2> names_;
   LodSwitch switch_;
+  HeldShares held_;  // none: nobody is held
   std::vector<std::shared_ptr<const scene::PoseBank>> banks_;
   scene::Frame matched_;
   size_t near_agents_ = 0, far_agents_ = 0, fading_agents_ = 0;

@@ -99,7 +99,7 @@ const LodSwitch::AgentState* LodSwitch::last_state(uint32_t id) const {
   return &before_[id];
 }
 
-const LodSplit& LodSwitch::split(const scene::Frame& frame, const AgentLists& agents) {
+const LodSplit& LodSwitch::split(const scene::Frame& frame, const AgentLists& agents, const HeldShares& held) {
   const bool history = policy_.has_history();
   if (history) begin(frame);
   measure(frame, agents);
@@ -115,11 +115,11 @@ const LodSplit& LodSwitch::split(const scene::Frame& frame, const AgentLists& ag
   for (size_t c = 0; c < agents.size(); ++c)
     for (size_t n = 0; n < agents[c].size(); ++n) {
       const uint32_t i = agents[c][n];
+      const uint32_t id = frame.agents[c][i].id;
       const double relative = relative_[c][n];
       AgentState state;
       state.far = beyond_[c][n];
       if (history) {
-        const uint32_t id = frame.agents[c][i].id;
         if (id >= now_.size()) now_.resize(id + 1);
         if (const AgentState* known = last_state(id)) {
           const AgentState& last = *known;
@@ -136,14 +136,12 @@ const LodSplit& LodSwitch::split(const scene::Frame& frame, const AgentLists& ag
         state.stamp = now_stamp_;
         now_[id] = state;
       }
-      if (state.step != 0) {
-        const size_t share = state.far ? state.step : whole - state.step;
-        split_.fading[share][c].push_back(i);
-      } else {
-        (state.far ? split_.far : split_.near)[c].push_back(i);
-      }
-      if (policy_.match > 0 && (state.step != 0 || (!state.far && relative > 1 - policy_.match)))
-        split_.matched[c].push_back(i);
+      uint64_t share = state.far ? whole : 0;  // of the far representation
+      if (state.step != 0) share = state.far ? state.step : whole - state.step;
+      if (id < held.size() && held[id] != kNotHeld) share = held[id];
+      const bool fades = share != 0 && share != whole;
+      (fades ? split_.fading[share] : share == 0 ? split_.near : split_.far)[c].push_back(i);
+      if (policy_.match > 0 && (fades || (share == 0 && relative > 1 - policy_.match))) split_.matched[c].push_back(i);
     }
   return split_;
 }

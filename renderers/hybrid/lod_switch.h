@@ -50,6 +50,11 @@ struct LodSplit {
   size_t count(const AgentLists& lists) const;
 };
 
+// By agent id: how many of fade + 1 shares of the agent's pixels the far representation has, whatever the rule says;
+// kNotHeld, or no entry: as the rule says.
+using HeldShares = std::vector<uint8_t>;
+inline constexpr uint8_t kNotHeld = 255;
+
 // The state of a sequence of frames is a function of those frames: of the first one by the rule alone, of each further
 // one by the rule and the state before. A frame continues the sequence when its tick is at most kMostTicks after the
 // last one's; a frame of the same tick is the same moment again; any other begins anew, as does an agent that was not
@@ -58,8 +63,8 @@ class LodSwitch {
  public:
   static constexpr uint64_t kMostTicks = 8;
   LodSwitch(const LodPolicy& policy, std::vector<LodCharacter> characters);
-  // Valid until the next call.
-  const LodSplit& split(const scene::Frame& frame, const AgentLists& agents);
+  // Valid until the next call. The state follows the rule, held or not.
+  const LodSplit& split(const scene::Frame& frame, const AgentLists& agents, const HeldShares& held = {});
   const LodPolicy& policy() const { return policy_; }
 
  private:

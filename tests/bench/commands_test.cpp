@@ -102,6 +102,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_TRUE(facts("schema").contains("properties"));
          EXPECT_NE(run("schema --markdown").text.find("agents"), std::string::npos);
          EXPECT_NE(run("schema --scores").text.find("ssim"), std::string::npos);
+         EXPECT_NE(run("schema --scores").text.find("pop_luma"), std::string::npos);
          EXPECT_FALSE(facts("schema --results --json").empty());
          const Outcome defaults = run("schema --defaults", false);
          ASSERT_EQ(defaults.status, 0);
@@ -179,6 +180,19 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_EQ(sizes[0].at("cells"), 1);
          EXPECT_GT(sizes[0].at("switch").size(), 0U);
          EXPECT_FALSE(fs::is_empty(work_ / "pops"));
+       }},
+      {"popping",
+       [&] {
+         write_file(work_ / "moving.toml",
+                    "[[camera.key]]\ntime = 0.0\neye = [0.0, 2.0, 6.0]\n"
+                    "[[camera.key]]\ntime = 1.0\neye = [0.0, 3.0, 10.0]\n");
+         const json j = facts(
+             "popping moving.toml --agents 12 --size 96x72 --frames 12 --out switches --representation 'hybrid(mesh,(" +
+             impostor + "),distance=8)' --json" + character);
+         ASSERT_EQ(j.at("runs").size(), 1U);
+         EXPECT_GT(j.at("runs")[0].at("seen").get<int>(), 0);
+         EXPECT_EQ(j.at("pictures").size() % 3, 0U);
+         EXPECT_EQ(fs::is_empty(work_ / "switches"), false);
        }},
       {"distance",
        [&] {

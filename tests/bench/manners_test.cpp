@@ -89,6 +89,9 @@ INSTANTIATE_TEST_SUITE_P(
         Long{"Bake", {"bench", "--representation", "relief", "--agents", "1", "--out", "results.sqlite"}, SIGTERM},
         Long{"Bench", {"bench", "--representation", "mesh", "--agents", "20000", "--full"}, SIGINT},
         Long{"Ratio", {"ratio", "--of", "mesh", "--to", "mesh", "--agents", "20000"}, SIGTERM},
+        Long{"Popping",
+             {"popping", "--agents", "20000", "--representation", "hybrid(mesh,mesh,distance=9)", "--frames", "1000"},
+             SIGINT},
         Long{"Pair", {"pair", "--a", "mesh", "--b", "mesh", "--agents", "3000", "--out", "x.mp4"}, SIGTERM}),
     [](const auto& command) { return std::string(command.param.name); });
 
@@ -136,6 +139,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"quality", "--representation mesh --height-px 20 --rows 48 --json" + small},
       {"switch-distance", flat + " --ratio 1 --size 64x64 --json" + small},
       {"popmap", flat + " --azimuth-deg 0 --elevation-deg 0 --phase 0 --ratio 1 --json" + small},
+      {"popping", "--representation 'hybrid(mesh,mesh)' --agents 2 --size 32x32 --frames 2 --json" + small},
       {"distance", "--representation mesh --scores mae --agents 2 --size 32x32 --json" + small},
       {"ratio", "--of mesh --to mesh --agents 2 --size 32x32 --pairs 20 --json" + small},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
@@ -243,6 +247,7 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "report r.sqlite --google-benchmark a/b/r.json",
       "demo --out a/b/demo",
       "popmap --out a/b/pops",
+      "popping --representation 'hybrid(mesh,mesh)' --out a/b/pops",
       "distance --representation mesh --out a/b/agents.csv",
       "distance --representation mesh --chart a/b/page.html",
       "distance --representation mesh --db a/b/r.sqlite",
@@ -285,7 +290,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
   }
   // What draws one representation, or several, says so with the same option; pairs name their two sides.
   for (const char* command :
-       {"render", "bake", "quality", "switch-distance", "popmap", "distance", "bench", "view", "demo"})
+       {"render", "bake", "quality", "switch-distance", "popmap", "popping", "distance", "bench", "view", "demo"})
     EXPECT_TRUE(by_command[command].count("representation")) << command;
   for (const auto& [command, options] : by_command) {
     if (options.count("representations")) {
@@ -295,8 +300,8 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
       EXPECT_FALSE(options.count(other)) << command << " --" << other;
   }
   // Everything that takes a character, takes it so; it is an argument only where it is what the command is about.
-  for (const char* command :
-       {"render", "bake", "quality", "switch-distance", "popmap", "distance", "ratio", "bench", "pair", "view", "demo"})
+  for (const char* command : {"render", "bake", "quality", "switch-distance", "popmap", "popping", "distance", "ratio",
+                              "bench", "pair", "view", "demo"})
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&

@@ -176,7 +176,7 @@ TEST(RepresentationNames, NobodyOutsideItsFolderSpellsOne) {
 
 // The words behind these options in every example of the help.
 TEST(RepresentationNames, ExamplesOfTheHelpParse) {
-  const std::regex given(R"re((?:--representations?|-r|--of|--to|--a|--b) ([^ \\"]+))re");
+  const std::regex given(R"re((?:--representations?|-r|--of|--to|--a|--b) '?([^ \\"']+))re");
   size_t parsed = 0;
   for (const Source& source : sources())
     for (const std::string& literal : source.literals)
