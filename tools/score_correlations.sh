@@ -53,7 +53,11 @@ score() {
 
 score mannequin
 for file in ${characters:+"$characters"/*.glb}; do
-  if [ -f "$file" ]; then score "$file"; fi
+  [ -f "$file" ] || continue
+  score "$file"
+  # Whose it is: the first line of the licence that lies beside it.
+  licence=${file%.glb}.LICENSE.txt
+  if [ -f "$licence" ]; then printf -- '- %s\n' "$(head -n 1 "$licence")" >>"$work/licences"; fi
 done
 "$driver" correlate "$work/scores.sqlite" --markdown "$out.part" --pictures "${out%.md}-pictures" >/dev/null
 {
@@ -61,5 +65,9 @@ done
   printf '    crowdbench quality --representation %s --character C --height-px %s --azimuth-deg %s --elevation-deg %s --db FILE.sqlite\n' \
     "$families" "$heights" "$azimuths" "$elevations"
   printf '    crowdbench correlate FILE.sqlite --markdown PAGE.md --pictures DIR\n'
+  if [ -f "$work/licences" ]; then
+    printf '\nCharacters of others, drawn here:\n\n'
+    cat "$work/licences"
+  fi
 } >>"$out.part"
 mv "$out.part" "$out"

@@ -41,8 +41,8 @@ std::string interval_text(const std::optional<RankCorrelation>& of) {
 // "flat:views=12, mannequin, 60 px, azimuth 45, elevation 0, walk at 0.25 s"
 std::string row_text(const ComparisonRow& row) {
   return fmt::format("{}, {}, {:g} px, azimuth {:g}, elevation {:g}, {} at {:.3g} s", row.representation, row.character,
-                     row.height_px.value_or(0), row.azimuth_deg.value_or(0), row.elevation_deg.value_or(0), row.clip,
-                     row.time.value_or(0));
+                     row.height_px.value_or(0), row.azimuth_deg.value_or(0), row.elevation_deg.value_or(0),
+                     row.clip.empty() ? "a clip without a name" : row.clip, row.time.value_or(0));
 }
 
 std::string value_of(const ScoreAgreements& all, size_t score, size_t row) {
@@ -61,10 +61,10 @@ std::string summary_of(const ScoreAgreements& all) {
     if (row->display) displays.insert(*row->display + (row->display_given.value_or(false) ? "" : ", by default"));
   }
   return fmt::format(
-      "{} views: {} representations ({}), {} characters ({}), heights of {} px; display {}. Intervals: 95 %, {} groups "
-      "of one character by one representation drawn anew {} times.",
-      all.rows.size(), representations.size(), fmt::join(representations, ", "), characters.size(),
-      fmt::join(characters, ", "), fmt::join(heights, ", "), fmt::join(displays, "; "), all.groups, kRankResamples);
+      "{} views. Representations: {}; characters: {}; heights: {} px; display: {}. Intervals: 95 %, whole groups of "
+      "one character by one representation ({} of them) drawn anew {} times.",
+      all.rows.size(), fmt::join(representations, ", "), fmt::join(characters, ", "), fmt::join(heights, ", "),
+      fmt::join(displays, "; "), all.groups, kRankResamples);
 }
 
 // ---- pictures
