@@ -14,6 +14,11 @@ struct ViewSampling {
   uint64_t texture_bytes = 0;  // by the bounds of what is stored, all levels
   // How far the farthest vertex moves from one stored frame to the next, metres: over all pairs, and their mean.
   double pose_step_largest = 0, pose_step_mean = 0;
+  glm::dvec3 centre{0.0};  // that the planes of all views go through: model space, metres
+  // Where a view's picture lies when it is drawn: on the plane nearest to the body (fit_plane, of
+  // renderers/impostor/tiles/plane.h), or across the view through the centre.
+  bool fitted = true;
+  bool surface_depth = false;  // what is drawn has the depth of the surface that it shows, not that of a plane
 };
 
 // From pose_steps (renderers/impostor/tiles/stored_frames.h); zeros where there are none.
