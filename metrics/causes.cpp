@@ -152,6 +152,8 @@ std::string causes_markdown() {
       "| `changed_places_with` | | of `compare`: ids of the agents that now stand before it |\n"
       "| `by_height` | | of `quality` and `distance`: `below_px`, `units` (views, or agents), each cause's share of "
       "`total`, `dominant` (null: not distinguishable) with the 95 % interval of its share |\n"
+      "| `told_by` | | of `quality`: `drawing` with `--causes`, which draws both sides anew; else `comparing` the two "
+      "pictures and their ids |\n"
       "| `words` | | of `quality` and `distance`: what dominates, in words |\n";
   return out;
 }

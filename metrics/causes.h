@@ -28,10 +28,10 @@ inline constexpr size_t kCauses = 9;
 
 struct CauseDoc {
   Cause cause;
-  std::string_view name;    // for ever: key in JSON; [a-z]
-  std::string_view title;   // for people, after "dominated by": "the stored view"
-  std::string_view drawn;   // what is substituted where both sides can be drawn anew
-  std::string_view read;    // what is substituted where there are two pictures only
+  std::string_view name;   // for ever: key in JSON; [a-z]
+  std::string_view title;  // for people, after "dominated by": "the stored view"
+  std::string_view drawn;  // what is substituted where both sides can be drawn anew
+  std::string_view read;   // what is substituted where there are two pictures only
 };
 std::span<const CauseDoc> causes();  // kCauses of them, by Cause
 const CauseDoc& doc_of(Cause cause);

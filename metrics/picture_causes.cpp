@@ -63,8 +63,8 @@ void copy_pixel(const Layer& from, size_t source, Layer& to, size_t place) {
   if (!to.depth.empty() && !from.depth.empty()) to.depth.data[place] = from.depth.data[source];
 }
 
-// One agent of `now` replaced by what `source` shows of it, moved by (dx, dy). What it leaves is as the test has it, and
-// so is what stands before it at its new place: an agent that was there and still is.
+// One agent of `now` replaced by what `source` shows of it, moved by (dx, dy). What it leaves is as the test has it,
+// and so is what stands before it at its new place: an agent that was there and still is.
 class Replacement {
  public:
   Replacement(const Layer& now, const Layer& source, const Layer& test, uint32_t id, int dx, int dy)
@@ -75,8 +75,8 @@ class Replacement {
     const size_t here = index(x, y);
     const int sx = x - dx_;
     const int sy = y - dy_;
-    const bool arrives = sx >= 0 && sy >= 0 && sx < now_.ids.width && sy < now_.ids.height &&
-                         source_.ids.data[index(sx, sy)] == id_;
+    const bool arrives =
+        sx >= 0 && sy >= 0 && sx < now_.ids.width && sy < now_.ids.height && source_.ids.data[index(sx, sy)] == id_;
     if (arrives) {
       const uint32_t shown = test_.ids.data[here];
       const bool hidden = shown != 0 && shown != id_ && now_.ids.data[here] == shown;
@@ -257,9 +257,7 @@ class Telling {
   // Who shows where another was, over 3 x 3 pixels at least: less is an outline that moved.
   void put_in_order() {
     std::set<std::pair<uint32_t, uint32_t>> exchanged;
-    const auto pair_at = [&](int x, int y) {
-      return std::pair(*now_.ids.at(x, y), *test_.ids.at(x, y));
-    };
+    const auto pair_at = [&](int x, int y) { return std::pair(*now_.ids.at(x, y), *test_.ids.at(x, y)); };
     for (int y = 1; y + 1 < now_.ids.height; ++y)
       for (int x = 1; x + 1 < now_.ids.width; ++x) {
         const auto pair = pair_at(x, y);
@@ -295,9 +293,8 @@ class Telling {
   }
 
   void put_in_colours() {
-    put_in_where(Cause::shading, [&](size_t i) {
-      return test_.ids.data[i] != 0 && differ(now_, test_, i) && one_factor(i);
-    });
+    put_in_where(Cause::shading,
+                 [&](size_t i) { return test_.ids.data[i] != 0 && differ(now_, test_, i) && one_factor(i); });
     put_in_where(Cause::texture, [&](size_t i) { return test_.ids.data[i] != 0 && differ(now_, test_, i); });
   }
 

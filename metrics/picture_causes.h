@@ -2,7 +2,8 @@
 // be told from pictures alone (metrics/causes.h). The causes that ask for another drawing are not available.
 //
 // Differs from what is told with a renderer (metrics/surface_causes.h): who stands before whom, and what is shading and
-// what is texture, is concluded, not known. A grey repainting looks as a change of the light does, and counts as shading.
+// what is texture, is concluded, not known. A grey repainting looks as a change of the light does, and counts as
+// shading.
 #pragma once
 #include <optional>
 #include <vector>

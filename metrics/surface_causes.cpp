@@ -69,9 +69,9 @@ std::vector<CauseStep> substitute_surfaces(const SurfaceSubstitution& of) {
     const Kind kind = kind_of(of, i);
     const size_t at = i * channels;
     // A picture has what was put in from its kind's step on.
-    for (const auto& [from, image] : {std::pair{Kind::order, &order}, std::pair{Kind::silhouette, &silhouette},
-                                      std::pair{Kind::surface, &surface}, std::pair{Kind::same, &shading},
-                                      std::pair{Kind::same, &texture}})
+    for (const auto& [from, image] :
+         {std::pair{Kind::order, &order}, std::pair{Kind::silhouette, &silhouette}, std::pair{Kind::surface, &surface},
+          std::pair{Kind::same, &shading}, std::pair{Kind::same, &texture}})
       if (kind != Kind::nothing && kind != Kind::same && from >= kind)
         std::copy_n(of.test.codes.data.begin() + static_cast<std::ptrdiff_t>(at), channels,
                     image->data.begin() + static_cast<std::ptrdiff_t>(at));

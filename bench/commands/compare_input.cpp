@@ -121,8 +121,8 @@ void add_region_and_bounds(Command& command, CompareOptions& options) {
     other->needs(one);
   };
   add_pair("--depth-ref", options.depth_reference,
-           "EXR with the reference's depth (render --depth): the error by cause then has wrong surfaces", "--depth-test",
-           options.depth_test, "EXR with the test's depth");
+           "EXR with the reference's depth (render --depth): the error by cause then has wrong surfaces",
+           "--depth-test", options.depth_test, "EXR with the test's depth");
   add_pair("--pose-ref", options.pose_reference,
            "the reference in other poses, one stored frame earlier say: the error by cause then says which agents show "
            "these",

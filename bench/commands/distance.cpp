@@ -175,6 +175,9 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
   command->add_option("--chart", options->chart, "a page with every score against distance, height and texel ratio")
       ->type_name("FILE.html")
       ->output_file();
+  command->add_flag("--causes", options->request.causes,
+                    "also the squared error by cause, of all agents and of each, and what dominates by height\n"
+                    "(`schema --results` says how); of pictures without supersampling");
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_json_option(*command, options->json);
   command->callback([options, table, &run] { run = [options, table] { return run_distance(*options, table); }; });

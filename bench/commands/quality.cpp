@@ -101,7 +101,8 @@ void write_maps(const std::filesystem::path& folder, const std::string& name, co
       write_png(folder / fmt::format("{}_{}.png", name, score->map_file), metrics::map_picture(*score, *result.map));
   for (size_t i = 0; i < pictures.steps.size(); ++i) {
     const metrics::CauseStep& step = pictures.steps[i];
-    write_png(folder / fmt::format("{}_cause{}_{}.png", name, i + 1, step.cause ? metrics::doc_of(*step.cause).name : "residue"),
+    write_png(folder / fmt::format("{}_cause{}_{}.png", name, i + 1,
+                                   step.cause ? metrics::doc_of(*step.cause).name : "residue"),
               metrics::crop(step.codes, *row.scores.box));
   }
 }
@@ -143,6 +144,7 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   setup.exact_pose = options.exact_pose;
   setup.use_cache = !options.no_cache;
   setup.causes = options.causes;
+  setup.read_causes = options.json;
   setup.maps = !options.maps.empty();
   setup.table = table;
   setup.bake_budget = options.bake_budget_mib << 20;
@@ -186,7 +188,10 @@ ordered_json row_json(const QualityRow& row, const Asked& asked) {
   put_scores(out, reasons, row.scores.scores);
   if (!reasons.empty()) out["reasons"] = reasons;
   if (!row.refused.empty()) out["refused"] = row.refused;
-  if (row.errors) out["causes"] = causes_json(*row.errors, {}, false);
+  if (row.errors) {
+    out["causes"] = causes_json(*row.errors, {}, false);
+    out["causes"]["told_by"] = asked.setup.causes ? "drawing" : "comparing";
+  }
   if (const metrics::Score* score = metrics::score_by_cause(asked.setup.table); score && asked.setup.causes)
     out[std::string(score->name) + "_if_right"] = {{"silhouette", json_number(row.causes.silhouette)},
                                                    {"surface", json_number(row.causes.surface)},
@@ -198,8 +203,7 @@ ordered_json row_json(const QualityRow& row, const Asked& asked) {
 std::vector<CauseRange> ranges_of(const std::vector<QualityRow>& rows, size_t index) {
   std::vector<CauseUnit> units;
   for (size_t i = 0; i < rows.size(); ++i)
-    if (rows[i].index == index && rows[i].errors)
-      units.push_back({rows[i].view.height_px, i, rows[i].errors->whole});
+    if (rows[i].index == index && rows[i].errors) units.push_back({rows[i].view.height_px, i, rows[i].errors->whole});
   constexpr uint64_t kSeed = 1;
   return causes_by_height(units, kSeed);
 }
@@ -374,10 +378,11 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
   command->add_flag("--flicker", options->flicker,
                     "also the scores over time of each view, with the times as successive frames (three at least)");
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
-  command->add_flag("--causes", options->causes,
-                    "the squared error by cause (`schema --results` says how: stored frame, stored view, order, silhouette,\n"
-                    "surface, shading, texture, size class; with --maps its pictures), and ssim had the pixels of one\n"
-                    "kind been the mesh's own: outside one silhouette, on another surface, otherwise shaded");
+  command->add_flag(
+      "--causes", options->causes,
+      "the squared error by cause (`schema --results` says how: stored frame, stored view, order, silhouette,\n"
+      "surface, shading, texture, size class; with --maps its pictures), and ssim had the pixels of one\n"
+      "kind been the mesh's own: outside one silhouette, on another surface, otherwise shaded");
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);
   add_json_option(*command, options->json);

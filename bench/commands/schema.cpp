@@ -64,7 +64,8 @@ void add_schema(Command& app, Run& run) {
   command->callback([options, &run] {
     run = [options] {
       if (options->results)
-        fmt::print("{}", options->json ? results_json() : reports::results_schema_markdown() + metrics::causes_markdown());
+        fmt::print("{}",
+                   options->json ? results_json() : reports::results_schema_markdown() + metrics::causes_markdown());
       else if (options->scores)
         fmt::print("{}", metrics::scores_markdown(metrics::scores()));
       else if (options->markdown)

@@ -67,8 +67,8 @@ void draw_apart(const Drawer& drawer, const scene::Frame& frame, const std::set<
   }
 }
 
-// 255 where two different agents are shown and each covers the pixel in both pictures when drawn alone. laid: who covers
-// what in `before`; empty: `mesh` draws it.
+// 255 where two different agents are shown and each covers the pixel in both pictures when drawn alone. laid: who
+// covers what in `before`; empty: `mesh` draws it.
 Image8 agents_in_both(const CauseFrame& of, const Drawer& mesh, const Drawer& test, const Surfaces& before,
                       const Surfaces& after, const StoredViews& laid) {
   std::vector<size_t> places;
@@ -113,6 +113,7 @@ StoredWhat stored_by(const renderers::Spec& spec, const scene::Cast& cast) {
   for (size_t c = 0; c < cast.characters.size(); ++c) {
     out.views.push_back(sample(spec, *cast.characters[c], cast.banks[c]));
     out.planes = out.planes || !out.views.back().surface_depth;
+    out.by_part = out.by_part || out.views.back().lies == renderers::ViewLies::by_part;
   }
   return out;
 }
@@ -134,22 +135,25 @@ CausePictures draw_causes(const CauseFrame& of, const Drawer& mesh, const Drawer
   reason(Cause::place) = "both pictures have the same places";
 
   Surfaces posed = draw_surfaces(mesh, of.posed);
-  out.steps.push_back({Cause::pose, posed.codes});
   StoredViews laid;
-  if (stored.of_several)
-    reason(Cause::view) = "it is made of several representations";
-  else if (!stored.views.empty())
-    laid = draw_stored_views(mesh, of.posed, stored.views);
+  if (stored.of_several) {
+    reason(Cause::pose) = reason(Cause::view) = "it is made of several representations";
+  } else {
+    out.steps.push_back({Cause::pose, posed.codes});
+    if (stored.by_part)
+      reason(Cause::view) = "each body part of a stored view lies on a plane of its own";
+    else if (!stored.views.empty())
+      laid = draw_stored_views(mesh, of.posed, stored.views);
+  }
   const Surfaces& before = laid.covered.empty() ? posed : laid.surfaces;
-  if (!stored.of_several) out.steps.push_back({Cause::view, before.codes});
+  if (reason(Cause::view).empty()) out.steps.push_back({Cause::view, before.codes});
 
   const int wanted = samples_for_finest(test, of.frame);
-  out.level_samples = stored.of_several || test.representation.has_history()
-                          ? 1
-                          : std::min(wanted, samples_that_fit(of.frame));
+  out.level_samples =
+      stored.of_several || test.representation.has_history() ? 1 : std::min(wanted, samples_that_fit(of.frame));
   const Surfaces after = draw_surfaces(test, of.frame, out.level_samples);
   if (stored.of_several || test.representation.has_history())
-    reason(Cause::level) = "at another size another of its representations would be shown";
+    reason(Cause::level) = "at another size it would show another representation";
   else if (out.level_samples < wanted && out.level_samples == 1)
     reason(Cause::level) = "the picture is too large to be drawn as a finer one";
 

@@ -13,6 +13,7 @@ namespace crowdbench::bench {
 struct StoredWhat {
   std::vector<renderers::ViewSampling> views;  // by character; empty where it stores no views
   bool of_several = false;                     // it is made of others: what it stores is not asked
+  bool by_part = false;                        // a view's picture is not of the whole figure
   bool planes = false;                         // its depths are not those of the surfaces that it shows
 };
 StoredWhat stored_by(const renderers::Spec& spec, const scene::Cast& cast);
@@ -27,14 +28,17 @@ struct CauseFrame {
 struct CausePictures {
   std::vector<metrics::CauseStep> steps;  // the last is the representation's picture
   metrics::CauseErrors errors;
-  int level_samples = 1;  // pixels of the picture in which the finest level was drawn, for one of the frame along a side
+  int level_samples =
+      1;  // pixels of the picture in which the finest level was drawn, for one of the frame along a side
 };
 
-// mesh draws `posed`, test draws `frame`: the same agents, seen by the same camera. Representations with a history must
-// be at the frame's tick. Throws Error.
+// mesh draws `posed`, test draws `frame`: the same agents, seen by the same camera; `posed` has the poses of `frame`
+// where the representation is made of several. Representations with a history must be at the frame's tick. Throws
+// Error.
 CausePictures draw_causes(const CauseFrame& of, const Drawer& mesh, const Drawer& test, const StoredWhat& stored);
 
-// The phase at which a representation shows an agent, in the frame's poses of a bank.
+// Gives every agent the pose of the stored frame that the representation shows for its phase (shown_phase), as the
+// cast's banks blend it; every other stays as it is.
 void show_stored_frames(scene::Frame& frame, const scene::Cast& cast, const renderers::Representation& representation);
 
 }  // namespace crowdbench::bench

@@ -72,27 +72,65 @@ renderers::ViewBasis picked_basis(const renderers::ViewGrid& grid, const glm::dv
   return basis;
 }
 
+// Every k-th pixel of a picture k times as wide and high, from column i and row j on.
+void interleave(const Surfaces& part, int k, int i, int j, Surfaces& whole) {
+  const auto put = [&]<typename T>(const Image<T>& from, Image<T>& to) {
+    if (to.empty()) to = Image<T>(from.width * k, from.height * k, from.channels);
+    for (int y = 0; y < from.height; ++y)
+      for (int x = 0; x < from.width; ++x) std::copy_n(from.at(x, y), from.channels, to.at(x * k + i, y * k + j));
+  };
+  put(part.codes, whole.codes);
+  put(part.ids, whole.ids);
+  put(part.depth, whole.depth);
+  put(part.base, whole.base);
+  put(part.emissive, whole.emissive);
+  put(part.lambert, whole.lambert);
+}
+
+// How a view's picture is drawn: `parts` x `parts` pictures of `side` pixels, shifted by fractions of a pixel and
+// interleaved. The mesh's textures are filtered for the size at which they are seen, which a finer picture would
+// change; where there are none one picture does.
+struct Fineness {
+  int side, parts;
+};
+Fineness fineness_of(const scene::Character& character, double pixels) {
+  const bool textured = !character.images.empty();
+  constexpr int kParts = 5;
+  constexpr double kFiner = 6;
+  return {std::clamp(static_cast<int>(std::ceil(pixels * (textured ? 1 : kFiner))), 16, 1536), textured ? kParts : 1};
+}
+
+// pixels: of the frame, that the view's diameter covers.
 Surfaces picture_of(const Drawer& drawer, const scene::Frame& seen, size_t character, const scene::FrameAgent& agent,
-                    const View& view, double pixels_per_metre) {
-  constexpr double kFiner = 6;  // pixels of this picture for one of the frame
+                    const View& view, double pixels) {
+  const Fineness fine = fineness_of(*drawer.cast.characters[character], pixels);
   scene::Frame frame = seen;
   for (auto& agents : frame.agents) agents.clear();
   const auto scale = static_cast<double>(agent.scale);
-  const glm::dvec3 centre = seen.origin + glm::dvec3(agent.position) + scale * world_from_model(view.centre, agent.heading);
-  frame.camera.eye = centre + view.away * world_from_model(view.basis.to_eye, agent.heading);
-  frame.camera.target = centre;
-  frame.camera.up = world_from_model(view.basis.up, agent.heading);
+  const glm::dvec3 pivot = seen.origin + glm::dvec3(agent.position);
+  const glm::dvec3 right = world_from_model(view.basis.right, agent.heading);
+  const glm::dvec3 up = world_from_model(view.basis.up, agent.heading);
+  frame.camera.up = up;
   frame.camera.fov_y = 2 * std::atan(view.radius * scale / view.away);
   frame.camera.near = 0.5 * view.away;
   frame.camera.far = 0;
-  frame.width = frame.height =
-      std::clamp(static_cast<int>(std::ceil(2 * view.radius * scale * pixels_per_metre * kFiner)), 64, 1536);
-  scene::FrameAgent alone = agent;
-  alone.position = glm::vec3(seen.origin + glm::dvec3(agent.position) - frame.camera.eye);
-  frame.origin = frame.camera.eye;
+  frame.width = frame.height = fine.side;
   frame.ground = false;
-  frame.agents[character] = {alone};
-  return draw_surfaces(drawer, frame);
+  const double pixel = 2 * view.radius * scale / fine.side;  // metres
+  Surfaces out;
+  for (int j = 0; j < fine.parts; ++j)
+    for (int i = 0; i < fine.parts; ++i) {
+      const auto shift = [&](int part) { return pixel * (part - 0.5 * (fine.parts - 1)) / fine.parts; };
+      frame.camera.target =
+          pivot + scale * world_from_model(view.centre, agent.heading) + shift(i) * right - shift(j) * up;
+      frame.camera.eye = frame.camera.target + view.away * world_from_model(view.basis.to_eye, agent.heading);
+      frame.origin = frame.camera.eye;
+      scene::FrameAgent alone = agent;
+      alone.position = glm::vec3(pivot - frame.origin);
+      frame.agents[character] = {alone};
+      interleave(draw_surfaces(drawer, frame), fine.parts, i, j, out);
+    }
+  return out;
 }
 
 View view_of(const Drawer& drawer, const scene::Frame& frame, size_t character, const scene::FrameAgent& agent,
@@ -104,15 +142,14 @@ View view_of(const Drawer& drawer, const scene::Frame& frame, size_t character, 
   view.basis = picked_basis(sampling.grid, to_eye);
   const scene::Mesh& mesh = drawer.cast.characters[character]->mesh;
   const auto positions = renderers::posed_positions(mesh, drawer.cast.banks[character]->palette(agent.pose));
-  if (sampling.fitted)
-    view.plane =
-        renderers::fit_plane(renderers::surface_moments(positions, mesh.indices), view.centre, view.basis);
+  if (sampling.lies == renderers::ViewLies::nearest)
+    view.plane = renderers::fit_plane(renderers::surface_moments(positions, mesh.indices), view.centre, view.basis);
   for (const glm::vec3& p : positions) view.radius = std::max(view.radius, glm::distance(glm::dvec3(p), view.centre));
   view.radius *= 1.02;
   view.away = 1000 * view.radius * scale;
   const double depth = std::max(glm::length(to_eye) * scale, frame.camera.near);
-  view.picture =
-      picture_of(drawer, frame, character, agent, view, 1 / scene::pixel_size_at(frame.camera, depth, frame.height));
+  const double pixel = scene::pixel_size_at(frame.camera, depth, frame.height);
+  view.picture = picture_of(drawer, frame, character, agent, view, 2 * view.radius * scale / pixel);
   return view;
 }
 
@@ -167,10 +204,10 @@ class Laid {
     for (int corner = 0; corner < 4; ++corner) {
       const double x = view_.radius * ((corner & 1) != 0 ? 1 : -1);
       const double y = view_.radius * ((corner & 2) != 0 ? 1 : -1);
-      const glm::dvec3 p =
-          in_eye({x, y, view_.plane.slope_x * x + view_.plane.slope_y * y + view_.plane.height});
+      const glm::dvec3 p = in_eye({x, y, view_.plane.slope_x * x + view_.plane.slope_y * y + view_.plane.height});
       if (-p.z < frame_.camera.near) return {0, 0, frame_.width, frame_.height};
-      const glm::dvec2 place{(1 + p.x / (-p.z * wide_)) / 2 * frame_.width, (1 - p.y / (-p.z * tall_)) / 2 * frame_.height};
+      const glm::dvec2 place{(1 + p.x / (-p.z * wide_)) / 2 * frame_.width,
+                             (1 - p.y / (-p.z * tall_)) / 2 * frame_.height};
       least = glm::min(least, place);
       most = glm::max(most, place);
     }
@@ -186,8 +223,7 @@ class Laid {
     return {glm::dot(view_.basis.right, model), glm::dot(view_.basis.up, model), glm::dot(view_.basis.to_eye, model)};
   }
   glm::dvec3 in_eye(const glm::dvec3& p) const {
-    const glm::dvec3 model =
-        view_.centre + view_.basis.right * p.x + view_.basis.up * p.y + view_.basis.to_eye * p.z;
+    const glm::dvec3 model = view_.centre + view_.basis.right * p.x + view_.basis.up * p.y + view_.basis.to_eye * p.z;
     return rotation_ * (glm::dvec3(agent_.position) + scale_ * world_from_model(model, agent_.heading));
   }
   double depth_of(const glm::dvec3& p) const { return -in_eye(p).z; }

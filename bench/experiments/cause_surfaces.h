@@ -20,8 +20,8 @@ struct Drawer {
 
 // The frame, and what its surfaces are made of: every representation is lit by one formula
 // (renderers/shaders/shading.glsl), so that pictures under no light, ambient light alone and directed light alone say
-// base colour, light given off and the cosine. samples: odd k; drawn as the frame of a picture k times as wide and high,
-// of which every pixel shows the middle one of k x k: what is chosen by size is chosen for that size.
+// base colour, light given off and the cosine. samples: odd k; drawn as the frame of a picture k times as wide and
+// high, of which every pixel shows the middle one of k x k: what is chosen by size is chosen for that size.
 metrics::Surfaces draw_surfaces(const Drawer& drawer, const scene::Frame& frame, int samples = 1);
 
 // The figures of a frame as stored views have them.

@@ -108,7 +108,8 @@ std::string verdict_text(const CauseRange& range, const std::string& unit) {
                        metrics::doc_of(*range.dominant).title, 100 * range.shares[static_cast<size_t>(*range.dominant)],
                        100 * range.share.low, 100 * range.share.high, range.units, unit);
   std::string text = "not distinguishable";
-  if (range.units < kLeastCauseUnits) text += fmt::format(" with {} {}{}", range.units, unit, range.units == 1 ? "" : "s");
+  if (range.units < kLeastCauseUnits)
+    text += fmt::format(" with {} {}{}", range.units, unit, range.units == 1 ? "" : "s");
   if (range.first) text += fmt::format(" (most: {}", metrics::doc_of(*range.first).title);
   if (range.first && range.second) text += fmt::format(", then {}", metrics::doc_of(*range.second).title);
   return range.first ? text + ")" : text;

@@ -13,6 +13,7 @@
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "metrics/picture_causes.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
 
@@ -169,14 +170,13 @@ class Comparison {
     const std::pair<int, double> moment(clip, time);
     auto found = exact_mesh_.find(moment);
     if (found == exact_mesh_.end())
-      found =
-          exact_mesh_
-              .emplace(std::piecewise_construct, std::forward_as_tuple(moment),
-                       std::forward_as_tuple(
-                           context_, setup_,
-                           cast_of(setup_.character, scene::PoseBank::exact(*setup_.character, clip, time)),
-                           renderers::reference_spec()))
-              .first;
+      found = exact_mesh_
+                  .emplace(std::piecewise_construct, std::forward_as_tuple(moment),
+                           std::forward_as_tuple(
+                               context_, setup_,
+                               cast_of(setup_.character, scene::PoseBank::exact(*setup_.character, clip, time)),
+                               renderers::reference_spec()))
+                  .first;
     return found->second;
   }
 
@@ -229,15 +229,19 @@ class Comparison {
     if (setup_.causes) {
       row.causes = causes_of(pictures, height(view), setup_.table);
       put_errors(view, spec, side->second, frame, row, pictures);
+    } else if (setup_.read_causes) {
+      row.errors = metrics::causes_of_pictures(
+                       {pictures.reference.colour, pictures.test.colour, pictures.reference.ids, pictures.test.ids})
+                       .errors;
     }
     if (seen) seen(row, pictures);
     for (metrics::Scored& one : row.scores.scores) one.result.map.reset();
   }
 
-  // The mesh in the pose that the side shows: exactly, where that is a stored frame, else blended as its bank has it. The
-  // phase is of the mesh's own bank.
-  std::pair<Side*, double> shown_mesh(const QualityView& view, const Side& side, double phase) {
-    if (setup_.exact_pose || view.clip < 0) return {&exact_mesh(view.clip, view.time), phase};
+  // The mesh in the pose that the side shows: exactly, where that is a stored frame, else blended as its bank has it.
+  // The phase is of the mesh's own bank.
+  std::pair<Side*, double> shown_mesh(const QualityView& view, const Side& side, bool of_several, double phase) {
+    if (setup_.exact_pose || view.clip < 0 || of_several) return {&exact_mesh(view.clip, view.time), phase};
     const double shown = side.representation->shown_phase(0, 0, phase);
     if (std::abs(shown - phase) < 1e-6) {
       if (side.cast.banks[0]->sample(0, phase).blend == 0.0F) return {&exact_mesh(view.clip, view.time), phase};
@@ -261,10 +265,10 @@ class Comparison {
   }
   void put_errors(const QualityView& view, const renderers::Spec& spec, Side& side, const scene::Frame& frame,
                   QualityRow& row, QualityPictures& pictures) {
-    const auto [mesh, phase] = shown_mesh(view, side, row.phase);
     auto stored = stored_.find({spec.text(), view.clip});
     if (stored == stored_.end())
       stored = stored_.emplace(std::pair(spec.text(), view.clip), stored_by(spec, side.cast)).first;
+    const auto [mesh, phase] = shown_mesh(view, side, stored->second.of_several, row.phase);
     const scene::Frame posed = mesh->posed(frame, phase);
     const scene::Frame shown = side.posed(frame, row.phase);
     CausePictures drawn = draw_causes({pictures.reference, posed, shown, height(view)}, mesh->drawer(context_),
@@ -276,7 +280,7 @@ class Comparison {
   gl::Context& context_;
   const QualitySetup& setup_;
   std::map<std::pair<int, double>, Side> exact_mesh_;
-  std::map<int, Side> banked_mesh_;                            // by clip
+  std::map<int, Side> banked_mesh_;                           // by clip
   std::map<std::pair<std::string, int>, StoredWhat> stored_;  // by representation and clip
   std::map<int, scene::PoseBank> banks_;
   std::map<int, std::vector<glm::dvec3>> first_poses_;           // by clip

@@ -58,9 +58,10 @@ struct QualitySetup {
   bool exact_pose = false;  // give the representation the exact time too, so that only its drawing is judged
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
-  bool causes = false;  // fill QualityRow::causes and errors
-  bool maps = false;    // fill the scores' maps, over FigureScores::box
-  std::string debug;    // a debug view of the representations instead of their pictures
+  bool causes = false;       // fill QualityRow::causes and errors
+  bool read_causes = false;  // without `causes`: fill QualityRow::errors with what the two pictures alone tell
+  bool maps = false;         // fill the scores' maps, over FigureScores::box
+  std::string debug;         // a debug view of the representations instead of their pictures
   metrics::ScoreTable table = metrics::scores();
 };
 

@@ -27,6 +27,11 @@ std::string distance_page(const DistancePage& page) {
                           {"against", graph.against},
                           {"place", threshold.place}});
     }
+  std::vector<TemplateValues> cause_rows;
+  for (const auto& [representation, words] : page.causes)
+    cause_rows.push_back({{"representation", representation}, {"words", words}});
+  std::vector<TemplateValues> causes;
+  if (!cause_rows.empty()) causes.push_back({{"rows", std::move(cause_rows)}});
   std::vector<TemplateValues> thresholds;
   if (!rows.empty()) thresholds.push_back({{"rows", std::move(rows)}});
   Html content = fill_template(page_file("distance_page.html"), {{"scene", page.scene},
@@ -35,6 +40,7 @@ std::string distance_page(const DistancePage& page) {
                                                                  {"renderer", page.renderer},
                                                                  {"display", page.display},
                                                                  {"thresholds", std::move(thresholds)},
+                                                                 {"causes", std::move(causes)},
                                                                  {"charts", html_rows(std::move(charts))}});
   return page_frame("Difference over distance", std::move(content), "");
 }

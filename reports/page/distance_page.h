@@ -1,6 +1,7 @@
 // The page of `distance`: every score of the agents of a crowd against how far away they are.
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "reports/model/distance_series.h"
@@ -13,7 +14,8 @@ struct DistancePage {
   std::string counts;     // how many agents count, and why others do not
   std::string display;    // where it is looked at, for people
   std::string renderer;
-  std::vector<DistanceScore> scores;  // in the order in which people read them
+  std::vector<std::pair<std::string, std::string>> causes;  // by representation: what its error is dominated by
+  std::vector<DistanceScore> scores;                        // in the order in which people read them
 };
 
 // One self-contained HTML page that opens without a network. Throws Error when the program was built without the chart
