@@ -21,7 +21,8 @@ constexpr std::array<CauseDoc, kCauses> kDocs = {{
     {Cause::place, "place", "the place", "", "agents whom a shift by whole pixels explains better by half"},
     {Cause::order, "order", "the order of agents",
      "pixels of two agents, each of which covers the pixel in both pictures when drawn alone, that show the other one",
-     "pixels that show another agent, where two agents have changed places over 3 x 3 pixels at least"},
+     "pixels that show another agent, where that is so over 3 x 3 pixels at least, and in more pixels than all else "
+     "that changed of the first one's outline"},
     {Cause::silhouette, "silhouette", "the silhouette", "all other pixels that show another agent, or one against none",
      "all other pixels that show another agent, or one against none"},
     {Cause::surface, "surface", "wrong surfaces",

@@ -254,21 +254,33 @@ class Telling {
     steps_.push_back({Cause::place, now_.codes});
   }
 
-  // Who shows where another was, over 3 x 3 pixels at least: less is an outline that moved.
+  // Agents have changed places where one shows what the other showed over 3 x 3 pixels at least, and where that is more
+  // than all else that changed of its outline: a limb that moved uncovers others, too.
   void put_in_order() {
-    std::set<std::pair<uint32_t, uint32_t>> exchanged;
-    const auto pair_at = [&](int x, int y) { return std::pair(*now_.ids.at(x, y), *test_.ids.at(x, y)); };
-    for (int y = 1; y + 1 < now_.ids.height; ++y)
-      for (int x = 1; x + 1 < now_.ids.width; ++x) {
-        const auto pair = pair_at(x, y);
-        if (pair.first == 0 || pair.second == 0 || pair.first == pair.second || exchanged.contains(pair)) continue;
+    using Pair = std::pair<uint32_t, uint32_t>;
+    std::map<Pair, size_t> pixels_of;  // that showed the first, and show the second
+    std::map<uint32_t, size_t> changed;
+    std::set<Pair> thick;
+    const auto pair_at = [&](int x, int y) { return Pair(*now_.ids.at(x, y), *test_.ids.at(x, y)); };
+    for (int y = 0; y < now_.ids.height; ++y)
+      for (int x = 0; x < now_.ids.width; ++x) {
+        const Pair pair = pair_at(x, y);
+        if (pair.first == pair.second) continue;
+        ++changed[pair.first];
+        ++changed[pair.second];
+        if (pair.first == 0 || pair.second == 0) continue;
+        ++pixels_of[pair];
+        if (x == 0 || y == 0 || x + 1 == now_.ids.width || y + 1 == now_.ids.height || thick.contains(pair)) continue;
         bool filled = true;
         for (int j = -1; j <= 1 && filled; ++j)
           for (int i = -1; i <= 1 && filled; ++i) filled = pair_at(x + i, y + j) == pair;
-        if (filled) exchanged.insert(pair);
+        if (filled) thick.insert(pair);
       }
-    put_in_where(Cause::order, [&](size_t i) { return exchanged.contains({now_.ids.data[i], test_.ids.data[i]}); });
-    for (const auto& [behind, before] : exchanged) changes_[behind].changed_places_with.push_back(before);
+    std::map<uint32_t, size_t> exchanged;
+    for (const Pair& pair : thick) exchanged[pair.first] += pixels_of[pair];
+    std::erase_if(thick, [&](const Pair& pair) { return 2 * exchanged[pair.first] <= changed[pair.first]; });
+    put_in_where(Cause::order, [&](size_t i) { return thick.contains({now_.ids.data[i], test_.ids.data[i]}); });
+    for (const auto& [behind, before] : thick) changes_[behind].changed_places_with.push_back(before);
   }
 
   void put_in_silhouettes() {

@@ -66,7 +66,7 @@ std::vector<AgentValues> score_views(const std::vector<AgentView>& views, const 
 DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, const Staged& staged,
                                 const DistanceRequest& request);
 
-// What dominates a representation's error, by height: over the agents that count, in all frames.
+// What dominates a representation's error, by height: over all agents that show a pixel, in all frames.
 std::vector<CauseRange> distance_causes(const DistanceResult& result, size_t representation, uint64_t seed);
 
 // Pixels that a texel of the agent's map spans at the agent's depth; nothing where there are no texels.
