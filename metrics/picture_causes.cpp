@@ -70,20 +70,24 @@ class Replacement {
   Replacement(const Layer& now, const Layer& source, const Layer& test, uint32_t id, int dx, int dy)
       : now_(now), source_(source), test_(test), id_(id), dx_(dx), dy_(dy) {}
 
-  // From which layer, and from which of its pixels, this pixel comes.
-  std::pair<const Layer*, size_t> origin(int x, int y) const {
+  struct Origin {
+    const Layer* layer;
+    size_t pixel;
+    bool shows;  // the agent
+  };
+  // From which layer, and from which of its pixels, this pixel comes. Where the agent left a pixel and the test has it
+  // there all the same, nobody knows what it uncovered: the pixel stays as it was.
+  Origin origin(int x, int y) const {
     const size_t here = index(x, y);
     const int sx = x - dx_;
     const int sy = y - dy_;
-    const bool arrives =
-        sx >= 0 && sy >= 0 && sx < now_.ids.width && sy < now_.ids.height && source_.ids.data[index(sx, sy)] == id_;
-    if (arrives) {
-      const uint32_t shown = test_.ids.data[here];
-      const bool hidden = shown != 0 && shown != id_ && now_.ids.data[here] == shown;
-      return hidden ? std::pair{&now_, here} : std::pair{&source_, index(sx, sy)};
+    const uint32_t shown = test_.ids.data[here];
+    const uint32_t was = now_.ids.data[here];
+    if (sx >= 0 && sy >= 0 && sx < now_.ids.width && sy < now_.ids.height && source_.ids.data[index(sx, sy)] == id_) {
+      const bool hidden = shown != 0 && shown != id_ && was == shown;
+      return hidden ? Origin{&now_, here, false} : Origin{&source_, index(sx, sy), true};
     }
-    const bool left = now_.ids.data[here] == id_ && test_.ids.data[here] != id_;
-    return {left ? &test_ : &now_, here};
+    return {was == id_ && shown != id_ ? &test_ : &now_, here, false};
   }
   size_t index(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(now_.ids.width) + static_cast<size_t>(x);
@@ -112,8 +116,7 @@ Left left_after(const Replacement& replacement, const Layer& test, uint32_t id, 
   for (int y = range.top; y <= range.bottom; ++y)
     for (int x = range.left; x <= range.right; ++x) {
       const size_t here = replacement.index(x, y);
-      const auto [layer, from] = replacement.origin(x, y);
-      const bool shows = layer->ids.data[from] == id;
+      const auto [layer, from, shows] = replacement.origin(x, y);
       const bool should = test.ids.data[here] == id;
       if (!shows && !should) continue;
       out.outline += shows != should ? 1 : 0;
@@ -140,7 +143,7 @@ bool explains(const Left& before, const Left& after) {
 void replace(Layer& now, const Replacement& replacement, const Range& range) {
   for (int y = range.top; y <= range.bottom; ++y)
     for (int x = range.left; x <= range.right; ++x) {
-      const auto [layer, from] = replacement.origin(x, y);
+      const auto [layer, from, shows] = replacement.origin(x, y);
       copy_pixel(*layer, from, now, replacement.index(x, y));
     }
 }
@@ -242,7 +245,9 @@ class Telling {
       Left best = before;
       for (const auto& [dx, dy] : candidates(extent, then->second)) {
         const Left left = left_after({now_, now_, test_, id, dx, dy}, test_, id, range);
-        if (!explains(before, left) || left.error >= best.error) continue;
+        // What another agent uncovers moves the edges of what is seen, too, but brings no outline to its place.
+        const bool fits = static_cast<double>(left.outline) < kExplains * static_cast<double>(before.outline);
+        if (!fits || !explains(before, left) || left.error >= best.error) continue;
         best = left;
         changes_[id].dx = dx;
         changes_[id].dy = dy;

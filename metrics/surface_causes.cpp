@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "core/colour.h"
 #include "metrics/sizes.h"
@@ -39,15 +40,25 @@ double received(const SurfaceSubstitution& of, const Surfaces& side, const Surfa
 
 uint8_t moved(uint8_t code, int by) { return static_cast<uint8_t>(std::clamp(code + by, 0, 255)); }
 
+// Drivers encode sRGB to within this of what is encoded here.
+constexpr int kRounding = 2;  // code values
+
 // The pixel's code values after the shading and after the texture were put in. What is added are differences of
-// colours that are encoded here, so that what the two sides have in common stays as it was drawn.
-void put_in_colour(const SurfaceSubstitution& of, size_t pixel, uint8_t* shaded, uint8_t* textured) {
+// colours that are encoded here, so that what the two sides have in common stays as it was drawn; where the test's
+// picture is no farther from the end than drivers round, the end is the test's picture.
+void put_in_colour(const SurfaceSubstitution& of, size_t pixel, const uint8_t* drawn, uint8_t* shaded,
+                   uint8_t* textured) {
   const double own = received(of, of.reference, of.test, pixel);
   const double light = received(of, of.test, of.reference, pixel);
   for (int c = 0; c < 3; ++c) {
     const int relit = code_of(of.reference, pixel, c, light);
-    shaded[c] = moved(shaded[c], relit - code_of(of.reference, pixel, c, own));
-    textured[c] = moved(shaded[c], code_of(of.test, pixel, c, light) - relit);
+    const int by_shading = relit - code_of(of.reference, pixel, c, own);
+    const int by_texture = code_of(of.test, pixel, c, light) - relit;
+    uint8_t end = moved(shaded[c], by_shading + by_texture);
+    const bool changed = own != light || by_texture != 0;
+    if (changed && std::abs(int{end} - int{drawn[c]}) <= kRounding) end = drawn[c];
+    shaded[c] = by_texture == 0 ? end : moved(shaded[c], by_shading);
+    textured[c] = end;
   }
 }
 
@@ -75,7 +86,7 @@ std::vector<CauseStep> substitute_surfaces(const SurfaceSubstitution& of) {
       if (kind != Kind::nothing && kind != Kind::same && from >= kind)
         std::copy_n(of.test.codes.data.begin() + static_cast<std::ptrdiff_t>(at), channels,
                     image->data.begin() + static_cast<std::ptrdiff_t>(at));
-    if (kind == Kind::same) put_in_colour(of, i, &shading.data[at], &texture.data[at]);
+    if (kind == Kind::same) put_in_colour(of, i, &of.test.codes.data[at], &shading.data[at], &texture.data[at]);
   }
   std::vector<CauseStep> steps;
   steps.push_back({Cause::order, std::move(order)});

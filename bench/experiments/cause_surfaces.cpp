@@ -89,21 +89,25 @@ void interleave(const Surfaces& part, int k, int i, int j, Surfaces& whole) {
 
 // How a view's picture is drawn: `parts` x `parts` pictures of `side` pixels, shifted by fractions of a pixel and
 // interleaved. The mesh's textures are filtered for the size at which they are seen, which a finer picture would
-// change; where there are none one picture does.
+// change; where there are none one picture does. Either way odd numbers of samples lie in a pixel of the frame, and an
+// even number of its pixels across the picture, so that a figure in the middle of the frame is sampled at the same
+// places.
 struct Fineness {
   int side, parts;
+  double pixel;  // metres of the world
 };
-Fineness fineness_of(const scene::Character& character, double pixels) {
-  const bool textured = !character.images.empty();
+Fineness fineness_of(const scene::Character& character, double diameter, double pixel) {
   constexpr int kParts = 5;
-  constexpr double kFiner = 6;
-  return {std::clamp(static_cast<int>(std::ceil(pixels * (textured ? 1 : kFiner))), 16, 1536), textured ? kParts : 1};
+  constexpr int kFiner = 7;
+  constexpr int kLargest = 1500;
+  const int finer = character.images.empty() ? kFiner : 1;
+  const int side = 2 * std::max(8, static_cast<int>(std::ceil(diameter / pixel / 2))) * finer;
+  if (side > kLargest) return {kLargest, 1, diameter / kLargest};
+  return {side, finer == 1 ? kParts : 1, pixel / finer};
 }
 
-// pixels: of the frame, that the view's diameter covers.
 Surfaces picture_of(const Drawer& drawer, const scene::Frame& seen, size_t character, const scene::FrameAgent& agent,
-                    const View& view, double pixels) {
-  const Fineness fine = fineness_of(*drawer.cast.characters[character], pixels);
+                    const View& view, const Fineness& fine) {
   scene::Frame frame = seen;
   for (auto& agents : frame.agents) agents.clear();
   const auto scale = static_cast<double>(agent.scale);
@@ -116,11 +120,10 @@ Surfaces picture_of(const Drawer& drawer, const scene::Frame& seen, size_t chara
   frame.camera.far = 0;
   frame.width = frame.height = fine.side;
   frame.ground = false;
-  const double pixel = 2 * view.radius * scale / fine.side;  // metres
   Surfaces out;
   for (int j = 0; j < fine.parts; ++j)
     for (int i = 0; i < fine.parts; ++i) {
-      const auto shift = [&](int part) { return pixel * (part - 0.5 * (fine.parts - 1)) / fine.parts; };
+      const auto shift = [&](int part) { return fine.pixel * (part - 0.5 * (fine.parts - 1)) / fine.parts; };
       frame.camera.target =
           pivot + scale * world_from_model(view.centre, agent.heading) + shift(i) * right - shift(j) * up;
       frame.camera.eye = frame.camera.target + view.away * world_from_model(view.basis.to_eye, agent.heading);
@@ -145,11 +148,12 @@ View view_of(const Drawer& drawer, const scene::Frame& frame, size_t character, 
   if (sampling.lies == renderers::ViewLies::nearest)
     view.plane = renderers::fit_plane(renderers::surface_moments(positions, mesh.indices), view.centre, view.basis);
   for (const glm::vec3& p : positions) view.radius = std::max(view.radius, glm::distance(glm::dvec3(p), view.centre));
-  view.radius *= 1.02;
-  view.away = 1000 * view.radius * scale;
   const double depth = std::max(glm::length(to_eye) * scale, frame.camera.near);
-  const double pixel = scene::pixel_size_at(frame.camera, depth, frame.height);
-  view.picture = picture_of(drawer, frame, character, agent, view, 2 * view.radius * scale / pixel);
+  const Fineness fine = fineness_of(*drawer.cast.characters[character], 2.04 * view.radius * scale,
+                                    scene::pixel_size_at(frame.camera, depth, frame.height));
+  view.radius = 0.5 * fine.side * fine.pixel / scale;
+  view.away = 1000 * view.radius * scale;
+  view.picture = picture_of(drawer, frame, character, agent, view, fine);
   return view;
 }
 
