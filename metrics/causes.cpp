@@ -66,9 +66,9 @@ std::span<const CauseDoc> causes() { return kDocs; }
 const CauseDoc& doc_of(Cause cause) { return kDocs[static_cast<size_t>(cause)]; }
 
 std::optional<Cause> CauseRow::largest() const {
-  const auto most = std::max_element(parts.begin(), parts.end());
+  const auto most = std::max_element(amounts.begin(), amounts.end());
   if (*most <= 0) return std::nullopt;
-  return static_cast<Cause>(most - parts.begin());
+  return static_cast<Cause>(most - amounts.begin());
 }
 
 const CauseRow* CauseErrors::agent(uint32_t id) const {
@@ -92,11 +92,11 @@ CauseErrors error_by_cause(const Image8& reference, std::span<const CauseStep> s
   for (const CauseStep& step : steps) {
     Sums after = squared_by_owner(reference, step.codes, owners);
     for (auto& [id, row] : rows) {
-      const int64_t part = after[id] - before[id];
+      const int64_t amount = after[id] - before[id];
       if (step.cause)
-        row.parts[static_cast<size_t>(*step.cause)] = part;
+        row.amounts[static_cast<size_t>(*step.cause)] = amount;
       else
-        row.residue += part;
+        row.residue += amount;
       row.total = after[id];
     }
     before = std::move(after);
@@ -107,7 +107,7 @@ CauseErrors error_by_cause(const Image8& reference, std::span<const CauseStep> s
     out.whole.pixels += row.pixels;
     out.whole.residue += row.residue;
     out.whole.total += row.total;
-    for (size_t c = 0; c < kCauses; ++c) out.whole.parts[c] += row.parts[c];
+    for (size_t c = 0; c < kCauses; ++c) out.whole.amounts[c] += row.amounts[c];
     if (id != 0) out.agents.push_back(row);
   }
   return out;
@@ -131,7 +131,7 @@ std::string causes_markdown() {
       "cause after the other is put in, in this order; a cause's `squared` is what the error against the reference "
       "grows by then. They and `residue` (what no cause explains: rounding, and what is not lit as the mesh is) add "
       "up to `total` exactly. Below 0: what it undoes of the error of a cause before. null: not available, `reasons` "
-      "says why; its part is in those after it.\n\n"
+      "says why; its amount is in those after it.\n\n"
       "| cause | put in, by `quality` and `distance`, which can draw both sides anew | put in, by `compare` |\n"
       "|---|---|---|\n";
   for (const CauseDoc& doc : kDocs)
@@ -139,12 +139,12 @@ std::string causes_markdown() {
                        doc.read.empty() ? "not available" : doc.read);
   out +=
       "\n| key | unit | meaning |\n|---|---|---|\n"
-      "| `squared` | code values squared | an object: each cause's part, null where it is not available |\n"
+      "| `squared` | code values squared | an object: each cause's amount, null where it is not available |\n"
       "| `residue` | code values squared | what no cause explains |\n"
       "| `total` | code values squared | their sum; over 3 x `pixels` it is a mean squared error |\n"
       "| `pixels` | | that are counted: all of the picture, or those of the agent (of the first picture that shows "
       "one there: the reference, the test, those between) |\n"
-      "| `largest` | | the cause of the largest part; null where no part is above 0 |\n"
+      "| `largest` | | the cause of the largest amount; null where no amount is above 0 |\n"
       "| `reasons` | | an object: why a cause is not available |\n"
       "| `agents` | | the same for each agent, by `id` (agent index + 1) |\n"
       "| `displaced_px` | pixels | of `compare`: where the agent moved to, right and down |\n"

@@ -1,9 +1,9 @@
 // Error by cause: what of the squared error of a picture is owed to what, for each agent and for the whole picture.
 //
 // A chain of pictures leads from the reference to the test, and each differs from the one before by one cause alone:
-// what the test has of it was put in the place of what the reference has. A cause's part is what the squared error
-// against the reference grows by when the cause is put in, in the order of causes(). The parts and the residue
-// therefore add up to the whole error exactly: all are whole numbers. A part is negative where a later cause undoes
+// what the test has of it was put in the place of what the reference has. A cause's amount is what the squared error
+// against the reference grows by when the cause is put in, in the order of causes(). The amounts and the residue
+// therefore add up to the whole error exactly: all are whole numbers. An amount is negative where a later cause undoes
 // some of an earlier one's error.
 //
 // Based on: nothing published is followed. Attribution by substituting one factor after the other, and its dependence
@@ -46,18 +46,19 @@ struct CauseStep {
 struct CauseRow {
   uint32_t id = 0;      // agent index + 1; 0: of no agent
   uint64_t pixels = 0;  // that are counted for it
-  std::array<int64_t, kCauses> parts{};
+  std::array<int64_t, kCauses> amounts{};
   int64_t residue = 0;
-  int64_t total = 0;  // parts and residue, exactly
-  int64_t part(Cause cause) const { return parts[static_cast<size_t>(cause)]; }
-  // The largest part above 0; nothing where there is none.
+  int64_t total = 0;  // amounts and residue, exactly
+  int64_t amount(Cause cause) const { return amounts[static_cast<size_t>(cause)]; }
+  // The largest amount above 0; nothing where there is none.
   std::optional<Cause> largest() const;
 };
 
 struct CauseErrors {
-  std::array<std::string, kCauses> reasons;  // why a cause could not be told; empty where it could. Its part is then 0
-  CauseRow whole;                            // all pixels
-  std::vector<CauseRow> agents;              // by ascending id, pixels of no agent left out
+  std::array<std::string, kCauses>
+      reasons;                   // why a cause could not be told; empty where it could. Its amount is then 0
+  CauseRow whole;                // all pixels
+  std::vector<CauseRow> agents;  // by ascending id, pixels of no agent left out
   bool available(Cause cause) const { return reasons[static_cast<size_t>(cause)].empty(); }
   const CauseRow* agent(uint32_t id) const;
 };

@@ -48,7 +48,7 @@ std::string change_text(const metrics::AgentChange& change) {
 Json cause_row_json(const CauseErrors& errors, const CauseRow& row) {
   Json squared = Json::object();
   for (const CauseDoc& doc : metrics::causes())
-    squared[std::string(doc.name)] = errors.available(doc.cause) ? Json(row.part(doc.cause)) : Json(nullptr);
+    squared[std::string(doc.name)] = errors.available(doc.cause) ? Json(row.amount(doc.cause)) : Json(nullptr);
   return {{"squared", squared},
           {"residue", row.residue},
           {"total", row.total},
@@ -97,11 +97,13 @@ Json cause_ranges_json(std::span<const CauseRange> ranges) {
 
 std::string cause_shares_text(const CauseRow& row) {
   if (row.total == 0) return "no error";
-  const auto percent = [&](int64_t part) { return 100 * static_cast<double>(part) / static_cast<double>(row.total); };
+  const auto percent = [&](int64_t amount) {
+    return 100 * static_cast<double>(amount) / static_cast<double>(row.total);
+  };
   std::string text;
   for (const CauseDoc& doc : metrics::causes())
-    if (const int64_t part = row.part(doc.cause); part != 0)
-      text += fmt::format("{}{} {:.1f} %", text.empty() ? "" : ", ", doc.name, percent(part));
+    if (const int64_t amount = row.amount(doc.cause); amount != 0)
+      text += fmt::format("{}{} {:.1f} %", text.empty() ? "" : ", ", doc.name, percent(amount));
   return text + fmt::format("{}residue {:.1f} %", text.empty() ? "" : "; ", percent(row.residue));
 }
 

@@ -10,14 +10,14 @@
 
 namespace crowdbench::bench {
 
-// {"squared": {cause: part or null}, "residue", "total", "pixels", "largest"}
+// {"squared": {cause: amount or null}, "residue", "total", "pixels", "largest"}
 Json cause_row_json(const metrics::CauseErrors& errors, const metrics::CauseRow& row);
 // The row of the whole, with "order", "reasons" and, where there is more than one agent or `changes`, "agents".
 Json causes_json(const metrics::CauseErrors& errors, std::span<const metrics::AgentChange> changes = {},
                  bool agents = true);
 Json cause_ranges_json(std::span<const CauseRange> ranges);
 
-// "pose 12 %, silhouette 70 %, texture 18 %; residue 0.1 %" of the available causes whose part is not 0.
+// "pose 12 %, silhouette 70 %, texture 18 %; residue 0.1 %" of the available causes whose amount is not 0.
 std::string cause_shares_text(const metrics::CauseRow& row);
 // A line for the whole, one for each agent that has an error, and what could not be told.
 void print_causes(const metrics::CauseErrors& errors, std::span<const metrics::AgentChange> changes);

@@ -73,37 +73,37 @@ renderers::ViewBasis picked_basis(const renderers::ViewGrid& grid, const glm::dv
 }
 
 // Every k-th pixel of a picture k times as wide and high, from column i and row j on.
-void interleave(const Surfaces& part, int k, int i, int j, Surfaces& whole) {
+void interleave(const Surfaces& shifted, int k, int i, int j, Surfaces& whole) {
   const auto put = [&]<typename T>(const Image<T>& from, Image<T>& to) {
     if (to.empty()) to = Image<T>(from.width * k, from.height * k, from.channels);
     for (int y = 0; y < from.height; ++y)
       for (int x = 0; x < from.width; ++x) std::copy_n(from.at(x, y), from.channels, to.at(x * k + i, y * k + j));
   };
-  put(part.codes, whole.codes);
-  put(part.ids, whole.ids);
-  put(part.depth, whole.depth);
-  put(part.base, whole.base);
-  put(part.emissive, whole.emissive);
-  put(part.lambert, whole.lambert);
+  put(shifted.codes, whole.codes);
+  put(shifted.ids, whole.ids);
+  put(shifted.depth, whole.depth);
+  put(shifted.base, whole.base);
+  put(shifted.emissive, whole.emissive);
+  put(shifted.lambert, whole.lambert);
 }
 
-// How a view's picture is drawn: `parts` x `parts` pictures of `side` pixels, shifted by fractions of a pixel and
+// How a view's picture is drawn: `shifts` x `shifts` pictures of `side` pixels, shifted by fractions of a pixel and
 // interleaved. The mesh's textures are filtered for the size at which they are seen, which a finer picture would
 // change; where there are none one picture does. Either way odd numbers of samples lie in a pixel of the frame, and an
 // even number of its pixels across the picture, so that a figure in the middle of the frame is sampled at the same
 // places.
 struct Fineness {
-  int side, parts;
+  int side, shifts;
   double pixel;  // metres of the world
 };
 Fineness fineness_of(const scene::Character& character, double diameter, double pixel) {
-  constexpr int kParts = 5;
+  constexpr int kShifts = 5;
   constexpr int kFiner = 7;
   constexpr int kLargest = 1500;
   const int finer = character.images.empty() ? kFiner : 1;
   const int side = 2 * std::max(8, static_cast<int>(std::ceil(diameter / pixel / 2))) * finer;
   if (side > kLargest) return {kLargest, 1, diameter / kLargest};
-  return {side, finer == 1 ? kParts : 1, pixel / finer};
+  return {side, finer == 1 ? kShifts : 1, pixel / finer};
 }
 
 Surfaces picture_of(const Drawer& drawer, const scene::Frame& seen, size_t character, const scene::FrameAgent& agent,
@@ -121,9 +121,9 @@ Surfaces picture_of(const Drawer& drawer, const scene::Frame& seen, size_t chara
   frame.width = frame.height = fine.side;
   frame.ground = false;
   Surfaces out;
-  for (int j = 0; j < fine.parts; ++j)
-    for (int i = 0; i < fine.parts; ++i) {
-      const auto shift = [&](int part) { return fine.pixel * (part - 0.5 * (fine.parts - 1)) / fine.parts; };
+  for (int j = 0; j < fine.shifts; ++j)
+    for (int i = 0; i < fine.shifts; ++i) {
+      const auto shift = [&](int step) { return fine.pixel * (step - 0.5 * (fine.shifts - 1)) / fine.shifts; };
       frame.camera.target =
           pivot + scale * world_from_model(view.centre, agent.heading) + shift(i) * right - shift(j) * up;
       frame.camera.eye = frame.camera.target + view.away * world_from_model(view.basis.to_eye, agent.heading);
@@ -131,7 +131,7 @@ Surfaces picture_of(const Drawer& drawer, const scene::Frame& seen, size_t chara
       scene::FrameAgent alone = agent;
       alone.position = glm::vec3(pivot - frame.origin);
       frame.agents[character] = {alone};
-      interleave(draw_surfaces(drawer, frame), fine.parts, i, j, out);
+      interleave(draw_surfaces(drawer, frame), fine.shifts, i, j, out);
     }
   return out;
 }

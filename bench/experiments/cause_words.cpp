@@ -20,32 +20,32 @@ constexpr size_t kResamples = 1000;
 constexpr double kConfidence = 0.95;
 
 struct Sums {
-  std::array<int64_t, kCauses> parts{};
+  std::array<int64_t, kCauses> amounts{};
   int64_t residue = 0, total = 0;
   void add(const metrics::CauseRow& row) {
-    for (size_t c = 0; c < kCauses; ++c) parts[c] += row.parts[c];
+    for (size_t c = 0; c < kCauses; ++c) amounts[c] += row.amounts[c];
     residue += row.residue;
     total += row.total;
   }
   void add(const Sums& other) {
-    for (size_t c = 0; c < kCauses; ++c) parts[c] += other.parts[c];
+    for (size_t c = 0; c < kCauses; ++c) amounts[c] += other.amounts[c];
     residue += other.residue;
     total += other.total;
   }
 };
 
-// The place of the largest part but for `except`; nothing where none is above 0.
+// The place of the largest amount but for `except`; nothing where none is above 0.
 std::optional<Cause> largest(const Sums& sums, std::optional<Cause> except = {}) {
   std::optional<Cause> out;
   for (size_t c = 0; c < kCauses; ++c)
-    if (sums.parts[c] > 0 && static_cast<Cause>(c) != except &&
-        (!out || sums.parts[c] > sums.parts[static_cast<size_t>(*out)]))
+    if (sums.amounts[c] > 0 && static_cast<Cause>(c) != except &&
+        (!out || sums.amounts[c] > sums.amounts[static_cast<size_t>(*out)]))
       out = static_cast<Cause>(c);
   return out;
 }
 
 double share_of(const Sums& sums, Cause cause) {
-  return static_cast<double>(sums.parts[static_cast<size_t>(cause)]) / static_cast<double>(sums.total);
+  return static_cast<double>(sums.amounts[static_cast<size_t>(cause)]) / static_cast<double>(sums.total);
 }
 
 // Whether the first cause stays the first over sets of units drawn anew, and the interval of its share.

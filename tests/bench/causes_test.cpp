@@ -24,7 +24,7 @@ using metrics::CauseRow;
 void expect_sum(const CauseErrors& errors) {
   const auto check = [](const CauseRow& row) {
     int64_t sum = row.residue;
-    for (const int64_t part : row.parts) sum += part;
+    for (const int64_t amount : row.amounts) sum += amount;
     EXPECT_EQ(sum, row.total) << row.id;
   };
   check(errors.whole);
@@ -32,7 +32,7 @@ void expect_sum(const CauseErrors& errors) {
 }
 
 double share(const CauseErrors& errors, Cause cause) {
-  return static_cast<double>(errors.whole.part(cause)) / static_cast<double>(errors.whole.total);
+  return static_cast<double>(errors.whole.amount(cause)) / static_cast<double>(errors.whole.total);
 }
 
 // The cause has all of the error but for `rest` of it, and so has no other.
@@ -162,7 +162,7 @@ TEST_F(CausesGl, AgentsThatChangedPlacesAreOrder) {
   swapped.agents[0][0].scale *= 1.1F;
   const CausePictures causes = told(frame_, swapped, *mesh_);
   expect_only(causes.errors, Cause::order, 0.02);
-  EXPECT_GT(static_cast<double>(causes.errors.agent(1)->part(Cause::order)),
+  EXPECT_GT(static_cast<double>(causes.errors.agent(1)->amount(Cause::order)),
             0.98 * static_cast<double>(causes.errors.whole.total));
 }
 
@@ -191,19 +191,19 @@ TEST_F(CausesGl, TheStoredViewIsACauseBesideItAlone) {
   stand(0, 0);
   const CausePictures at = told(spec);
   expect_sum(at.errors);
-  EXPECT_EQ(at.errors.whole.part(Cause::pose), 0);
-  EXPECT_EQ(at.errors.whole.part(Cause::order), 0);
+  EXPECT_EQ(at.errors.whole.amount(Cause::pose), 0);
+  EXPECT_EQ(at.errors.whole.amount(Cause::order), 0);
   EXPECT_FALSE(at.errors.available(Cause::surface)) << "its depth is that of a plane";
   frame_.agents[0].clear();
   look(11, 120, centre);
   stand(0, 0);
   const CausePictures beside = told(spec);
   expect_sum(beside.errors);
-  EXPECT_EQ(beside.errors.whole.part(Cause::pose), 0);
+  EXPECT_EQ(beside.errors.whole.amount(Cause::pose), 0);
   EXPECT_EQ(beside.errors.whole.largest(), Cause::view);
   EXPECT_GT(share(beside.errors, Cause::view), 0.8);
-  EXPECT_LT(static_cast<double>(at.errors.whole.part(Cause::view)),
-            0.02 * static_cast<double>(beside.errors.whole.part(Cause::view)));
+  EXPECT_LT(static_cast<double>(at.errors.whole.amount(Cause::view)),
+            0.02 * static_cast<double>(beside.errors.whole.amount(Cause::view)));
   EXPECT_LT(share(at.errors, Cause::view), 0.1);
 }
 
@@ -212,14 +212,14 @@ TEST_F(CausesGl, TheSizeClassIsACauseWhereACoarserLevelIsShown) {
   stand(0, 0);
   const CausePictures finest = told("flat:views=sphere-16x1,frames=2,texels=64");
   EXPECT_EQ(finest.level_samples, 1);
-  EXPECT_EQ(finest.errors.whole.part(Cause::level), 0);
+  EXPECT_EQ(finest.errors.whole.amount(Cause::level), 0);
   frame_.agents[0].clear();
   look(0, 40);
   stand(0, 0);
   const CausePictures coarse = told(spec);
   expect_sum(coarse.errors);
   EXPECT_GT(coarse.level_samples, 1);
-  EXPECT_NE(coarse.errors.whole.part(Cause::level), 0);
+  EXPECT_NE(coarse.errors.whole.amount(Cause::level), 0);
 }
 
 TEST_F(CausesGl, ACrowdsCausesAreItsAgents) {
@@ -236,10 +236,10 @@ TEST_F(CausesGl, ACrowdsCausesAreItsAgents) {
   posed.agents[0][3].pose = test.agents[0][3].pose;
   const CausePictures causes = told(posed, test, *mesh_);
   expect_sum(causes.errors);
-  EXPECT_EQ(causes.errors.agent(1)->part(Cause::texture), causes.errors.agent(1)->total);
+  EXPECT_EQ(causes.errors.agent(1)->amount(Cause::texture), causes.errors.agent(1)->total);
   EXPECT_GT(causes.errors.agent(1)->total, 0);
   EXPECT_EQ(causes.errors.agent(2)->largest(), Cause::order);
-  EXPECT_EQ(causes.errors.agent(4)->part(Cause::pose), causes.errors.agent(4)->total);
+  EXPECT_EQ(causes.errors.agent(4)->amount(Cause::pose), causes.errors.agent(4)->total);
   EXPECT_GT(causes.errors.agent(4)->total, 0);
 }
 
@@ -247,8 +247,8 @@ TEST(CauseWords, SayWhatDominatesOnlyWhereItIsClear) {
   std::vector<CauseUnit> units;
   const auto add = [&](double height, int64_t view, int64_t silhouette) {
     CauseUnit unit{height, units.size(), {}};
-    unit.row.parts[static_cast<size_t>(Cause::view)] = view;
-    unit.row.parts[static_cast<size_t>(Cause::silhouette)] = silhouette;
+    unit.row.amounts[static_cast<size_t>(Cause::view)] = view;
+    unit.row.amounts[static_cast<size_t>(Cause::silhouette)] = silhouette;
     unit.row.total = view + silhouette;
     units.push_back(unit);
   };

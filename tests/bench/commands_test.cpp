@@ -56,11 +56,11 @@ class CommandsGl : public ::testing::Test {
   std::string display_;
 };
 
-// The parts and the residue are the whole error, to the last digit.
+// The amounts and the residue are the whole error, to the last digit.
 void expect_causes(const json& row) {
   int64_t sum = row.at("residue").get<int64_t>();
-  for (const auto& [cause, part] : row.at("squared").items())
-    if (!part.is_null()) sum += part.get<int64_t>();
+  for (const auto& [cause, amount] : row.at("squared").items())
+    if (!amount.is_null()) sum += amount.get<int64_t>();
   EXPECT_EQ(sum, row.at("total").get<int64_t>()) << row.dump(2);
 }
 

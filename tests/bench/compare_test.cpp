@@ -409,7 +409,7 @@ TEST(Compare, WhatHappenedToEachAgentIsNamed) {
   const json causes = compared(folder / "a.png", folder / "b.png", files)["causes"];
   const char* expected[] = {"place", "pose", "texture", "order"};
   int64_t sum = causes["residue"];
-  for (const auto& [cause, part] : causes["squared"].items()) sum += part.is_null() ? 0 : part.get<int64_t>();
+  for (const auto& [cause, amount] : causes["squared"].items()) sum += amount.is_null() ? 0 : amount.get<int64_t>();
   EXPECT_EQ(sum, causes["total"]);
   EXPECT_EQ(causes["residue"], 0);
   for (size_t i = 0; i < 4; ++i) {

@@ -20,11 +20,11 @@ namespace {
 constexpr double kAmbient = 0.25;
 constexpr double kDiffuse = 0.75;
 
-// The causes that have a part.
+// The causes that have an amount.
 std::set<std::string> named(const CauseRow& row) {
   std::set<std::string> out;
   for (const CauseDoc& doc : causes())
-    if (row.part(doc.cause) != 0) out.emplace(doc.name);
+    if (row.amount(doc.cause) != 0) out.emplace(doc.name);
   return out;
 }
 std::set<std::string> only(const char* name) { return {name}; }
@@ -32,7 +32,7 @@ std::set<std::string> only(const char* name) { return {name}; }
 void expect_sum(const CauseErrors& errors) {
   const auto sum_of = [](const CauseRow& row) {
     int64_t sum = row.residue;
-    for (const int64_t part : row.parts) sum += part;
+    for (const int64_t amount : row.amounts) sum += amount;
     return sum;
   };
   EXPECT_EQ(sum_of(errors.whole), errors.whole.total);
@@ -52,7 +52,7 @@ Image8 noise(uint64_t seed) {
   return out;
 }
 
-TEST(Causes, WhatTheChainAddsIsEachCausesPart) {
+TEST(Causes, WhatTheChainAddsIsEachCausesAmount) {
   Image8 reference(2, 1, 3);
   Image8 shaded = reference;
   shaded.data = {3, 0, 0, 0, 0, 0};
@@ -62,8 +62,8 @@ TEST(Causes, WhatTheChainAddsIsEachCausesPart) {
   owners.data = {8, 0};
   const std::vector<CauseStep> steps = {{Cause::shading, shaded}, {std::nullopt, shaded}, {Cause::texture, textured}};
   const CauseErrors errors = error_by_cause(reference, steps, owners);
-  EXPECT_EQ(errors.whole.part(Cause::shading), 9);
-  EXPECT_EQ(errors.whole.part(Cause::texture), 16 + 3);
+  EXPECT_EQ(errors.whole.amount(Cause::shading), 9);
+  EXPECT_EQ(errors.whole.amount(Cause::texture), 16 + 3);
   EXPECT_EQ(errors.whole.residue, 0);
   EXPECT_EQ(errors.whole.total, 28);
   EXPECT_EQ(errors.whole.pixels, 2U);
@@ -75,7 +75,7 @@ TEST(Causes, WhatTheChainAddsIsEachCausesPart) {
   EXPECT_EQ(errors.agent(9), nullptr);
 }
 
-TEST(Causes, PartsAndResidueAddUpExactlyWhateverTheChain) {
+TEST(Causes, AmountsAndResidueAddUpExactlyWhateverTheChain) {
   const Image8 reference = noise(1);
   std::vector<CauseStep> steps;
   for (const CauseDoc& doc : causes()) steps.push_back({doc.cause, noise(10 + static_cast<uint64_t>(doc.cause))});
@@ -105,7 +105,7 @@ TEST(Causes, DocumentationNamesEveryCause) {
 
 // ---- of surfaces
 
-// Agent 1 stands before agent 2, which it hides in part, on 20 x 12 pixels.
+// Agent 1 stands before agent 2, which it hides partly, on 20 x 12 pixels.
 struct Scene {
   Surfaces surfaces;
   Scene() {
