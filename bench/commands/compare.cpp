@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "bench/commands/cause_output.h"
 #include "bench/commands/command_line.h"
 #include "bench/commands/compare_clips.h"
 #include "bench/commands/compare_input.h"
@@ -25,6 +26,7 @@
 #include "metrics/agents.h"
 #include "metrics/difference.h"
 #include "metrics/intermediates.h"
+#include "metrics/picture_causes.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -42,6 +44,7 @@ struct Result {
   std::optional<metrics::Difference> worst;      // with code values
   std::optional<metrics::AgentScores> by_agent;  // with ids
   std::optional<NotFinitePair> not_finite;       // with floats
+  std::optional<metrics::PictureCauses> causes;  // with 8-bit code values
   CompareSetup setup;
 };
 
@@ -71,6 +74,55 @@ void read_both_ids(const CompareOptions& options, ComparedPictures& pictures, co
     ids = read_ids(path);
     require_size(ids, result.width, result.height, path, "the pictures are", "name the ids of the same frame");
   }
+}
+
+ImageF read_depth(const std::string& path, const ImageU32& ids) {
+  AnyImage image = read_image(path);
+  auto* depth = std::get_if<ImageF>(&image);
+  if (!depth || depth->channels != 1)
+    throw Error(path, "is not a picture of depths", "name an EXR with one channel of floats (render --depth)");
+  require_size(image, ids.width, ids.height, path, "the pictures are", "name the depths of the same frame");
+  return std::move(*depth);
+}
+
+// Without ids nobody can say which pixels show what: all of the error is residue.
+metrics::PictureCauses untold_causes(const ComparedPictures& pictures) {
+  const auto& reference = std::get<Image8>(pictures.reference);
+  const metrics::CauseStep all{std::nullopt, std::get<Image8>(pictures.test)};
+  metrics::PictureCauses out;
+  out.errors = metrics::error_by_cause(reference, {&all, 1}, ImageU32(reference.width, reference.height, 1));
+  out.errors.reasons = metrics::no_causes("no ids were given (--ids-ref, --ids-test)");
+  return out;
+}
+
+metrics::PictureCauses read_causes(const CompareOptions& options, const CompareSetup& setup,
+                                   const std::optional<CompareRegion>& region, const ComparedPictures& pictures) {
+  metrics::PicturesWithIds of{std::get<Image8>(pictures.reference), std::get<Image8>(pictures.test),
+                              pictures.reference_ids, pictures.test_ids};
+  ImageF reference_depth, test_depth;
+  if (!options.depth_reference.empty()) {
+    reference_depth = read_depth(options.depth_reference, pictures.reference_ids);
+    test_depth = read_depth(options.depth_test, pictures.reference_ids);
+    of.reference_depth = &reference_depth;
+    of.test_depth = &test_depth;
+  }
+  ComparedPictures posed;
+  if (!options.pose_reference.empty()) {
+    posed.reference = pictures.reference;
+    posed.test = read_image(options.pose_reference);
+    if (!std::holds_alternative<Image8>(posed.test))
+      throw Error(options.pose_reference, "is not a picture of 8 bits", "name the PNG file");
+    require_size(posed.test, of.reference.width, of.reference.height, options.pose_reference, "the pictures are",
+                 "name a picture of the same camera");
+    std::vector<std::string> warnings;
+    bring_together(setup, region, posed, options.reference, options.pose_reference, warnings);
+    posed.test_ids = read_ids(options.pose_ids);
+    require_size(posed.test_ids, of.reference.width, of.reference.height, options.pose_ids, "the pictures are",
+                 "name the ids of that picture");
+    of.posed = &std::get<Image8>(posed.test);
+    of.posed_ids = &posed.test_ids;
+  }
+  return metrics::causes_of_pictures(of);
 }
 
 // Code values are compared as they are stored; where the files give them different colours, that is not what is seen.
@@ -134,6 +186,10 @@ Result compare(const CompareOptions& options, metrics::ScoreTable table) {
       result.warnings.push_back(std::move(text));
   if ((metrics::given(input) & metrics::kNeedsCodes) != 0) result.worst = metrics::region_difference(input, shared);
   if (input.maps) write_maps(options.maps, setup, input, result);
+  if (input.reference.ids)
+    result.causes = read_causes(options, setup, result.region, pictures);
+  else if (input.reference.codes && input.test.codes)
+    result.causes = untold_causes(pictures);
   if (input.reference.ids) result.by_agent = metrics::score_agents(setup.table, input, shared);
   return result;
 }
@@ -185,6 +241,7 @@ ordered_json to_json(const CompareOptions& options, const Result& result) {
   if (!options.over.empty()) out["over"] = options.over;
   if (result.region) out["region"] = region_json(options.region, *result.region);
   if (!result.verdicts.empty()) out["bounds"] = bounds_json(result.verdicts);
+  if (result.causes) out["causes"] = causes_json(result.causes->errors, result.causes->changes);
   out["warnings"] = result.warnings;
   out["maps"] = result.maps;
   if (!result.by_agent) return out;
@@ -226,6 +283,7 @@ void print_text(const Result& result) {
                result.worst->worst_y);
   for (const std::string& map : result.maps) fmt::print("  wrote {}\n", map);
   if (result.by_agent) print_agents(*result.by_agent);
+  if (result.causes && result.by_agent) print_causes(result.causes->errors, result.causes->changes);
 }
 
 // "; error_pseudocolour.png mean absolute error; ..."
@@ -255,7 +313,8 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench compare a.png b.png --over '#808080'       pictures with alpha, in front of grey\n"
       "  crowdbench compare a.mp4 b.mp4 --maps maps --chart c.html    every frame, the worst with its map\n"
       "  crowdbench compare clip.mp4                           the two halves of a clip that `pair` wrote\n"
-      "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well");
+      "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well,\n"
+      "                                          and the squared error by cause (`schema --results` documents it)");
   auto options = std::make_shared<CompareOptions>();
   add_compare_options(*command, *options);
   command->callback([options, table, &run] {

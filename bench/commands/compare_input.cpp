@@ -111,6 +111,20 @@ void add_region_and_bounds(Command& command, CompareOptions& options) {
   auto* ids_test = command.add_option("--ids-test", options.ids_test, "EXR with the test's agent ids");
   ids_ref->needs(ids_test);
   ids_test->needs(ids_ref);
+  const auto add_pair = [&](const char* first, std::string& a, const char* a_text, const char* second, std::string& b,
+                            const char* b_text) {
+    auto* one = command.add_option(first, a, a_text)->type_name("FILE")->needs(ids_ref);
+    auto* other = command.add_option(second, b, b_text)->type_name("FILE")->needs(ids_ref);
+    one->needs(other);
+    other->needs(one);
+  };
+  add_pair("--depth-ref", options.depth_reference,
+           "EXR with the reference's depth (render --depth): the error by cause then has wrong surfaces",
+           "--depth-test", options.depth_test, "EXR with the test's depth");
+  add_pair("--pose-ref", options.pose_reference,
+           "the reference in other poses, one stored frame earlier say: the error by cause then says which agents show "
+           "these",
+           "--ids-pose", options.pose_ids, "EXR with the agent ids of that picture");
 }
 
 }  // namespace

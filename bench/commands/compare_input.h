@@ -29,6 +29,8 @@ struct CompareOptions {
   std::string over;
   std::string ids_reference;
   std::string ids_test;
+  std::string depth_reference, depth_test;  // for the error by cause, with ids
+  std::string pose_reference, pose_ids;     //
   RegionOptions region;
   std::vector<std::string> fail_above, fail_below;
   double fps = 0;

@@ -177,6 +177,9 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
       ->type_name("FILE.html")
       ->output_file();
   add_results_option(*command, options->results);
+  command->add_flag("--causes", options->request.causes,
+                    "also the squared error by cause, of all agents and of each, and what dominates by height\n"
+                    "(`schema --results` says how); of pictures of one sample a pixel");
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_json_option(*command, options->json);
   command->callback([options, table, &run] { run = [options, table] { return run_distance(*options, table); }; });

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "bench/commands/cause_output.h"
 #include "bench/commands/score_json.h"
 #include "bench/experiments/distance_rows.h"
 #include "bench/experiments/score_rows.h"
@@ -89,6 +90,38 @@ Json row_json(const DistanceReport& report, const DistanceAgent& agent) {
     out["pixels_per_texel"][name] = json_number(pixels_per_texel(report.result, view, r));
   }
   return out;
+}
+
+std::string words_of_causes(const DistanceReport& report, size_t representation) {
+  return cause_words(distance_causes(report.result, representation, report.scenario.seed), "agent");
+}
+
+Json all_causes_json(const DistanceReport& report) {
+  Json out = Json::array();
+  for (size_t r = 0; r < report.request.representations.size(); ++r) {
+    const std::vector<CauseRange> ranges = distance_causes(report.result, r, report.scenario.seed);
+    Json one = {{"representation", representation_of(report, r)},
+                {"by_height", cause_ranges_json(ranges)},
+                {"words", cause_words(ranges, "agent")},
+                {"frames", Json::array()}};
+    for (const DistanceCauses& frame : report.result.causes) {
+      if (frame.representation != r) continue;
+      Json of = {{"tick", frame.tick}};
+      of.update(causes_json(frame.errors));
+      one["frames"].push_back(std::move(of));
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+void print_causes(const DistanceReport& report) {
+  for (const DistanceCauses& frame : report.result.causes)
+    fmt::print("\n{}, tick {}: squared error by cause, {} in all: {}\n",
+               representation_of(report, frame.representation), frame.tick, frame.errors.whole.total,
+               cause_shares_text(frame.errors.whole));
+  for (size_t r = 0; r < report.request.representations.size(); ++r)
+    fmt::print("\n{}: the error is dominated by: {}\n", representation_of(report, r), words_of_causes(report, r));
 }
 
 std::string csv_field(const std::string& text) {
@@ -190,6 +223,7 @@ Json distance_json(const DistanceReport& report) {
   for (const metrics::Score* score : request.scores) out["scores"].push_back(score->name);
   for (const DistanceCurve& curve : report.curves) out["curves"].push_back(curve_json(report, curve));
   for (const DistanceAgent& agent : report.result.agents) out["rows"].push_back(row_json(report, agent));
+  if (request.causes) out["causes"] = all_causes_json(report);
   return out;
 }
 
@@ -225,6 +259,7 @@ void print_distance(const DistanceReport& report) {
     print_curve(report, of);
   }
   print_thresholds(report);
+  if (report.request.causes) print_causes(report);
   if (display || report.request.display.given) fmt::print("\ndisplay {}\n", display_line(report.request.display));
 }
 
@@ -236,6 +271,9 @@ std::string distance_page_of(const DistanceReport& report) {
   page.counts = counts_text(report);
   page.display = metrics::display_text(report.request.display.display);
   page.renderer = report.renderer;
+  if (report.request.causes)
+    for (size_t r = 0; r < report.request.representations.size(); ++r)
+      page.causes.emplace_back(representation_of(report, r), words_of_causes(report, r));
   page.scores = reports::distance_scores(rows_of(report), 0, score_docs(report.request.scores));
   return reports::distance_page(page);
 }

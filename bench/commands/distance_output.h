@@ -29,7 +29,8 @@ StoreContents rows_of(const DistanceReport& report, int64_t run = 0);
 //              "bins": [{"from", "to", "x", "median", "low", "high", "points", "agents"}] from near to far,
 //              "thresholds": [{"value", "status": reached_name(), "at", "low", "high"}]}],
 //  "rows": [{"tick", "agent", "character", "distance_m", "height_px", "alone_px", "visible_px", "state": state_name(),
-//            "scores": {representation: {score: value}}, "pixels_per_texel": {representation: ratio}}]}
+//            "scores": {representation: {score: value}}, "pixels_per_texel": {representation: ratio}}],
+//  "causes": [{"representation", "by_height", "words", "frames": [{"tick", as causes_json}]}]}, with --causes
 Json distance_json(const DistanceReport& report);
 // The rows: one record an agent, tick and representation.
 std::string distance_csv(const DistanceReport& report);

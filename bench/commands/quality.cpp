@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "bench/commands/cause_output.h"
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
@@ -104,6 +105,12 @@ void write_maps(const std::filesystem::path& folder, const std::string& name, co
   for (const auto& [score, result] : row.scores.scores)
     if (result.map)
       write_png(folder / fmt::format("{}_{}.png", name, score->map_file), metrics::map_picture(*score, *result.map));
+  for (size_t i = 0; i < pictures.steps.size(); ++i) {
+    const metrics::CauseStep& step = pictures.steps[i];
+    write_png(folder / fmt::format("{}_cause{}_{}.png", name, i + 1,
+                                   step.cause ? metrics::doc_of(*step.cause).name : "residue"),
+              metrics::crop(step.codes, *row.scores.box));
+  }
 }
 
 // One view through the times, in their order: representation, height, elevation, azimuth.
@@ -176,6 +183,7 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   setup.exact_pose = options.exact_pose;
   setup.use_cache = !options.no_cache;
   setup.causes = options.causes;
+  setup.read_causes = options.json;
   setup.maps = !options.maps.empty();
   setup.table = table;
   options.antialiasing.change(setup.antialiasing);
@@ -220,10 +228,35 @@ ordered_json row_json(const QualityRow& row, const Asked& asked) {
   put_scores(out, reasons, row.scores.scores);
   if (!reasons.empty()) out["reasons"] = reasons;
   if (!row.refused.empty()) out["refused"] = row.refused;
+  if (row.errors) {
+    out["causes"] = causes_json(*row.errors, {}, false);
+    out["causes"]["told_by"] = asked.setup.causes ? "drawing" : "comparing";
+  }
   if (const metrics::Score* score = metrics::score_by_cause(asked.setup.table); score && asked.setup.causes)
     out[std::string(score->name) + "_if_right"] = {{"silhouette", json_number(row.causes.silhouette)},
                                                    {"surface", json_number(row.causes.surface)},
                                                    {"shading", json_number(row.causes.shading)}};
+  return out;
+}
+
+// What dominates a representation's error, over its views.
+std::vector<CauseRange> ranges_of(const std::vector<QualityRow>& rows, size_t index) {
+  std::vector<CauseUnit> units;
+  for (size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].index == index && rows[i].errors) units.push_back({rows[i].view.height_px, i, rows[i].errors->whole});
+  constexpr uint64_t kSeed = 1;
+  return causes_by_height(units, kSeed);
+}
+
+ordered_json all_causes_json(const std::vector<QualityRow>& rows, const Asked& asked) {
+  ordered_json out = ordered_json::array();
+  for (size_t index = 0; index < asked.setup.representations.size(); ++index) {
+    const std::vector<CauseRange> ranges = ranges_of(rows, index);
+    if (ranges.empty()) continue;
+    out.push_back({{"representation", asked.setup.representations[index]},
+                   {"by_height", cause_ranges_json(ranges)},
+                   {"words", cause_words(ranges, "view")}});
+  }
   return out;
 }
 
@@ -253,6 +286,7 @@ void print_json(const std::vector<QualityRow>& rows, const Films& films, const A
                       {"display", display_json(asked.setup.display)}};
   out["rows"] = ordered_json::array();
   for (const QualityRow& row : rows) out["rows"].push_back(row_json(row, asked));
+  if (asked.setup.causes) out["causes"] = all_causes_json(rows, asked);
   put_films(out, films, asked);
   fmt::print("{}\n", out.dump(2));
 }
@@ -271,6 +305,18 @@ void print_scores(const QualityRow& row, const Asked& asked) {
                metrics::value_text(*score, row.causes.silhouette), metrics::value_text(*score, row.causes.surface),
                metrics::value_text(*score, row.causes.shading));
   fmt::print("\n");
+  if (row.errors)
+    fmt::print("{:>32}| squared error {}: {}\n", "", row.errors->whole.total, cause_shares_text(row.errors->whole));
+}
+
+// What dominates each representation's error, and what could not be told.
+void print_cause_words(const std::vector<QualityRow>& rows, const Asked& asked) {
+  for (size_t index = 0; index < asked.setup.representations.size(); ++index) {
+    const std::vector<CauseRange> ranges = ranges_of(rows, index);
+    if (!ranges.empty())
+      fmt::print("\n{}: the error is dominated by: {}\n", asked.setup.representations[index],
+                 cause_words(ranges, "view"));
+  }
 }
 
 void print_films(const Films& films, const Asked& asked) {
@@ -298,6 +344,7 @@ void print_text(const std::vector<QualityRow>& rows, const Films& films, const A
     }
     print_scores(row, asked);
   }
+  print_cause_words(rows, asked);
   fmt::print("display {}\n", display_line(asked.setup.display));
   if (films.empty()) return;
   fmt::print("\nover {} times as successive frames, over the silhouettes\n", asked.times);
@@ -377,9 +424,11 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
   command->add_flag("--flicker", options->flicker,
                     "also the scores over time of each view, with the times as successive frames (three at least)");
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
-  command->add_flag("--causes", options->causes,
-                    "ssim had the pixels of one kind been the mesh's own: outside one silhouette, on another surface, "
-                    "otherwise shaded");
+  command->add_flag(
+      "--causes", options->causes,
+      "the squared error by cause (`schema --results` says how: stored frame, stored view, order, silhouette,\n"
+      "surface, shading, texture, size class; with --maps its pictures), and ssim had the pixels of one\n"
+      "kind been the mesh's own: outside one silhouette, on another surface, otherwise shaded");
   add_display_option(*command, options->display);
   add_results_option(*command, options->results);
   add_antialiasing_options(*command, options->antialiasing);

@@ -4,6 +4,8 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "core/json.h"
+#include "metrics/causes.h"
 #include "metrics/popping.h"
 #include "metrics/registry.h"
 #include "reports/exports/results_schema.h"
@@ -11,6 +13,23 @@
 #include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::bench {
+
+namespace {
+
+// The columns of a result file, and what `causes` of other commands' JSON holds.
+std::string results_json() {
+  Json out = Json::parse(reports::results_schema_json());
+  out["causes"] = Json::array();
+  for (const metrics::CauseDoc& doc : metrics::causes()) {
+    Json cause = {{"name", doc.name}, {"title", doc.title}};
+    cause["put_in_by_drawing"] = doc.drawn.empty() ? Json(nullptr) : Json(doc.drawn);
+    cause["put_in_by_comparing"] = doc.read.empty() ? Json(nullptr) : Json(doc.read);
+    out["causes"].push_back(std::move(cause));
+  }
+  return out.dump(2) + "\n";
+}
+
+}  // namespace
 
 void add_schema(Command& app, Run& run) {
   Command* command = app.add_subcommand(
@@ -46,7 +65,8 @@ void add_schema(Command& app, Run& run) {
   command->callback([options, &run] {
     run = [options] {
       if (options->results)
-        fmt::print("{}", options->json ? reports::results_schema_json() : reports::results_schema_markdown());
+        fmt::print("{}",
+                   options->json ? results_json() : reports::results_schema_markdown() + metrics::causes_markdown());
       else if (options->scores)
         fmt::print("{}{}", metrics::scores_markdown(metrics::scores()), metrics::pop_scores_markdown());
       else if (options->markdown)

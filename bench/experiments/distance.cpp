@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "bench/experiments/cause_chain.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/progress.h"
@@ -92,6 +93,28 @@ std::vector<AgentValues> score_views(const std::vector<AgentView>& views, const 
   return out;
 }
 
+namespace {
+
+double tallest(const scene::Cast& cast) {
+  double height = 0;
+  for (size_t c = 0; c < cast.characters.size(); ++c) {
+    const double own = cast.characters[c]->placement.height;
+    const scene::PoseBank& bank = *cast.banks[c];
+    height = std::max(height, own > 0 ? own : static_cast<double>(bank.bounds_max().y - bank.bounds_min().y));
+  }
+  return height;
+}
+
+// right: the reference's picture without supersampling.
+metrics::CauseErrors causes_in_frame(const Drawer& mesh, const Drawer& test, const scene::Frame& frame,
+                                     const Capture& right, const StoredWhat& stored) {
+  scene::Frame posed = frame;
+  if (!stored.of_several) show_stored_frames(posed, test.cast, test.representation);
+  return draw_causes({right, posed, frame, tallest(test.cast)}, mesh, test, stored).errors;
+}
+
+}  // namespace
+
 DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, const Staged& staged,
                                 const DistanceRequest& request) {
   const scene::Scenario& scenario = staged.scenario;
@@ -99,6 +122,9 @@ DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, c
     const double seconds = static_cast<double>(tick) / scenario.tick_rate;
     return scene::make_frame(scenario, cast, staged.crowd, scenario.camera.at(seconds), tick);
   };
+  if (request.causes && !renderers::representation_type(request.reference.name).reference)
+    throw Error("--causes", fmt::format("'{}' is not what shows every surface", request.reference.text()),
+                "leave --reference out");
   renderers::MakeContext make{.context = context, .cast = cast};
   make.bake_budget = request.bake_budget;
   make.use_cache = request.use_cache;
@@ -107,10 +133,12 @@ DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, c
   progress.note("making " + request.reference.text());
   Drawn reference(make, request.reference);
   std::vector<Drawn> tests;
+  std::vector<StoredWhat> stored;
   DistanceResult result;
   for (const renderers::Spec& spec : request.representations) {
     progress.note("making " + spec.text());
     tests.emplace_back(make, spec);
+    if (request.causes) stored.push_back(stored_by(spec, cast));
     std::vector<double>& texels = result.texels.emplace_back();
     for (size_t c = 0; c < cast.characters.size(); ++c) texels.push_back(tests.back().representation().texel_metres(c));
   }
@@ -131,10 +159,31 @@ DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, c
       const Capture test = tests[r].capture(renderer, frame_at, frame, options);
       std::vector<AgentValues> values = score_views(views, request, right, test);
       for (size_t i = 0; i < values.size(); ++i) result.agents[first + i].values.push_back(std::move(values[i]));
+      if (request.causes) {
+        const Drawer mesh{context, cast, renderer, reference.representation()};
+        const Drawer drawer{context, cast, renderer, tests[r].representation()};
+        scene::Frame sharp = frame;  // causes are told apart by what one sample a pixel shows
+        sharp.antialiasing = {};
+        const bool same = frame.antialiasing == sharp.antialiasing;
+        const Capture plain = same ? right : renderer.capture(sharp, mesh.representation);
+        result.causes.push_back({r, frame.tick, causes_in_frame(mesh, drawer, sharp, plain, stored[r])});
+      }
       progress.advance();
     }
   }
   return result;
+}
+
+std::vector<CauseRange> distance_causes(const DistanceResult& result, size_t representation, uint64_t seed) {
+  std::vector<CauseUnit> units;
+  for (const DistanceCauses& frame : result.causes) {
+    if (frame.representation != representation) continue;
+    for (const DistanceAgent& agent : result.agents)
+      if (agent.view.tick == frame.tick)
+        if (const metrics::CauseRow* row = frame.errors.agent(agent.view.id))
+          units.push_back({agent.view.height_px, agent.view.id, *row});
+  }
+  return causes_by_height(units, seed);
 }
 
 std::optional<double> pixels_per_texel(const DistanceResult& result, const AgentView& view, size_t representation) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/experiments/agent_views.h"
+#include "bench/experiments/cause_words.h"
 #include "bench/experiments/distance_curve.h"
 #include "bench/stage/stage_scenario.h"
 #include "metrics/registry.h"
@@ -28,6 +29,7 @@ struct DistanceRequest {
   double least_visible = 0.75;  // AgentState::occluded below it
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
+  bool causes = false;  // fill DistanceResult::causes; the reference must be what all others are held against
 };
 
 // Scores of a table that exist for an agent. linear: also those of linear light, for which each picture is drawn twice.
@@ -41,9 +43,17 @@ struct DistanceAgent {
   std::vector<AgentValues> values;  // by representation; nothing where neither picture shows the agent
 };
 
+// The error by cause of one representation in one frame, of pictures without supersampling.
+struct DistanceCauses {
+  size_t representation = 0;
+  uint64_t tick = 0;
+  metrics::CauseErrors errors;
+};
+
 struct DistanceResult {
   std::vector<std::vector<double>> texels;  // metres a texel, by representation and character; 0: it has none
   std::vector<DistanceAgent> agents;        // by tick, then by id
+  std::vector<DistanceCauses> causes;       // by tick, then by representation
 };
 
 // The scores of the agents in `views`, in their order. pictures: of one frame.
@@ -53,6 +63,9 @@ std::vector<AgentValues> score_views(const std::vector<AgentView>& views, const 
 // Draws and scores. Representations whose picture depends on earlier ticks are shown all of them. Throws Error.
 DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, const Staged& staged,
                                 const DistanceRequest& request);
+
+// What dominates a representation's error, by height: over all agents that show a pixel, in all frames.
+std::vector<CauseRange> distance_causes(const DistanceResult& result, size_t representation, uint64_t seed);
 
 // Pixels that a texel of the agent's map spans at the agent's depth; nothing where there are no texels.
 std::optional<double> pixels_per_texel(const DistanceResult& result, const AgentView& view, size_t representation);

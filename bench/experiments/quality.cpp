@@ -9,9 +9,11 @@
 #include <optional>
 #include <tuple>
 
+#include "bench/experiments/cause_chain.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "metrics/picture_causes.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
 
@@ -41,11 +43,15 @@ struct Side {
     make.use_cache = setup.use_cache;
     representation = renderers::make_representation(make, spec);
   }
-  renderers::Capture capture(scene::Frame frame, double phase) {
+  scene::Frame posed(scene::Frame frame, double phase) const {
     frame.agents[0][0].pose = cast.banks[0]->sample(0, phase);
     frame.agents[0][0].phase = static_cast<float>(phase);
-    return renderer->capture(frame, *representation);
+    return frame;
   }
+  renderers::Capture capture(const scene::Frame& frame, double phase) {
+    return renderer->capture(posed(frame, phase), *representation);
+  }
+  Drawer drawer(gl::Context& context) const { return {context, cast, *renderer, *representation}; }
 };
 
 enum class Wrong { silhouette, surface, shading };
@@ -161,18 +167,17 @@ class Comparison {
     return found->second;
   }
   // The mesh at the exact time.
-  Side& exact_mesh(const QualityView& view) {
-    const std::pair<int, double> moment(view.clip, view.time);
+  Side& exact_mesh(int clip, double time) {
+    const std::pair<int, double> moment(clip, time);
     auto found = exact_mesh_.find(moment);
     if (found == exact_mesh_.end())
-      found =
-          exact_mesh_
-              .emplace(std::piecewise_construct, std::forward_as_tuple(moment),
-                       std::forward_as_tuple(
-                           context_, setup_,
-                           cast_of(setup_.character, scene::PoseBank::exact(*setup_.character, view.clip, view.time)),
-                           renderers::reference_spec()))
-              .first;
+      found = exact_mesh_
+                  .emplace(std::piecewise_construct, std::forward_as_tuple(moment),
+                           std::forward_as_tuple(
+                               context_, setup_,
+                               cast_of(setup_.character, scene::PoseBank::exact(*setup_.character, clip, time)),
+                               renderers::reference_spec()))
+                  .first;
     return found->second;
   }
 
@@ -205,7 +210,7 @@ class Comparison {
   void draw_and_score(size_t v, const renderers::Spec& spec, std::map<std::pair<int, double>, Side>& sides, bool last,
                       QualityRow& row, const std::function<void(const QualityRow&, const QualityPictures&)>& seen) {
     const QualityView& view = setup_.views[v];
-    Side& mesh = exact_mesh(view);
+    Side& mesh = exact_mesh(view.clip, view.time);
     const std::pair<int, double> key(view.clip, setup_.exact_pose ? view.time : 0.0);
     auto side = sides.find(key);
     if (side == sides.end())
@@ -223,14 +228,66 @@ class Comparison {
     pictures.test = side->second.capture(frame, row.phase);
     row.scores = metrics::score_figure(setup_.table, buffers_of(pictures.reference), buffers_of(pictures.test),
                                        {&setup_.display, setup_.maps});
-    if (setup_.causes) row.causes = causes_of(pictures, height(view), setup_.table, setup_.display);
+    if (setup_.causes) {
+      row.causes = causes_of(pictures, height(view), setup_.table, setup_.display);
+      put_errors(view, spec, side->second, frame, row, pictures);
+    } else if (setup_.read_causes) {
+      row.errors = metrics::causes_of_pictures(
+                       {pictures.reference.colour, pictures.test.colour, pictures.reference.ids, pictures.test.ids})
+                       .errors;
+    }
     if (seen) seen(row, pictures);
     for (metrics::Scored& one : row.scores.scores) one.result.map.reset();
+  }
+
+  // The mesh in the pose that the side shows: exactly, where that is a stored frame, else blended as its bank has it.
+  // The phase is of the mesh's own bank.
+  std::pair<Side*, double> shown_mesh(const QualityView& view, const Side& side, bool of_several, double phase) {
+    if (setup_.exact_pose || view.clip < 0 || of_several) return {&exact_mesh(view.clip, view.time), phase};
+    const double shown = side.representation->shown_phase(0, 0, phase);
+    if (std::abs(shown - phase) < 1e-6) {
+      if (side.cast.banks[0]->sample(0, phase).blend == 0.0F) return {&exact_mesh(view.clip, view.time), phase};
+      return {&banked_mesh(view.clip), phase};
+    }
+    const scene::Clip& clip = setup_.character->clips[static_cast<size_t>(view.clip)];
+    const double seconds = shown * scene::cycle_seconds(*setup_.character, view.clip);
+    // What closes a loop is after the file's last key.
+    if (seconds > clip.duration()) return {&banked_mesh(view.clip), shown};
+    return {&exact_mesh(view.clip, clip.start + seconds), shown};
+  }
+  Side& banked_mesh(int clip) {
+    auto found = banked_mesh_.find(clip);
+    if (found == banked_mesh_.end())
+      found = banked_mesh_
+                  .emplace(std::piecewise_construct, std::forward_as_tuple(clip),
+                           std::forward_as_tuple(context_, setup_, cast_of(setup_.character, bank(clip)),
+                                                 renderers::reference_spec()))
+                  .first;
+    return found->second;
+  }
+  void put_errors(const QualityView& view, const renderers::Spec& spec, Side& side, const scene::Frame& frame,
+                  QualityRow& row, QualityPictures& pictures) {
+    auto stored = stored_.find({spec.text(), view.clip});
+    if (stored == stored_.end())
+      stored = stored_.emplace(std::pair(spec.text(), view.clip), stored_by(spec, side.cast)).first;
+    scene::Frame sharp = frame;  // causes are told apart by what one sample a pixel shows
+    sharp.antialiasing = {};
+    const bool same = frame.antialiasing == sharp.antialiasing;
+    const renderers::Capture reference = same ? pictures.reference : exact_mesh(view).capture(sharp, row.phase);
+    const auto [mesh, phase] = shown_mesh(view, side, stored->second.of_several, row.phase);
+    const scene::Frame posed = mesh->posed(sharp, phase);
+    const scene::Frame shown = side.posed(sharp, row.phase);
+    CausePictures drawn = draw_causes({reference, posed, shown, height(view)}, mesh->drawer(context_),
+                                      side.drawer(context_), stored->second);
+    row.errors = std::move(drawn.errors);
+    pictures.steps = std::move(drawn.steps);
   }
 
   gl::Context& context_;
   const QualitySetup& setup_;
   std::map<std::pair<int, double>, Side> exact_mesh_;
+  std::map<int, Side> banked_mesh_;                           // by clip
+  std::map<std::pair<std::string, int>, StoredWhat> stored_;  // by representation and clip
   std::map<int, scene::PoseBank> banks_;
   std::map<int, std::vector<glm::dvec3>> first_poses_;           // by clip
   std::map<std::tuple<int, double, double>, double> distances_;  // by clip, azimuth and height in pixels

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "metrics/causes.h"
 #include "metrics/figure.h"
 #include "renderers/frame/capture.h"
 #include "scene/character/character.h"
@@ -40,10 +41,12 @@ struct QualityRow {
   metrics::FigureScores scores;
   std::string refused;   // why the representation could not be drawn: nothing is scored; empty where it was
   QualityCauses causes;  // only when asked for
+  std::optional<metrics::CauseErrors> errors;  // by cause, only when asked for; nothing where it was refused
 };
 
 struct QualityPictures {
   renderers::Capture reference, test;
+  std::vector<metrics::CauseStep> steps;  // of the error by cause, when asked for
 };
 
 struct QualitySetup {
@@ -56,8 +59,9 @@ struct QualitySetup {
   bool exact_pose = false;  // give the representation the exact time too, so that only its drawing is judged
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;
-  bool causes = false;  // fill QualityRow::causes
-  bool maps = false;    // fill the scores' maps, over FigureScores::box
+  bool causes = false;       // fill QualityRow::causes and errors
+  bool read_causes = false;  // without `causes`: fill QualityRow::errors with what the two pictures alone tell
+  bool maps = false;         // fill the scores' maps, over FigureScores::box
   metrics::ChosenDisplay display;
   std::string debug;  // a debug view of the representations instead of their pictures
   metrics::ScoreTable table = metrics::scores();

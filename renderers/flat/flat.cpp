@@ -492,7 +492,9 @@ const RepresentationType flat_type = {
     .required_by = true,
     .view_sampling = [](const Spec& spec, const scene::Character& character,
                         const std::shared_ptr<const scene::PoseBank>& bank) -> ViewSampling {
-      return forecast_flat(character, bank, flat_bake_options(spec)).sampling;
+      ViewSampling sampling = forecast_flat(character, bank, flat_bake_options(spec)).sampling;
+      sampling.surface_depth = OptionReader(flat_type, spec).choice("depth", {"flat", "nailboard"}) == 1;
+      return sampling;
     },
     .floor = "the same polygons and fetches without lighting",
 };

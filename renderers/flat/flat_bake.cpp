@@ -330,6 +330,8 @@ FlatForecast forecast_flat(const scene::Character& character, const std::shared_
   sampling.grid = options.grid;
   sampling.frames = most_frames(plan.frames);
   sampling.texel = plan.texel;
+  sampling.centre = plan.sphere.centre;
+  sampling.lies = options.fitted ? ViewLies::nearest : ViewLies::across;
   for (int level = 0; level < tile_levels(options.texels); ++level)
     sampling.texture_bytes += make_layout(plan, options, level).bytes();
   set_pose_steps(sampling, plan.steps);

@@ -179,6 +179,8 @@ ViewSampling sample_polypostors(const scene::Character& character, const std::sh
   out.grid = options.grid;
   out.frames = most_frames(plan.frames);
   out.texel = plan.texel;
+  out.centre = plan.sphere.centre;
+  out.lies = ViewLies::by_part;
   set_pose_steps(out, pose_steps(plan.frames, plan.frames.positions(character.mesh)));
   double bytes = 0;
   for (const PolypostorTier& tier : plan.tiers)

@@ -8,6 +8,11 @@
 namespace crowdbench::reports {
 
 std::string distance_page(const DistancePage& page) {
+  std::vector<TemplateValues> cause_rows;
+  for (const auto& [representation, words] : page.causes)
+    cause_rows.push_back({{"representation", representation}, {"words", words}});
+  std::vector<TemplateValues> causes;
+  if (!cause_rows.empty()) causes.push_back({{"rows", std::move(cause_rows)}});
   int last_chart = 0;
   Html content =
       fill_template(page_file("distance_page.html"), {{"scene", page.scene},
@@ -15,6 +20,7 @@ std::string distance_page(const DistancePage& page) {
                                                       {"counts", page.counts},
                                                       {"renderer", page.renderer},
                                                       {"display", page.display},
+                                                      {"causes", std::move(causes)},
                                                       {"section", distance_section(page.scores, last_chart)}});
   return page_frame("Difference over distance", std::move(content), "");
 }

@@ -2,6 +2,7 @@
 // are.
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "reports/model/distance_series.h"
@@ -15,7 +16,8 @@ struct DistancePage {
   std::string counts;     // how many agents count, and why others do not
   std::string display;    // where it is looked at, for people
   std::string renderer;
-  std::vector<DistanceScore> scores;  // in the order in which people read them
+  std::vector<std::pair<std::string, std::string>> causes;  // by representation: what its error is dominated by
+  std::vector<DistanceScore> scores;                        // in the order in which people read them
 };
 
 // Charts of the scores and where thresholds are reached. last_chart: the number of the page's last chart, counted up.

@@ -57,6 +57,14 @@ class CommandsGl : public ::testing::Test {
   std::string display_;
 };
 
+// The amounts and the residue are the whole error, to the last digit.
+void expect_causes(const json& row) {
+  int64_t sum = row.at("residue").get<int64_t>();
+  for (const auto& [cause, amount] : row.at("squared").items())
+    if (!amount.is_null()) sum += amount.get<int64_t>();
+  EXPECT_EQ(sum, row.at("total").get<int64_t>()) << row.dump(2);
+}
+
 bool is_flat(const Image8& image) {
   for (size_t i = 0; i < image.data.size(); ++i)
     if (image.data[i] != image.data[i % static_cast<size_t>(image.channels)]) return false;
@@ -104,6 +112,8 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(run("schema --scores").text.find("ssim"), std::string::npos);
          EXPECT_NE(run("schema --scores").text.find("pop_luma"), std::string::npos);
          EXPECT_FALSE(facts("schema --results --json").empty());
+         EXPECT_EQ(facts("schema --results --json").at("causes").size(), 9U);
+         EXPECT_NE(run("schema --results").text.find("\n| `silhouette` |"), std::string::npos);
          const Outcome defaults = run("schema --defaults", false);
          ASSERT_EQ(defaults.status, 0);
          write_file(work_ / "defaults.toml", defaults.text);
@@ -158,7 +168,13 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          for (const json& row : rows) {
            EXPECT_GT(row.at("silhouette_iou").get<double>(), 0.6);
            EXPECT_LE(row.at("silhouette_iou").get<double>(), 1.0);
+           EXPECT_EQ(row.at("causes").at("told_by"), "comparing");
          }
+         const json told =
+             facts("quality --representation " + impostor + " --height-px 40 --rows 64 --causes --json" + character);
+         expect_causes(told.at("rows")[0].at("causes"));
+         EXPECT_EQ(told.at("rows")[0].at("causes").at("told_by"), "drawing");
+         EXPECT_NE(told.at("causes")[0].at("words").get<std::string>().find("with 1 view"), std::string::npos);
        }},
       {"switch-distance",
        [&] {
@@ -216,6 +232,14 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          ASSERT_EQ(rows.at("comparisons").size(), j.at("rows").size());
          EXPECT_EQ(rows.at("comparisons")[0].at("distance_m"), j.at("rows")[0].at("distance_m"));
          EXPECT_EQ(rows.at("comparisons")[0].at("scores").at("mae"), j.at("rows")[0].at("scores").begin()->at("mae"));
+         const json told =
+             facts("distance --agents 8 --occupancy 0.1 --size 96x72 --scores mae --causes --representation " +
+                   impostor + " --json" + character)
+                 .at("causes")[0];
+         expect_causes(told.at("frames")[0]);
+         EXPECT_GE(told.at("frames")[0].at("agents").size(), 2U);
+         for (const json& agent : told.at("frames")[0].at("agents")) expect_causes(agent);
+         EXPECT_FALSE(told.at("words").get<std::string>().empty());
        }},
       {"ratio",
        [&] {

@@ -361,6 +361,79 @@ TEST_F(CompareRegions, ColourTagsThatDifferAreSaid) {
   EXPECT_TRUE(scores({})["warnings"].empty());
 }
 
+// A frame of four agents, and what the frame after shows of the second.
+struct Drawn {
+  Image8 codes{64, 24, 3};
+  ImageU32 ids{64, 24, 1};
+  ImageF depth{64, 24, 1};
+  Drawn() { std::fill(codes.data.begin(), codes.data.end(), uint8_t{128}); }
+  void box(uint32_t id, int left, int top, int width, int height, int red, float metres) {
+    for (int y = top; y < top + height; ++y)
+      for (int x = left; x < left + width; ++x) {
+        *ids.at(x, y) = id;
+        *depth.at(x, y) = metres;
+        const int colour[] = {red, 40 + 4 * (x - left), 200 - 5 * (y - top)};
+        for (int c = 0; c < 3; ++c) codes.at(x, y)[c] = static_cast<uint8_t>(colour[c]);
+      }
+  }
+  void save(const fs::path& folder, const std::string& name) const {
+    write_png(folder / (name + ".png"), codes);
+    write_exr(folder / (name + "_ids.exr"), ids);
+    write_exr(folder / (name + "_depth.exr"), depth);
+  }
+};
+
+// One agent displaced, one a frame late, one recoloured, one behind another that it stood before.
+TEST(Compare, WhatHappenedToEachAgentIsNamed) {
+  const fs::path folder = scratch();
+  const auto drawn = [](int moved, int leg, int red, bool behind) {
+    Drawn out;
+    out.box(1, 4 + moved, 4, 8, 14, 60, 5);
+    out.box(2, 20, 4, 6, 10, 90, 5);
+    out.box(2, leg, 14, 3, 6, 90, 5);
+    out.box(3, 32, 4, 8, 14, red, 5);
+    for (const bool first : {true, false})
+      if (first == behind)
+        out.box(4, 46, 4, 8, 14, 20, 5);
+      else
+        out.box(5, 50, 6, 8, 14, 220, behind ? 4.0F : 6.0F);
+    return out;
+  };
+  drawn(0, 20, 30, false).save(folder, "a");
+  drawn(2, 23, 180, true).save(folder, "b");
+  drawn(0, 23, 30, false).save(folder, "late");
+  const std::vector<std::string> files = {
+      "--ids-ref",   (folder / "a_ids.exr").string(),   "--ids-test",   (folder / "b_ids.exr").string(),
+      "--depth-ref", (folder / "a_depth.exr").string(), "--depth-test", (folder / "b_depth.exr").string(),
+      "--pose-ref",  (folder / "late.png").string(),    "--ids-pose",   (folder / "late_ids.exr").string()};
+  const json causes = compared(folder / "a.png", folder / "b.png", files)["causes"];
+  const char* expected[] = {"place", "pose", "texture", "order"};
+  int64_t sum = causes["residue"];
+  for (const auto& [cause, amount] : causes["squared"].items()) sum += amount.is_null() ? 0 : amount.get<int64_t>();
+  EXPECT_EQ(sum, causes["total"]);
+  EXPECT_EQ(causes["residue"], 0);
+  for (size_t i = 0; i < 4; ++i) {
+    const json& agent = causes["agents"][i];
+    EXPECT_EQ(agent["largest"], expected[i]) << agent;
+    EXPECT_EQ(agent["squared"][expected[i]], agent["total"]) << agent;
+  }
+  EXPECT_EQ(causes["agents"][0]["displaced_px"], json({2, 0}));
+  EXPECT_EQ(causes["agents"][1]["late"], true);
+  EXPECT_EQ(causes["agents"][3]["changed_places_with"], json({5}));
+  EXPECT_EQ(causes["agents"][4]["total"], 0);
+  EXPECT_TRUE(causes["squared"]["view"].is_null());
+  EXPECT_TRUE(causes["reasons"].contains("level"));
+
+  const json untold = compared(folder / "a.png", folder / "b.png")["causes"];
+  EXPECT_EQ(untold["residue"], untold["total"]);
+  EXPECT_EQ(untold["total"], causes["total"]);
+  EXPECT_EQ(untold["reasons"].size(), untold["squared"].size());
+  std::vector<std::string> wrong = files;
+  wrong[5] = wrong[1];
+  EXPECT_NE(error_of(folder / "a.png", folder / "b.png", wrong).find("is not a picture of depths"), std::string::npos);
+  EXPECT_THROW(compared(folder / "a.png", folder / "b.png", {"--pose-ref", "x.png"}), CLI::ParseError);
+}
+
 TEST(Compare, RefusesPicturesOfTwoSizesAndMissingFiles) {
   EXPECT_NE(error_of(kImages / "p10_tiny_1x1_ref.png", kImages / "p05_flat_offset_ref.png").find("is 64 x 48 pixels"),
             std::string::npos);

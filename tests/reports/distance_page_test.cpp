@@ -94,6 +94,9 @@ TEST(DistancePage, SaysWhatCountsAndWhereThresholdsAreReached) {
   page.scores[0].graphs[0].series[0].thresholds.clear();
   page.scores[0].graphs[0].series[1].thresholds.clear();
   EXPECT_EQ(distance_page(page).find("or better than"), std::string::npos);
+  EXPECT_EQ(html.find("squared error"), std::string::npos);
+  page.causes = {{"<a>", "below 60 pixels: the stored view"}};
+  EXPECT_NE(distance_page(page).find("<li>&lt;a&gt;: below 60 pixels: the stored view</li>"), std::string::npos);
 }
 
 }  // namespace

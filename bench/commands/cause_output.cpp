@@ -1,0 +1,127 @@
+#include "bench/commands/cause_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "bench/commands/score_json.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using metrics::CauseDoc;
+using metrics::CauseErrors;
+using metrics::CauseRow;
+
+Json name_or_null(const std::optional<metrics::Cause>& cause) {
+  return cause ? Json(metrics::doc_of(*cause).name) : Json(nullptr);
+}
+
+const metrics::AgentChange* change_of(std::span<const metrics::AgentChange> changes, uint32_t id) {
+  const auto found = std::find_if(changes.begin(), changes.end(), [&](const auto& change) { return change.id == id; });
+  return found == changes.end() ? nullptr : &*found;
+}
+
+void put_change(Json& row, const CauseErrors& errors, const metrics::AgentChange& change) {
+  row["displaced_px"] = {change.dx, change.dy};
+  row["displaced_m"] = json_number(change.farther);
+  row["late"] = errors.available(metrics::Cause::pose) ? Json(change.posed) : Json(nullptr);
+  row["changed_places_with"] = Json::array();
+  for (const uint32_t other : change.changed_places_with) row["changed_places_with"].push_back(other);
+}
+
+std::string change_text(const metrics::AgentChange& change) {
+  std::string text;
+  if (change.posed) text += "; in the pose of --pose-ref";
+  if (change.dx != 0 || change.dy != 0)
+    text += fmt::format("; displaced by {} pixels right and {} down", change.dx, change.dy);
+  if (change.farther && std::abs(*change.farther) > metrics::kSurfaceTolerance)
+    text += fmt::format("; {:.3g} m {}", std::abs(*change.farther), *change.farther > 0 ? "farther" : "nearer");
+  for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);
+  return text;
+}
+
+}  // namespace
+
+Json cause_row_json(const CauseErrors& errors, const CauseRow& row) {
+  Json squared = Json::object();
+  for (const CauseDoc& doc : metrics::causes())
+    squared[std::string(doc.name)] = errors.available(doc.cause) ? Json(row.amount(doc.cause)) : Json(nullptr);
+  return {{"squared", squared},
+          {"residue", row.residue},
+          {"total", row.total},
+          {"pixels", row.pixels},
+          {"largest", name_or_null(row.largest())}};
+}
+
+Json causes_json(const CauseErrors& errors, std::span<const metrics::AgentChange> changes, bool agents) {
+  Json out = cause_row_json(errors, errors.whole);
+  out["order"] = Json::array();
+  out["reasons"] = Json::object();
+  for (const CauseDoc& doc : metrics::causes()) {
+    out["order"].push_back(std::string(doc.name));
+    if (!errors.available(doc.cause))
+      out["reasons"][std::string(doc.name)] = errors.reasons[static_cast<size_t>(doc.cause)];
+  }
+  if (!agents) return out;
+  out["agents"] = Json::array();
+  for (const CauseRow& agent : errors.agents) {
+    Json row = {{"id", agent.id}};
+    row.update(cause_row_json(errors, agent));
+    if (const metrics::AgentChange* change = change_of(changes, agent.id)) put_change(row, errors, *change);
+    out["agents"].push_back(std::move(row));
+  }
+  return out;
+}
+
+Json cause_ranges_json(std::span<const CauseRange> ranges) {
+  Json out = Json::array();
+  for (const CauseRange& range : ranges) {
+    Json shares = Json::object();
+    for (const CauseDoc& doc : metrics::causes())
+      shares[std::string(doc.name)] = range.shares[static_cast<size_t>(doc.cause)];
+    Json one = {{"from_px", range.from},
+                {"below_px", json_number(range.below)},
+                {"units", range.units},
+                {"total", range.total},
+                {"shares", shares},
+                {"residue", range.residue},
+                {"dominant", name_or_null(range.dominant)}};
+    one["interval"] = range.dominant ? Json({range.share.low, range.share.high}) : Json(nullptr);
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+std::string cause_shares_text(const CauseRow& row) {
+  if (row.total == 0) return "no error";
+  const auto percent = [&](int64_t amount) {
+    return 100 * static_cast<double>(amount) / static_cast<double>(row.total);
+  };
+  std::string text;
+  for (const CauseDoc& doc : metrics::causes())
+    if (const int64_t amount = row.amount(doc.cause); amount != 0)
+      text += fmt::format("{}{} {:.1f} %", text.empty() ? "" : ", ", doc.name, percent(amount));
+  return text + fmt::format("{}residue {:.1f} %", text.empty() ? "" : "; ", percent(row.residue));
+}
+
+void print_causes(const CauseErrors& errors, std::span<const metrics::AgentChange> changes) {
+  fmt::print("squared error by cause, {} in all: {}\n", errors.whole.total, cause_shares_text(errors.whole));
+  for (const CauseRow& agent : errors.agents) {
+    if (agent.total == 0) continue;
+    const metrics::AgentChange* change = change_of(changes, agent.id);
+    fmt::print("  agent id {}, {}: {}{}\n", agent.id, agent.total, cause_shares_text(agent),
+               change ? change_text(*change) : "");
+  }
+  std::map<std::string, std::string> untold;  // causes by reason
+  for (const CauseDoc& doc : metrics::causes())
+    if (!errors.available(doc.cause)) {
+      std::string& names = untold[errors.reasons[static_cast<size_t>(doc.cause)]];
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", doc.name);
+    }
+  for (const auto& [reason, names] : untold) fmt::print("  not available: {}: {}\n", names, reason);
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,46 @@
+// Error by cause of two pictures of which only code values and ids are known, and depths where there are some: what can
+// be told from pictures alone (metrics/causes.h). The causes that ask for another drawing are not available.
+//
+// Differs from what is told with a renderer (metrics/surface_causes.h): who stands before whom, and what is shading and
+// what is texture, is concluded, not known. A grey repainting looks as a change of the light does, and counts as
+// shading.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "metrics/causes.h"
+
+namespace crowdbench::metrics {
+
+inline constexpr double kSurfaceTolerance = 0.02;  // metres between depths of one agent that are of one surface
+
+// Of one size; pointers may be null where it is said.
+struct PicturesWithIds {
+  const Image8& reference;
+  const Image8& test;
+  const ImageU32& reference_ids;
+  const ImageU32& test_ids;
+  const ImageF* reference_depth = nullptr;  // both or none: metres, +infinity where empty
+  const ImageF* test_depth = nullptr;
+  const Image8* posed = nullptr;  // both or none: the reference in the poses that the test may have, a frame late say
+  const ImageU32* posed_ids = nullptr;
+};
+
+// What happened to an agent.
+struct AgentChange {
+  uint32_t id = 0;
+  bool posed = false;                         // it has the pose of PicturesWithIds::posed
+  int dx = 0, dy = 0;                         // pixels: moved so far, right and down
+  std::optional<double> farther;              // metres, with depths: the median over its pixels
+  std::vector<uint32_t> changed_places_with;  // that it stood before, and which stand before it now
+};
+
+struct PictureCauses {
+  CauseErrors errors;
+  std::vector<AgentChange> changes;  // by ascending id: every agent of the two pictures
+};
+
+// Throws Error when sizes differ.
+PictureCauses causes_of_pictures(const PicturesWithIds& pictures);
+
+}  // namespace crowdbench::metrics

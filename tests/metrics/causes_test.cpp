@@ -1,0 +1,391 @@
+// Error by cause: pictures made by hand, each with exactly one cause.
+#include "metrics/causes.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "core/colour.h"
+#include "core/error.h"
+#include "core/random.h"
+#include "metrics/picture_causes.h"
+#include "metrics/surface_causes.h"
+
+namespace crowdbench::metrics {
+namespace {
+
+constexpr double kAmbient = 0.25;
+constexpr double kDiffuse = 0.75;
+
+// The causes that have an amount.
+std::set<std::string> named(const CauseRow& row) {
+  std::set<std::string> out;
+  for (const CauseDoc& doc : causes())
+    if (row.amount(doc.cause) != 0) out.emplace(doc.name);
+  return out;
+}
+std::set<std::string> only(const char* name) { return {name}; }
+
+void expect_sum(const CauseErrors& errors) {
+  const auto sum_of = [](const CauseRow& row) {
+    int64_t sum = row.residue;
+    for (const int64_t amount : row.amounts) sum += amount;
+    return sum;
+  };
+  EXPECT_EQ(sum_of(errors.whole), errors.whole.total);
+  int64_t agents = 0;
+  for (const CauseRow& row : errors.agents) {
+    EXPECT_EQ(sum_of(row), row.total) << row.id;
+    agents += row.total;
+  }
+  EXPECT_LE(agents, errors.whole.total);
+}
+
+// ---- the chain itself
+
+Image8 noise(uint64_t seed) {
+  Image8 out(7, 5, 3);
+  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = static_cast<uint8_t>(random_below(seed, i, 1, 256));
+  return out;
+}
+
+TEST(Causes, WhatTheChainAddsIsEachCausesAmount) {
+  Image8 reference(2, 1, 3);
+  Image8 shaded = reference;
+  shaded.data = {3, 0, 0, 0, 0, 0};
+  Image8 textured = shaded;
+  textured.data = {3, 4, 0, 1, 1, 1};
+  ImageU32 owners(2, 1, 1);
+  owners.data = {8, 0};
+  const std::vector<CauseStep> steps = {{Cause::shading, shaded}, {std::nullopt, shaded}, {Cause::texture, textured}};
+  const CauseErrors errors = error_by_cause(reference, steps, owners);
+  EXPECT_EQ(errors.whole.amount(Cause::shading), 9);
+  EXPECT_EQ(errors.whole.amount(Cause::texture), 16 + 3);
+  EXPECT_EQ(errors.whole.residue, 0);
+  EXPECT_EQ(errors.whole.total, 28);
+  EXPECT_EQ(errors.whole.pixels, 2U);
+  ASSERT_EQ(errors.agents.size(), 1U);
+  EXPECT_EQ(errors.agents[0].id, 8U);
+  EXPECT_EQ(errors.agents[0].total, 25);
+  EXPECT_EQ(errors.agents[0].largest(), Cause::texture);
+  EXPECT_EQ(errors.agent(8), errors.agents.data());
+  EXPECT_EQ(errors.agent(9), nullptr);
+}
+
+TEST(Causes, AmountsAndResidueAddUpExactlyWhateverTheChain) {
+  const Image8 reference = noise(1);
+  std::vector<CauseStep> steps;
+  for (const CauseDoc& doc : causes()) steps.push_back({doc.cause, noise(10 + static_cast<uint64_t>(doc.cause))});
+  steps.insert(steps.begin() + 4, {std::nullopt, noise(99)});
+  ImageU32 owners(7, 5, 1);
+  for (size_t i = 0; i < owners.data.size(); ++i) owners.data[i] = static_cast<uint32_t>(i % 3);
+  const CauseErrors errors = error_by_cause(reference, steps, owners);
+  expect_sum(errors);
+  int64_t squared = 0;
+  for (size_t i = 0; i < reference.data.size(); ++i) {
+    const int d = int{reference.data[i]} - int{steps.back().codes.data[i]};
+    squared += d * d;
+  }
+  EXPECT_EQ(errors.whole.total, squared);
+  EXPECT_THROW(error_by_cause(Image8(3, 3, 3), steps, owners), Error);
+}
+
+TEST(Causes, DocumentationNamesEveryCause) {
+  const std::string text = causes_markdown();
+  ASSERT_EQ(causes().size(), kCauses);
+  for (size_t i = 0; i < kCauses; ++i) {
+    EXPECT_EQ(static_cast<size_t>(causes()[i].cause), i);
+    EXPECT_NE(text.find("`" + std::string(causes()[i].name) + "`"), std::string::npos);
+    EXPECT_FALSE(causes()[i].drawn.empty() && causes()[i].read.empty());
+  }
+}
+
+// ---- of surfaces
+
+// Agent 1 stands before agent 2, which it hides partly, on 20 x 12 pixels.
+struct Scene {
+  Surfaces surfaces;
+  Scene() {
+    Surfaces& s = surfaces;
+    s.codes = Image8(20, 12, 4);
+    s.ids = ImageU32(20, 12, 1);
+    s.depth = ImageF(20, 12, 1);
+    s.base = s.emissive = ImageF(20, 12, 3);
+    s.lambert = ImageF(20, 12, 1);
+    std::fill(s.depth.data.begin(), s.depth.data.end(), std::numeric_limits<float>::infinity());
+    std::fill(s.lambert.data.begin(), s.lambert.data.end(), -1.0F);
+    paint(2, 8, 2, 16, 10, 6, {0.7F, 0.2F, 0.1F});
+    paint(1, 3, 1, 11, 11, 5, {0.1F, 0.3F, 0.6F});
+    light();
+  }
+  void paint(uint32_t id, int left, int top, int right, int bottom, float depth, std::array<float, 3> base) {
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x) {
+        *surfaces.ids.at(x, y) = id;
+        *surfaces.depth.at(x, y) = depth;
+        std::copy(base.begin(), base.end(), surfaces.base.at(x, y));
+        *surfaces.lambert.at(x, y) = 0.2F + 0.05F * static_cast<float>(y);
+      }
+  }
+  void erase(int x, int y) {
+    *surfaces.ids.at(x, y) = 0;
+    *surfaces.depth.at(x, y) = std::numeric_limits<float>::infinity();
+    *surfaces.lambert.at(x, y) = -1;
+    std::fill_n(surfaces.base.at(x, y), 3, 0.0F);
+  }
+  void light() {
+    for (size_t i = 0; i < surfaces.ids.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c)
+        surfaces.codes.data[4 * i + c] =
+            surfaces.ids.data[i] == 0
+                ? 128
+                : linear_to_srgb8(static_cast<double>(surfaces.base.data[3 * i + c]) *
+                                      (kAmbient + kDiffuse * static_cast<double>(surfaces.lambert.data[i])) +
+                                  static_cast<double>(surfaces.emissive.data[3 * i + c]));
+  }
+  void each(uint32_t id, const std::function<void(int, int)>& change) {
+    const ImageU32 ids = surfaces.ids;
+    for (int y = 0; y < ids.height; ++y)
+      for (int x = 0; x < ids.width; ++x)
+        if (*ids.at(x, y) == id) change(x, y);
+    light();
+  }
+};
+
+CauseErrors told(const Surfaces& a, const Surfaces& b, const Image8& both = {}) {
+  const SurfaceSubstitution of{a, b, kAmbient, kDiffuse, 0.02, both};
+  const ImageU32* ids[] = {&a.ids, &b.ids};
+  return error_by_cause(a.codes, substitute_surfaces(of), owners_of(ids));
+}
+
+void expect_only(const CauseErrors& errors, const char* name, uint32_t id) {
+  expect_sum(errors);
+  EXPECT_GT(errors.whole.total, 0);
+  EXPECT_EQ(errors.whole.residue, 0);
+  EXPECT_EQ(named(errors.whole), only(name));
+  for (const CauseRow& row : errors.agents) EXPECT_EQ(row.total, row.id == id ? errors.whole.total : 0) << row.id;
+}
+
+TEST(SurfaceCauses, EqualPicturesHaveNone) {
+  const Scene a;
+  const CauseErrors errors = told(a.surfaces, a.surfaces);
+  EXPECT_EQ(errors.whole.total, 0);
+  EXPECT_TRUE(named(errors.whole).empty());
+  EXPECT_FALSE(errors.whole.largest());
+}
+
+TEST(SurfaceCauses, EachIsFoundAndNothingElse) {
+  const Scene a;
+  {
+    Scene b;
+    b.each(2, [&](int x, int y) {
+      if (x == 15) b.erase(x, y);
+    });
+    expect_only(told(a.surfaces, b.surfaces), "silhouette", 2);
+  }
+  {
+    Scene b;  // something of the same agent that lies behind: another depth, another colour
+    b.each(1, [&](int x, int y) {
+      if (y < 4) b.paint(1, x, y, x + 1, y + 1, 5.3F, {0.9F, 0.9F, 0.1F});
+    });
+    expect_only(told(a.surfaces, b.surfaces), "surface", 1);
+  }
+  {
+    Scene b;
+    b.each(2, [&](int x, int y) { *b.surfaces.lambert.at(x, y) *= 0.6F; });
+    expect_only(told(a.surfaces, b.surfaces), "shading", 2);
+  }
+  {
+    Scene b;
+    b.each(1, [&](int x, int y) { b.surfaces.base.at(x, y)[0] = 0.5F; });
+    expect_only(told(a.surfaces, b.surfaces), "texture", 1);
+  }
+  {
+    Scene b;
+    b.each(1, [&](int x, int y) { b.surfaces.emissive.at(x, y)[1] = 0.2F; });
+    expect_only(told(a.surfaces, b.surfaces), "texture", 1);
+  }
+  {
+    Scene b;
+    b.paint(2, 8, 2, 11, 10, 4.0F, {0.7F, 0.2F, 0.1F});  // now before agent 1
+    b.light();
+    Image8 both(20, 12, 1);
+    std::fill(both.data.begin(), both.data.end(), uint8_t{255});
+    expect_only(told(a.surfaces, b.surfaces, both), "order", 1);
+    expect_only(told(a.surfaces, b.surfaces), "silhouette", 1);
+  }
+}
+
+// Black shows no shading, so that a pixel that becomes black is a matter of texture alone.
+TEST(SurfaceCauses, TheLightOnBlackIsTakenFromTheOtherSide) {
+  const Scene a;
+  Scene b;
+  b.each(1, [&](int x, int y) {
+    std::fill_n(b.surfaces.base.at(x, y), 3, 0.0F);
+    *b.surfaces.lambert.at(x, y) = -1;
+  });
+  expect_only(told(a.surfaces, b.surfaces), "texture", 1);
+  expect_only(told(b.surfaces, a.surfaces), "texture", 1);
+}
+
+TEST(SurfaceCauses, WhatIsNotLitByTheFormulaIsResidue) {
+  const Scene a;
+  Scene b;
+  b.each(1, [](int, int) {});
+  b.surfaces.codes.at(4, 4)[0] ^= 8;
+  const CauseErrors errors = told(a.surfaces, b.surfaces);
+  expect_sum(errors);
+  EXPECT_EQ(errors.whole.residue, 64);
+  EXPECT_EQ(errors.whole.total, 64);
+}
+
+// ---- of pictures alone
+
+// Four agents beside each other, two more of which 5 stands before 6.
+struct Pictures {
+  Image8 codes{90, 40, 3};
+  ImageU32 ids{90, 40, 1};
+  ImageF depth{90, 40, 1};
+  Pictures() {
+    std::fill(codes.data.begin(), codes.data.end(), uint8_t{128});
+    std::fill(depth.data.begin(), depth.data.end(), std::numeric_limits<float>::infinity());
+  }
+  // A figure that no shift brings onto itself: rows of changing colour, a head and an arm.
+  void figure(uint32_t id, int left, int top, float metres, bool arm_up = false, int red = 0, double light = 1) {
+    const auto put = [&](int x, int y) {
+      *ids.at(x, y) = id;
+      *depth.at(x, y) = metres;
+      const int own[] = {90 + 3 * (y - top) + 10 * static_cast<int>(id) + red, 70 + 5 * (x - left), 60 + 2 * (y - top)};
+      for (int c = 0; c < 3; ++c) codes.at(x, y)[c] = linear_to_srgb8(light * srgb_to_linear(own[c] / 255.0));
+    };
+    for (int y = 4; y < 24; ++y)
+      for (int x = 2; x < 9; ++x) put(left + x, top + y);
+    for (int y = 0; y < 4; ++y)
+      for (int x = 4; x < 7; ++x) put(left + x, top + y);
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k < 3; ++k) put(left + 9 + i / 2, top + (arm_up ? 8 - i : 8 + i) + k);
+  }
+  struct Changes {
+    int moved_right = 0, moved_down = 0;
+    bool arm_up = false, swapped = false;
+    int red = 0;
+    double light = 1;
+    float farther = 0;
+  };
+  static Pictures of(const Changes& changes) {
+    Pictures out;
+    out.figure(1, 2 + changes.moved_right, 6 + changes.moved_down, 5);
+    out.figure(2, 18, 5, 5, changes.arm_up);
+    out.figure(3, 33, 5, 5, false, changes.red);
+    out.figure(4, 48, 5, 5 + changes.farther, false, 0, changes.light);
+    for (const bool first : {true, false}) {
+      if (first != changes.swapped)
+        out.figure(6, 68, 6, changes.swapped ? 4.0F : 6.0F);
+      else
+        out.figure(5, 64, 5, 5);
+    }
+    return out;
+  }
+};
+
+PictureCauses told(const Pictures& a, const Pictures& b, bool depths = false, const Pictures* posed = nullptr) {
+  PicturesWithIds of{a.codes, b.codes, a.ids, b.ids};
+  if (depths) {
+    of.reference_depth = &a.depth;
+    of.test_depth = &b.depth;
+  }
+  if (posed) {
+    of.posed = &posed->codes;
+    of.posed_ids = &posed->ids;
+  }
+  return causes_of_pictures(of);
+}
+
+const AgentChange& change(const PictureCauses& causes, uint32_t id) {
+  for (const AgentChange& one : causes.changes)
+    if (one.id == id) return one;
+  throw std::logic_error("no such agent");
+}
+
+TEST(PictureCauses, EachIsFoundAndNothingElse) {
+  const Pictures a = Pictures::of({});
+  struct Case {
+    Pictures::Changes changes;
+    const char* cause;
+    uint32_t id;
+  };
+  const Case cases[] = {{{.moved_right = 3, .moved_down = -2}, "place", 1},
+                        {{.moved_right = -1}, "place", 1},
+                        {{.arm_up = true}, "pose", 2},
+                        {{.red = 60}, "texture", 3},
+                        {{.light = 0.6}, "shading", 4},
+                        {{.swapped = true}, "order", 5}};
+  const Pictures posed = Pictures::of({.arm_up = true});
+  for (const Case& one : cases) {
+    SCOPED_TRACE(one.cause);
+    for (const bool depths : {false, true}) {
+      const Pictures b = Pictures::of(one.changes);
+      const PictureCauses causes = told(a, b, depths, &posed);
+      expect_only(causes.errors, one.cause, one.id);
+      for (const AgentChange& of : causes.changes) {
+        EXPECT_EQ(of.dx, of.id == 1 ? one.changes.moved_right : 0) << of.id;
+        EXPECT_EQ(of.dy, of.id == 1 ? one.changes.moved_down : 0) << of.id;
+        EXPECT_EQ(of.posed, of.id == 2 && one.changes.arm_up) << of.id;
+        EXPECT_EQ(of.changed_places_with,
+                  of.id == 5 && one.changes.swapped ? std::vector<uint32_t>{6} : std::vector<uint32_t>{})
+            << of.id;
+      }
+    }
+  }
+}
+
+TEST(PictureCauses, AllAtOnceAreTheirAgentsOwn) {
+  const Pictures a = Pictures::of({});
+  const Pictures posed = Pictures::of({.arm_up = true});
+  const Pictures b =
+      Pictures::of({.moved_right = 4, .moved_down = 1, .arm_up = true, .swapped = true, .red = 60, .light = 0.6});
+  const PictureCauses causes = told(a, b, true, &posed);
+  expect_sum(causes.errors);
+  EXPECT_EQ(causes.errors.whole.residue, 0);
+  const char* expected[] = {"place", "pose", "texture", "shading", "order"};
+  for (uint32_t id = 1; id <= 5; ++id) EXPECT_EQ(named(*causes.errors.agent(id)), only(expected[id - 1])) << id;
+  EXPECT_EQ(causes.errors.agent(6)->total, 0);
+  EXPECT_EQ(change(causes, 1).dx, 4);
+  EXPECT_EQ(change(causes, 1).dy, 1);
+}
+
+// An agent that went farther away and shows something else: the depths say so, and without them it is its texture.
+TEST(PictureCauses, DepthsTellSurfacesFromTextures) {
+  const Pictures a = Pictures::of({});
+  Pictures b = Pictures::of({.farther = 0.5F});
+  for (size_t i = 0; i < b.ids.pixels(); ++i)
+    if (b.ids.data[i] == 4) b.codes.data[3 * i] = 30;
+  EXPECT_EQ(named(told(a, b).errors.whole), only("texture"));
+  EXPECT_FALSE(told(a, b).errors.available(Cause::surface));
+  const PictureCauses causes = told(a, b, true);
+  expect_only(causes.errors, "surface", 4);
+  EXPECT_NEAR(change(causes, 4).farther.value(), 0.5, 1e-6);
+}
+
+TEST(PictureCauses, WithoutThePosesALateAgentsOutlineIsWrong) {
+  const PictureCauses causes = told(Pictures::of({}), Pictures::of({.arm_up = true}));
+  EXPECT_FALSE(causes.errors.available(Cause::pose));
+  EXPECT_EQ(causes.errors.agent(2)->largest(), Cause::silhouette);
+  for (const Cause cause : {Cause::view, Cause::level}) EXPECT_FALSE(causes.errors.available(cause));
+  EXPECT_THROW(causes_of_pictures({Image8(3, 3, 3), Image8(3, 3, 3), ImageU32(4, 3, 1), ImageU32(3, 3, 1)}), Error);
+}
+
+TEST(PictureCauses, WhatNoAgentCoversIsResidue) {
+  const Pictures a = Pictures::of({});
+  Pictures b = a;
+  b.codes.at(0, 0)[1] += 3;
+  const PictureCauses causes = told(a, b);
+  EXPECT_EQ(causes.errors.whole.residue, 9);
+  EXPECT_EQ(causes.errors.whole.total, 9);
+}
+
+}  // namespace
+}  // namespace crowdbench::metrics
