@@ -16,10 +16,10 @@
 namespace crowdbench::metrics {
 namespace {
 
-// Places in kScores.
+// Places in kPopScores.
 enum Place : uint8_t { kCvvdpStay, kFlip, kLuma, kCvvdp, kExcess, kFlipExcess };
 
-constexpr std::array<PopScore, 6> kScores = {{
+constexpr std::array<PopScore, 6> kPopScores = {{
     {"pop_cvvdp_stay", "ColorVideoVDP across the switch, frame t staying for a quarter of a second", "CVVDP", "JOD",
      Direction::higher_is_better, 3, 10,
      "ColorVideoVDP (a clip at the frame rate, at the display) over the box: T[t-1], then T[t] for 1/4 s, against "
@@ -105,7 +105,7 @@ void score_cvvdp(const Cut& cut, const PopView& view, Pop& pop) {
 
 }  // namespace
 
-std::span<const PopScore> pop_scores() { return kScores; }
+std::span<const PopScore> pop_scores() { return kPopScores; }
 
 bool is_worse(const PopScore& score, double a, double b) {
   return score.direction == Direction::lower_is_better ? a > b : a < b;
@@ -132,7 +132,7 @@ std::optional<Pop> score_pop(const PopFrames& frames, uint32_t id, const PopView
   Pop pop;
   pop.box = *box;
   pop.pixels = static_cast<uint64_t>(std::count(mask.data.begin(), mask.data.end(), uint8_t{255}));
-  pop.values.resize(kScores.size());
+  pop.values.resize(kPopScores.size());
   const Cut cut{crop(*frames.before, *box), crop(*frames.shown, *box), crop(*frames.held, *box), crop(mask, *box)};
   score_luma(cut, pop);
   score_flip(cut, view, pop);
@@ -144,7 +144,7 @@ std::string pop_scores_markdown() {
   std::string out =
       "\nOf a switch (`crowdbench popping`): T[t-1] and T[t] are the frames as drawn, H[t] is frame t without the "
       "switch.\n\n| name | unit | without a switch | what is computed |\n|---|---|---|---|\n";
-  for (const PopScore& score : kScores) {
+  for (const PopScore& score : kPopScores) {
     std::string computes(score.computes);
     for (size_t at = 0; (at = computes.find('|', at)) != std::string::npos; at += 2) computes.insert(at, 1, '\\');
     out += fmt::format("| `{}` | {} | {:g} | {} |\n", score.name, score.unit, score.equal, computes);
