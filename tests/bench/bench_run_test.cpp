@@ -137,7 +137,7 @@ TEST_F(SweepGl, AnImpostorTouchesMoreThanItCovers) {
   const Staged staged = stage_scenario(scenario, cast_, *context_);
   Stage stage(*context_, cast_);
   stage.show(staged);
-  TimedRepresentation flat(stage, renderers::parse_spec(kFlat), scenario.width, scenario.height, uint64_t{64} << 20);
+  TimedRepresentation flat(stage, renderers::parse_spec(kFlat), scenario, uint64_t{64} << 20);
   const ImageCheck check = check_pictures(flat.capture(0), flat.capture(15), false, std::nullopt);
   EXPECT_GT(flat.touched_px(0), check.covered_px * 11 / 10);
   EXPECT_LT(flat.touched_px(0), check.covered_px * 4);
