@@ -37,6 +37,7 @@ const std::map<std::string, std::string> kScripts = {
     {"polypostor_figures.mjs", "PolypostorFigures"},
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
+    {"relief_tears.mjs", "ReliefTears"},
 };
 
 std::string quoted(const fs::path& path) { return shell_quoted(path.string()); }
@@ -139,6 +140,15 @@ TEST_F(ScriptsGl, ReliefQuality) {
   expect_tables("\n" + outcome.text, 1);
   EXPECT_NE(outcome.text.find("| three-quarter | 0."), std::string::npos) << outcome.text;
   EXPECT_EQ(run("relief_quality.mjs", "").status, 2);
+}
+
+TEST_F(ScriptsGl, ReliefTears) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("relief_tears.mjs", driver_ + " --tiny");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  expect_tables("\n" + outcome.text, 1);
+  EXPECT_EQ(outcome.text.find("NaN"), std::string::npos) << outcome.text;
+  EXPECT_EQ(run("relief_tears.mjs", "").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {
