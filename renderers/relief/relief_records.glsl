@@ -1,11 +1,13 @@
 #include "renderers/relief/relief.shared.h"
 
-// One box of the character: rows of bind space from unit coordinates; the joints that carry it; where its maps
-// lie.
+// One box of the character: rows of bind space from unit coordinates; the joints that move it, each with its mean weight (0:
+// none, nor after it) and what its matrix is multiplied by; where its maps lie.
 struct BoxRecord {
   vec4 rows[3];
-  uvec4 joints;  // two, and the bits of the second one's weight: 0 where the first carries it alone
-  uvec4 maps;   // left, top in the depth atlas; texels a side; levels
+  uvec4 joints;
+  vec4 weights;
+  uvec4 maps;  // left, top in the depth atlas; texels a side; levels
+  mat4 movers[4];
 };
 
 // One box of one agent, posed.

@@ -15,13 +15,13 @@
 #include "renderers/bake/bake_cache.h"
 #include "renderers/bake/emission.h"
 #include "renderers/relief/relief_atlas.h"
-#include "renderers/relief/relief_bends.h"
+#include "renderers/relief/relief_cells.h"
 #include "renderers/relief/relief_cone.h"
 
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 8;
+constexpr uint32_t kBakeVersion = 9;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -33,7 +33,8 @@ struct TierPlan {
 // of ever thinner limbs.
 constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
-constexpr double kBendPixels = 240;  // tall: what ReliefTierOptions::bend counts in
+constexpr double kFarBend = 0.5;  // pixels that skin may deviate from a farther tier's boxes, at its largest
+constexpr double kSkirt = 1.5;    // texels of a box's neighbours that it captures too
 
 // "bind" or "CLIP@PHASE".
 CapturePose parse_capture(const std::string& text, const scene::Character& character) {
@@ -87,8 +88,9 @@ std::vector<int> parse_resolution(const std::string& text, const scene::Characte
 
 // A box as it lies on disk.
 struct StoredBox {
-  std::array<int32_t, 2> joints{};
-  double second = 0;
+  std::array<int32_t, kShares> joints{};
+  std::array<double, kShares> weights{};
+  std::array<double, 16 * kShares> movers{};
   int32_t texels = 0;
   int32_t nothing = 0;  // no padding: the same bake is the same bytes
   uint64_t first = 0;
@@ -98,7 +100,13 @@ struct StoredBox {
 };
 
 StoredBox stored(const ReliefBox& box) {
-  StoredBox out{box.joints, box.second, box.texels, 0, box.first, {}, {}, {}};
+  StoredBox out{{}, {}, {}, box.texels, 0, box.first, {}, {}, {}};
+  for (size_t k = 0; k < kShares; ++k) {
+    out.joints[k] = box.movers[k].joint;
+    out.weights[k] = box.movers[k].weight;
+    for (int i = 0; i < 16; ++i)
+      out.movers[16 * k + static_cast<size_t>(i)] = box.movers[k].bind_from_unit[i / 4][i % 4];
+  }
   for (int i = 0; i < 16; ++i) out.bind_from_unit[static_cast<size_t>(i)] = box.bind_from_unit[i / 4][i % 4];
   for (int a = 0; a < 3; ++a) out.size[static_cast<size_t>(a)] = box.size[a];
   for (size_t i = 0; i < out.hull.size(); ++i) out.hull[i] = box.hull[i / 3][static_cast<int>(i % 3)];
@@ -107,8 +115,12 @@ StoredBox stored(const ReliefBox& box) {
 
 ReliefBox unstored(const StoredBox& from) {
   ReliefBox box;
-  box.joints = from.joints;
-  box.second = from.second;
+  for (size_t k = 0; k < kShares; ++k) {
+    box.movers[k].joint = from.joints[k];
+    box.movers[k].weight = from.weights[k];
+    for (int i = 0; i < 16; ++i)
+      box.movers[k].bind_from_unit[i / 4][i % 4] = from.movers[16 * k + static_cast<size_t>(i)];
+  }
   box.texels = from.texels;
   box.first = from.first;
   for (int i = 0; i < 16; ++i) box.bind_from_unit[i / 4][i % 4] = from.bind_from_unit[static_cast<size_t>(i)];
@@ -141,6 +153,10 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
     const double pixel = relief_height(character) / kTiers[tier].pixels;  // metres
     what.carriers = merger.merged(options.merge * pixel);
     what.texel = std::max(nearest.texel, kTiers[tier].texel * pixel);
+    if (options.bend > 0)
+      what.pieces = skin_cells(character, bank, what.capture, what.carriers,
+                               {.tolerance = kFarBend * pixel, .skirt = kSkirt * what.texel, .texel = what.texel})
+                        .pieces;
     // Joints that were given texels have half of them, 64 at least.
     for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint) {
       const int given = nearest.texels_of_joint[joint];
@@ -206,7 +222,7 @@ std::vector<uint8_t> serialise(const ReliefTiers& bake) {
   ByteWriter out;
   const CaptureScore& c = bake.capture;
   out.value(c.pose.clip);
-  for (const double v : {c.pose.phase, c.silhouette_error, c.box_volume}) out.value(v);
+  for (const double v : {c.pose.phase, c.silhouette_error, c.box_volume, bake.deviation}) out.value(v);
   out.values(bake.tier_pixels);
   out.value(static_cast<uint32_t>(bake.models.size()));
   for (const ReliefModel& m : bake.models) {
@@ -230,7 +246,7 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
   ReliefTiers bake;
   CaptureScore& c = bake.capture;
   c.pose.clip = in.value<int>();
-  for (double* v : {&c.pose.phase, &c.silhouette_error, &c.box_volume}) *v = in.value<double>();
+  for (double* v : {&c.pose.phase, &c.silhouette_error, &c.box_volume, &bake.deviation}) *v = in.value<double>();
   bake.tier_pixels = in.values<double>();
   const auto count = in.value<uint32_t>();
   for (uint32_t i = 0; i < count && in.ok(); ++i) {
@@ -246,8 +262,8 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
     size_t texels = 0;
     for (const ReliefBox& box : m.boxes) {
       if (box.texels < 16 || box.texels > 256 || box.first != texels) return std::nullopt;
-      for (const int joint : box.joints)
-        if (joint < 0 || static_cast<size_t>(joint) >= joints) return std::nullopt;
+      for (const ReliefBox::Mover& mover : box.movers)
+        if (mover.joint < 0 || static_cast<size_t>(mover.joint) >= joints) return std::nullopt;
       texels += ReliefModel::box_texels(box);
     }
     if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
@@ -277,9 +293,15 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
   what.capture = bake.capture.pose;
   what.texels_of_joint = parse_resolution(options.resolution, character);
   const double height = relief_height(character);
-  if (options.bend > 0)
-    what.pieces =
-        bend_pieces(character, bank, what.capture, {what.rule, what.threshold, options.bend * height / kBendPixels});
+  if (options.bend > 0) {
+    // Texels of the longest box that there is.
+    const double texel = (options.part > 0 ? options.part : 1.0) * height / what.map_size;
+    Cells cells =
+        skin_cells(character, bank, what.capture, own_carriers(character),
+                   {.tolerance = options.bend * height / kBendPixels, .skirt = kSkirt * texel, .texel = texel});
+    what.pieces = std::move(cells.pieces);
+    bake.deviation = cells.deviation;
+  }
   // Boxes in fewer parts, where the maps would take more than a character's share of the bake budget.
   what.longest = options.part * height;
   size_t texels = relief_texels(character, what);
