@@ -89,7 +89,7 @@ void main() {
   uint first = (offset + agent) * uint(JOINTS);
   mat3x4 rows_of_bind = mat3x4(0.0);  // of world space from bind space, by the mean matrix
   mat3x4 rows_of_unit = mat3x4(0.0);  // of world space from the box
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < RELIEF_SHARES; ++k) {
     if (boxes[index].weights[k] <= 0.0) break;
     uint matrix = (first + boxes[index].joints[k]) * 3u;
     for (int row = 0; row < 3; ++row) {

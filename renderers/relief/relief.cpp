@@ -100,9 +100,9 @@ struct Baked {
 
 struct BoxRecord {
   glm::vec4 rows[3];
-  glm::uvec4 joints;
-  glm::vec4 weights;
   glm::uvec4 maps;
+  std::array<uint32_t, kShares> joints;
+  std::array<float, kShares> weights;
   glm::mat4 movers[kShares];
 };
 
@@ -306,9 +306,8 @@ class Relief final : public Representation {
         for (int column = 0; column < 4; ++column)
           record.rows[row][column] = static_cast<float>(box.bind_from_unit[column][row]);
       for (size_t k = 0; k < kShares; ++k) {
-        const int at = static_cast<int>(k);
-        record.joints[at] = static_cast<uint32_t>(box.movers[k].joint);
-        record.weights[at] = static_cast<float>(box.movers[k].weight);
+        record.joints[k] = static_cast<uint32_t>(box.movers[k].joint);
+        record.weights[k] = static_cast<float>(box.movers[k].weight);
         record.movers[k] = glm::mat4(box.movers[k].bind_from_unit);
       }
       record.maps = {plan.left[i], plan.top[i], box.texels, atlas_levels(box.texels)};
@@ -490,7 +489,7 @@ const RepresentationType relief_type = {
          {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
          {"merge", "auto|0..16", "auto",
           "pixels that joints sharing a box may deviate; auto: 0.25 with proxy=hull, else 0"},
-         {"bend", "rigid|0.05..64", "0.5",
+         {"bend", "rigid|0.05..64", "1",
           "pixels, of a character 240 tall, that skin may deviate from boxes that bend with it before it is cut into "
           "more; rigid: one stiff box a joint, as the source has them"},
          {"part", "auto|0..4", "auto",

@@ -657,6 +657,9 @@ void capture_box(const Source& source, const Capture& capture, ReliefBox& box, R
   }
 }
 
+// A cut piece's box has half as many texels from where these are at most this much of what it makes do with.
+constexpr double kHalved = 0.7;
+
 // The boxes to capture, in the model's order.
 struct Plan {
   std::vector<ReliefBox> boxes;  // joints, texels and place; the rest comes with the capture
@@ -702,9 +705,9 @@ Plan plan_boxes(const Character& character, const ReliefBakeOptions& options, co
   const double texel = std::max(options.texel, longest / options.map_size);
   for (size_t i = 0; i < plan.boxes.size(); ++i) {
     ReliefBox& box = plan.boxes[i];
-    const double enough = std::max(options.by_area ? texel : 0.0, plan.captures[i].piece.texel);
+    const double most = std::max(options.by_area ? 0.5 * texel : 0.0, kHalved * plan.captures[i].piece.texel);
     if (given[static_cast<size_t>(box.joint())] == 0)
-      while (box.texels > 16 && plan.captures[i].bounds.longest <= enough * 0.5 * box.texels) box.texels /= 2;
+      while (box.texels > 16 && plan.captures[i].bounds.longest <= most * box.texels) box.texels /= 2;
     box.first = plan.texels;
     plan.texels += ReliefModel::box_texels(box);
   }

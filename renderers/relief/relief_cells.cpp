@@ -35,7 +35,7 @@ struct Influence {
 struct Fit {
   std::vector<Share> shares;
   double worst = 0;  // metres: of any corner in any pose
-  double cost = 0;   // metres^4: mean over poses of the square, over the area
+  double cost = 0;   // metres^6: mean over poses of the fourth power, over the area: what is far off counts most
 };
 
 struct Cell {
@@ -68,17 +68,42 @@ class Skin {
   }
 
   // By at most `most` of the triangles, evenly spread over the list.
-  Fit fit(const std::vector<uint32_t>& all, size_t most) const {
+  Fit fit(const std::vector<uint32_t>& all, size_t most, size_t shares = kShares) const {
     std::vector<uint32_t> triangles;
     const size_t count = std::min(all.size(), most);
     for (size_t i = 0; i < count; ++i) triangles.push_back(all[i * all.size() / count]);
-    Fit out{heaviest(triangles), 0, 0};
+    Fit out{heaviest(triangles, shares), 0, 0};
     if (out.shares.size() > 1) add_changes(triangles, out.shares);
     measure(triangles, out);
     if (!std::isfinite(out.cost)) {  // the mean matrix flattens space
+      fprintf(stderr, "FLAT n=%zu\n", triangles.size());
       out.shares.resize(1);
       out.shares[0] = {out.shares[0].joint, 1.0, glm::dmat4(0.0)};
       measure(triangles, out);
+    }
+    return out;
+  }
+  // As good, with no more shares than that takes.
+  Fit frugal_fit(const std::vector<uint32_t>& triangles, double tolerance) const {
+    const Fit best = fit(triangles, triangles.size());
+    for (size_t shares = 1; shares < best.shares.size(); ++shares) {
+      Fit one = fit(triangles, triangles.size(), shares);
+      if (one.worst <= std::max(0.5 * tolerance, best.worst)) return one;
+    }
+    return best;
+  }
+  // Square metres, of each triangle, that a fit misses by in the worst pose.
+  std::vector<double> misses(const std::vector<uint32_t>& triangles, const Fit& fit) const {
+    const glm::dmat4 back = mean_back(fit.shares);
+    std::vector<double> out(triangles.size(), 0.0);
+    for (size_t pose = 0; pose < poses_.size(); ++pose) {
+      const glm::dmat4 moved = matrix(fit.shares, back, pose);
+      for (size_t i = 0; i < triangles.size(); ++i)
+        for (uint32_t c = 0; c < 3; ++c) {
+          const uint32_t v = mesh_.indices[3 * triangles[i] + c];
+          const glm::dvec3 miss = glm::dvec3(moved * glm::dvec4(captured_[v], 1.0)) - posed_[pose][v];
+          out[i] = std::max(out[i], glm::dot(miss, miss));
+        }
     }
     return out;
   }
@@ -108,7 +133,7 @@ class Skin {
 
  private:
   // The joints with the largest weights, one share each; what the others carry goes to the first.
-  std::vector<Share> heaviest(const std::vector<uint32_t>& triangles) const {
+  std::vector<Share> heaviest(const std::vector<uint32_t>& triangles, size_t most) const {
     std::map<int, double> sums;
     double total = 0;
     for (const uint32_t t : triangles)
@@ -121,13 +146,18 @@ class Skin {
     std::vector<Share> shares;
     for (const auto& [joint, sum] : sums) shares.push_back({joint, sum / total, glm::dmat4(0.0)});
     std::stable_sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) { return a.weight > b.weight; });
-    shares.resize(std::min(shares.size(), kShares));
+    shares.resize(std::min(shares.size(), most));
     double kept = 0;
     for (size_t k = 1; k < shares.size(); ++k) kept += shares[k].weight;
     shares[0].weight = 1.0 - kept;
     return shares;
   }
 
+  glm::dmat4 matrix(const std::vector<Share>& shares, const glm::dmat4& back, size_t pose) const {
+    glm::dmat4 moved(0.0);
+    for (const Share& s : shares) moved += poses_[pose][static_cast<size_t>(s.joint)] * (s.weight * back + s.change);
+    return moved;
+  }
   glm::dmat4 mean_back(const std::vector<Share>& shares) const {
     glm::dmat4 mean(0.0);
     for (const Share& s : shares) mean += s.weight * palette_[static_cast<size_t>(s.joint)];
@@ -187,9 +217,7 @@ class Skin {
     fit.worst = fit.cost = 0;
     double worst = 0;
     for (size_t pose = 0; pose < poses_.size(); ++pose) {
-      glm::dmat4 moved(0.0);
-      for (const Share& s : fit.shares)
-        moved += poses_[pose][static_cast<size_t>(s.joint)] * (s.weight * back + s.change);
+      const glm::dmat4 moved = matrix(fit.shares, back, pose);
       const glm::dmat3 linear(moved);
       const double stretch = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
       if (!(std::abs(glm::determinant(linear)) > 1e-4 * stretch * stretch * stretch))
@@ -201,7 +229,7 @@ class Skin {
           const glm::dvec3 miss = glm::dvec3(moved * glm::dvec4(captured_[v], 1.0)) - posed_[pose][v];
           const double square = glm::dot(miss, miss);
           worst = std::max(worst, square);
-          fit.cost += a * square;
+          fit.cost += a * square * square;
         }
       }
     }
@@ -233,6 +261,38 @@ std::vector<std::vector<double>> ways_to_cut(const Skin& skin, const Cell& cell)
   return ways;
 }
 
+// Gives each triangle to the half that carries it better, a few times over.
+void settle(const Skin& skin, const Cell& cell, std::array<std::vector<uint32_t>, 2>& halves) {
+  for (int round = 0; round < 4; ++round) {
+    std::array<std::vector<double>, 2> misses;
+    for (size_t half = 0; half < 2; ++half)
+      misses[half] = skin.misses(cell.triangles, skin.fit(halves[half], halves[half].size()));
+    std::array<std::vector<uint32_t>, 2> next;
+    for (size_t i = 0; i < cell.triangles.size(); ++i)
+      next[misses[0][i] <= misses[1][i] ? 0 : 1].push_back(cell.triangles[i]);
+    if (next[0].empty() || next[1].empty() || next == halves) return;
+    halves = std::move(next);
+  }
+}
+
+std::array<std::vector<uint32_t>, 2> around_worst(const Skin& skin, const Cell& cell) {
+  const std::vector<double> misses = skin.misses(cell.triangles, cell.fit);
+  const auto worst = static_cast<size_t>(std::max_element(misses.begin(), misses.end()) - misses.begin());
+  const auto middle = [&](uint32_t t) { return skin.corner(t, 0) + skin.corner(t, 1) + skin.corner(t, 2); };
+  std::vector<std::pair<double, uint32_t>> order;
+  for (const uint32_t t : cell.triangles)
+    order.emplace_back(glm::distance(middle(t), middle(cell.triangles[worst])), t);
+  std::sort(order.begin(), order.end());
+  std::array<std::vector<uint32_t>, 2> halves;
+  for (size_t i = 0; i < order.size(); ++i)
+    halves[i < std::min<size_t>(4, order.size() / 2) ? 0 : 1].push_back(order[i].second);
+  return halves;
+}
+
+double cost_of(const Skin& skin, const std::array<std::vector<uint32_t>, 2>& halves) {
+  return skin.fit(halves[0], halves[0].size()).cost + skin.fit(halves[1], halves[1].size()).cost;
+}
+
 // The two cells that miss least together.
 std::optional<std::array<Cell, 2>> cut(const Skin& skin, const Cell& cell) {
   std::array<std::vector<uint32_t>, 2> best;
@@ -251,7 +311,13 @@ std::optional<std::array<Cell, 2>> cut(const Skin& skin, const Cell& cell) {
       }
     }
   }
-  if (best[0].empty()) return std::nullopt;
+  // Or what lies around the triangle that is missed by most, and the rest.
+  std::array<std::vector<uint32_t>, 2> halves = around_worst(skin, cell);
+  settle(skin, cell, halves);
+  if (!best[0].empty()) settle(skin, cell, best);
+  if (best[0].empty() || (!halves[0].empty() && !halves[1].empty() && cost_of(skin, halves) < cost_of(skin, best)))
+    best = std::move(halves);
+  if (best[0].empty() || best[1].empty()) return std::nullopt;
   std::array<Cell, 2> out;
   for (size_t half = 0; half < 2; ++half) {
     const Fit fit = skin.fit(best[half], best[half].size());
@@ -340,11 +406,19 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
     }
     if (cells.size() == before) break;
   }
+  for (auto& c : cells) {
+    double ar = 0;
+    for (auto t : c.triangles) ar += skin.area(t);
+    fprintf(stderr, "CELL n=%zu area=%.5f worst=%.5f tol=%.5f cost=%g shares", c.triangles.size(), ar, c.fit.worst,
+            options.tolerance, c.fit.cost);
+    for (auto& sh : c.fit.shares) fprintf(stderr, " %d:%.3f", sh.joint, sh.weight);
+    fprintf(stderr, "\n");
+  }
   const std::vector<uint32_t> place = welded(character.mesh);
   Cells out;
   for (size_t i = 0; i < cells.size(); ++i) {
     Piece& piece = out.pieces.emplace_back();
-    piece.shares = cells[i].fit.shares;
+    piece.shares = skin.frugal_fit(cells[i].triangles, options.tolerance).shares;
     piece.skirts = skirts_of(character.mesh, skin, place, all, cells[i].triangles, options.skirt);
     piece.triangles = std::move(cells[i].triangles);
     piece.texel = is_cut[i] != 0 ? options.texel : 0.0;

@@ -32,7 +32,7 @@ std::vector<glm::dmat4> capture_palette(const scene::Character& character, const
 using Carriers = std::vector<int>;
 Carriers own_carriers(const scene::Character& character);
 
-inline constexpr size_t kShares = 4;
+inline constexpr size_t kShares = 8;  // two uvec4 of BoxRecord
 
 // One joint's part in moving a piece.
 struct Share {

@@ -4,10 +4,10 @@
 // none, nor after it) and what its matrix is multiplied by; where its maps lie.
 struct BoxRecord {
   vec4 rows[3];
-  uvec4 joints;
-  vec4 weights;
   uvec4 maps;  // left, top in the depth atlas; texels a side; levels
-  mat4 movers[4];
+  uint joints[RELIEF_SHARES];
+  float weights[RELIEF_SHARES];
+  mat4 movers[RELIEF_SHARES];
 };
 
 // One box of one agent, posed.
