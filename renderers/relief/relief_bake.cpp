@@ -404,6 +404,7 @@ struct AxisMaps {
   size_t n;  // texels a side
   std::array<std::vector<Winner>, 2> winners;
   std::vector<Touched> touched;
+  std::vector<Touched> kept;                     // of these, what the winners are of
   std::vector<std::array<double, 2>> intervals;  // least and greatest depth
   explicit AxisMaps(size_t side)
       : n(side), winners{std::vector<Winner>(n * n), std::vector<Winner>(n * n)}, touched(n * n), intervals(n * n) {}
@@ -413,7 +414,7 @@ struct AxisMaps {
 // From the winners at texel centres to closed intervals, see ReliefModel.
 void close_gaps(AxisMaps& maps) {
   const size_t n = maps.n;
-  const std::vector<Touched>& touched = maps.touched;
+  const std::vector<Touched>& touched = maps.kept;
   std::vector<Winner>& front = maps.winners[0];
   std::vector<Winner>& back = maps.winners[1];
   std::vector<std::array<double, 2>>& intervals = maps.intervals;
@@ -554,6 +555,38 @@ std::array<glm::dvec3, 3> in_texels(const Source& source, const BoxSpace& space,
   return p;
 }
 
+// Between the two layers of a patch lies the body only where the lower one faces down the axis and the upper one up it.
+// Where it does not, air does, and the layer is kept that faces along the axis most: the other belongs to another axis.
+void part_layers(const Source& source, const BoxSpace& space, const std::vector<Skirt>& all, int axis, AxisMaps& maps) {
+  const auto along = [&](const Winner& winner) {
+    const glm::dvec3 n =
+        space.bind_from_capture * SurfacePoint(source.character.mesh, winner).mixed<glm::dvec3>(source.normals);
+    return (space.unit_from_bind * n)[axis];
+  };
+  for (size_t texel = 0; texel < maps.n * maps.n; ++texel) {
+    Winner& front = maps.winners[0][texel];
+    Winner& back = maps.winners[1][texel];
+    if (!maps.covered(texel) || front.triangle == back.triangle) continue;
+    const double lower = along(front);
+    const double upper = along(back);
+    if (lower <= 0 && upper >= 0) continue;
+    const bool keep_front = lower <= 0 || (upper < 0 && -upper < lower);
+    (keep_front ? back : front) = keep_front ? front : back;
+    Touched& kept = maps.kept[texel];
+    kept = {front.depth, front.depth, front, front};
+    const glm::dvec3 square(static_cast<double>(texel % maps.n), static_cast<double>(texel / maps.n), 0);
+    for (const Skirt& skirt : all) {
+      if (skirt.triangle != front.triangle) continue;
+      const Polygon part = clipped(taken(in_texels(source, space, axis, maps.n, skirt.triangle), skirt),
+                                   square - glm::dvec3(0, 0, kOutside), square + glm::dvec3(1, 1, 1 + kOutside));
+      for (size_t k = 0; k < part.count; ++k) {
+        kept.low = std::min(kept.low, part.corners[k].z);
+        kept.high = std::max(kept.high, part.corners[k].z);
+      }
+    }
+  }
+}
+
 // The depths and extents of one axis.
 void store_depths(const AxisMaps& maps, const ReliefBox& box, int axis, ReliefModel& model) {
   const auto stored = [](double d) { return static_cast<uint16_t>(std::clamp(d, 0.0, 1.0) * 65535.0 + 0.5); };
@@ -651,6 +684,8 @@ void capture_box(const Source& source, const Capture& capture, ReliefBox& box, R
       touch(source, p, skirt, maps.n, maps.touched);
       compete(source, p, skirt, maps);
     }
+    maps.kept = maps.touched;
+    if (capture.piece.texel > 0) part_layers(source, space, all, axis, maps);
     close_gaps(maps);
     store_depths(maps, box, axis, model);
     store_faces(source, space, maps, box, axis, model);

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "core/parallel.h"
@@ -31,6 +30,15 @@ struct Influence {
   glm::dvec3 place{0.0};  // where its own joint puts the vertex at the capture pose
 };
 
+// Vertices at one place have one number: seams of the texture do not part the skin.
+std::vector<uint32_t> welded(const scene::Mesh& mesh) {
+  std::map<std::array<float, 3>, uint32_t> places;
+  std::vector<uint32_t> number;
+  for (const glm::vec3& p : mesh.positions)
+    number.push_back(places.emplace(std::array{p.x, p.y, p.z}, static_cast<uint32_t>(places.size())).first->second);
+  return number;
+}
+
 // The shares that move some triangles, and what they miss by.
 struct Fit {
   std::vector<Share> shares;
@@ -49,6 +57,7 @@ class Skin {
       : character_(character),
         mesh_(character.mesh),
         palette_(capture_palette(character, capture)),
+        places_(welded(character.mesh)),
         poses_(spread_poses(bank, kPoses)) {
     captured_ = scene::skin_positions(mesh_, palette_);
     for (const auto& pose : poses_) posed_.push_back(scene::skin_positions(mesh_, pose));
@@ -76,7 +85,6 @@ class Skin {
     if (out.shares.size() > 1) add_changes(triangles, out.shares);
     measure(triangles, out);
     if (!std::isfinite(out.cost)) {  // the mean matrix flattens space
-      fprintf(stderr, "FLAT n=%zu\n", triangles.size());
       out.shares.resize(1);
       out.shares[0] = {out.shares[0].joint, 1.0, glm::dmat4(0.0)};
       measure(triangles, out);
@@ -122,6 +130,7 @@ class Skin {
       for (const Influence& i : influences_[mesh_.indices[3 * t + corner]]) sum += i.joint == joint ? i.weight : 0.0;
     return sum;
   }
+  uint32_t place(uint32_t t, uint32_t corner) const { return places_[mesh_.indices[3 * t + corner]]; }
   const glm::dvec3& corner(uint32_t t, uint32_t corner) const { return captured_[mesh_.indices[3 * t + corner]]; }
   double area(uint32_t t) const {
     return 0.5 * glm::length(glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)));
@@ -239,12 +248,39 @@ class Skin {
   const Character& character_;
   const scene::Mesh& mesh_;
   std::vector<glm::dmat4> palette_;
+  std::vector<uint32_t> places_;
   std::vector<glm::dmat4> back_;
   std::vector<std::vector<glm::dmat4>> poses_;
   std::vector<glm::dvec3> captured_;
   std::vector<std::vector<glm::dvec3>> posed_;
   std::vector<std::array<Influence, scene::kInfluences>> influences_;
 };
+
+// Lists of triangles that hang together by their corners, in the order of their first ones.
+std::vector<std::vector<uint32_t>> components(const Skin& skin, const std::vector<uint32_t>& triangles) {
+  std::map<uint32_t, size_t> of_place;  // to an entry of `root`
+  std::vector<size_t> root;
+  const auto find = [&](size_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  const auto entry = [&](uint32_t t, uint32_t corner) {
+    const auto [found, added] = of_place.emplace(skin.place(t, corner), root.size());
+    if (added) root.push_back(root.size());
+    return found->second;
+  };
+  for (const uint32_t t : triangles)
+    for (uint32_t corner = 0; corner < 3; ++corner) {
+      const size_t a = find(entry(t, 0));
+      const size_t b = find(entry(t, corner));
+      root[std::max(a, b)] = std::min(a, b);
+    }
+  std::map<size_t, std::vector<uint32_t>> found;
+  for (const uint32_t t : triangles) found[find(entry(t, 0))].push_back(t);
+  std::vector<std::vector<uint32_t>> out;
+  for (auto& [first, list] : found) out.push_back(std::move(list));
+  return out;
+}
 
 // What a cell may be cut across: three directions in space, and the weights of its joints.
 std::vector<std::vector<double>> ways_to_cut(const Skin& skin, const Cell& cell) {
@@ -293,8 +329,24 @@ double cost_of(const Skin& skin, const std::array<std::vector<uint32_t>, 2>& hal
   return skin.fit(halves[0], halves[0].size()).cost + skin.fit(halves[1], halves[1].size()).cost;
 }
 
-// The two cells that miss least together.
-std::optional<std::array<Cell, 2>> cut(const Skin& skin, const Cell& cell) {
+// Scraps of one half, what hangs not together with most of it, go to the other.
+void gather(const Skin& skin, std::array<std::vector<uint32_t>, 2>& halves) {
+  std::array<std::vector<uint32_t>, 2> out;
+  for (size_t half = 0; half < 2; ++half) {
+    std::vector<std::vector<uint32_t>> parts = components(skin, halves[half]);
+    size_t most = 0;
+    for (const auto& part : parts) most = std::max(most, part.size());
+    for (const auto& part : parts) {
+      std::vector<uint32_t>& to = out[4 * part.size() < most ? 1 - half : half];
+      to.insert(to.end(), part.begin(), part.end());
+    }
+  }
+  for (std::vector<uint32_t>& half : out) std::sort(half.begin(), half.end());
+  halves = std::move(out);
+}
+
+// The cells, two and more, that miss least together; none where nothing can be cut.
+std::vector<Cell> cut(const Skin& skin, const Cell& cell) {
   std::array<std::vector<uint32_t>, 2> best;
   double least = std::numeric_limits<double>::infinity();
   for (const std::vector<double>& way : ways_to_cut(skin, cell)) {
@@ -317,22 +369,15 @@ std::optional<std::array<Cell, 2>> cut(const Skin& skin, const Cell& cell) {
   if (!best[0].empty()) settle(skin, cell, best);
   if (best[0].empty() || (!halves[0].empty() && !halves[1].empty() && cost_of(skin, halves) < cost_of(skin, best)))
     best = std::move(halves);
-  if (best[0].empty() || best[1].empty()) return std::nullopt;
-  std::array<Cell, 2> out;
-  for (size_t half = 0; half < 2; ++half) {
-    const Fit fit = skin.fit(best[half], best[half].size());
-    out[half] = {std::move(best[half]), fit};
-  }
+  if (best[0].empty() || best[1].empty()) return {};
+  gather(skin, best);
+  std::vector<Cell> out;
+  for (const std::vector<uint32_t>& half : best)
+    for (std::vector<uint32_t>& part : components(skin, half)) {
+      const Fit fit = skin.fit(part, part.size());
+      out.push_back({std::move(part), fit});
+    }
   return out;
-}
-
-// Vertices at one place have one number: seams of the texture do not part the skin.
-std::vector<uint32_t> welded(const scene::Mesh& mesh) {
-  std::map<std::array<float, 3>, uint32_t> places;
-  std::vector<uint32_t> number;
-  for (const glm::vec3& p : mesh.positions)
-    number.push_back(places.emplace(std::array{p.x, p.y, p.z}, static_cast<uint32_t>(places.size())).first->second);
-  return number;
 }
 
 // How far the corners that are not shared lie from what is, in metres.
@@ -347,18 +392,18 @@ double height_above(const Skin& skin, uint32_t t, const std::array<bool, 3>& sha
   return 0;
 }
 
-std::vector<Skirt> skirts_of(const scene::Mesh& mesh, const Skin& skin, const std::vector<uint32_t>& place,
-                             const std::vector<uint32_t>& all, const std::vector<uint32_t>& own, double width) {
+std::vector<Skirt> skirts_of(const scene::Mesh& mesh, const Skin& skin, const std::vector<uint32_t>& all,
+                             const std::vector<uint32_t>& own, double width) {
   std::vector<char> touched(mesh.positions.size(), 0);
   std::vector<char> owned(mesh.indices.size() / 3, 0);
   for (const uint32_t t : own) {
     owned[t] = 1;
-    for (uint32_t k = 0; k < 3; ++k) touched[place[mesh.indices[3 * t + k]]] = 1;
+    for (uint32_t k = 0; k < 3; ++k) touched[skin.place(t, k)] = 1;
   }
   std::vector<Skirt> out;
   for (const uint32_t t : all) {
     Skirt skirt{t, {}, 0};
-    for (uint32_t k = 0; k < 3; ++k) skirt.shared[k] = touched[place[mesh.indices[3 * t + k]]] != 0;
+    for (uint32_t k = 0; k < 3; ++k) skirt.shared[k] = touched[skin.place(t, k)] != 0;
     if (owned[t] != 0 || !(skirt.shared[0] || skirt.shared[1] || skirt.shared[2])) continue;
     const double height = height_above(skin, t, skirt.shared);
     skirt.reach = height > width ? width / height : 1.0;
@@ -394,32 +439,25 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
     std::stable_sort(worst.begin(), worst.end(),
                      [&](size_t a, size_t b) { return cells[a].fit.worst > cells[b].fit.worst; });
     worst.resize(std::min(worst.size(), options.most - cells.size()));
-    std::vector<std::optional<std::array<Cell, 2>>> halves(worst.size());
-    parallel_for(worst.size(), 0, [&](size_t i) { halves[i] = cut(skin, cells[worst[i]]); });
+    std::vector<std::vector<Cell>> parts(worst.size());
+    parallel_for(worst.size(), 0, [&](size_t i) { parts[i] = cut(skin, cells[worst[i]]); });
     const size_t before = cells.size();
     for (size_t i = 0; i < worst.size(); ++i) {
-      if (!halves[i]) continue;
-      cells[worst[i]] = std::move((*halves[i])[0]);
-      cells.push_back(std::move((*halves[i])[1]));
+      if (parts[i].size() < 2) continue;
+      cells[worst[i]] = std::move(parts[i][0]);
       is_cut[worst[i]] = 1;
-      is_cut.push_back(1);
+      for (size_t part = 1; part < parts[i].size(); ++part) {
+        cells.push_back(std::move(parts[i][part]));
+        is_cut.push_back(1);
+      }
     }
     if (cells.size() == before) break;
   }
-  for (auto& c : cells) {
-    double ar = 0;
-    for (auto t : c.triangles) ar += skin.area(t);
-    fprintf(stderr, "CELL n=%zu area=%.5f worst=%.5f tol=%.5f cost=%g shares", c.triangles.size(), ar, c.fit.worst,
-            options.tolerance, c.fit.cost);
-    for (auto& sh : c.fit.shares) fprintf(stderr, " %d:%.3f", sh.joint, sh.weight);
-    fprintf(stderr, "\n");
-  }
-  const std::vector<uint32_t> place = welded(character.mesh);
   Cells out;
   for (size_t i = 0; i < cells.size(); ++i) {
     Piece& piece = out.pieces.emplace_back();
     piece.shares = skin.frugal_fit(cells[i].triangles, options.tolerance).shares;
-    piece.skirts = skirts_of(character.mesh, skin, place, all, cells[i].triangles, options.skirt);
+    piece.skirts = skirts_of(character.mesh, skin, all, cells[i].triangles, options.skirt);
     piece.triangles = std::move(cells[i].triangles);
     piece.texel = is_cut[i] != 0 ? options.texel : 0.0;
     out.deviation = std::max(out.deviation, cells[i].fit.worst);
