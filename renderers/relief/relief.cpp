@@ -63,7 +63,7 @@ struct Tier {
   size_t boxes = 0;
   int joints = 0;
   int corners = 8;
-  bool carve = true;  // the nearest tier: candidates are checked against the other axes
+  bool carve = true;  // the nearest tier, and patches: candidates are checked against the other axes
   gl::Texture depth;
   gl::Texture colour;
   gl::Texture normal;
@@ -273,8 +273,8 @@ class Relief final : public Representation {
     Tier tier;
     tier.boxes = model.boxes.size();
     tier.joints = static_cast<int>(character.skeleton.joints.size());
-    tier.corners = index == 0 ? 8 : 4;
-    tier.carve = index == 0;
+    tier.carve = index == 0 || model.patches;
+    tier.corners = tier.carve ? 8 : 4;
     tier.depth =
         gl::Texture::make_2d(context_, options_.bake.depth_bits == 8 ? GL_RG8 : GL_RG16, plan.width, plan.height);
     tier.depth.write(0, 0, GL_RG, GL_UNSIGNED_SHORT, atlas.depth.data());

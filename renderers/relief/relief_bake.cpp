@@ -782,8 +782,10 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
     throw Error(character.name, "has no triangle that a joint moves, so there is nothing to capture",
                 "use another character");
   model.boxes = plan.boxes;
-  for (const Capture& capture : plan.captures)
+  for (const Capture& capture : plan.captures) {
     model.triangles_of_box.push_back(static_cast<int>(capture.piece.triangles.size()));
+    model.patches = model.patches || capture.piece.texel > 0;
+  }
   model.depth.resize(plan.texels * 3 * 2);
   model.extent.resize(plan.texels * 3 * 2);
   model.colour.resize(plan.texels * 6 * 4);

@@ -75,6 +75,7 @@ struct ReliefModel {
   // The same for the light given off (renderers/bake/emission.h), the fourth unused; empty where the peak is 0.
   std::vector<uint8_t> emission;
   float emission_peak = 0;
+  bool patches = false;  // some boxes hold cut skin, open and thin
   std::vector<int> triangles_of_box;
   size_t texels() const { return boxes.empty() ? 0 : boxes.back().first + box_texels(boxes.back()); }
   static size_t box_texels(const ReliefBox& b) { return static_cast<size_t>(b.texels) * static_cast<size_t>(b.texels); }

@@ -13,7 +13,7 @@ struct CellOptions {
   double tolerance = 0;  // metres, above 0: how far a corner may be from where the skin puts it, in any pose
   double skirt = 0;      // metres: what a cell also captures of the triangles next to it
   double texel = 0;      // metres: texels that cells cut from a joint's skin make do with
-  size_t most = 192;     // cells
+  size_t most = 256;     // cells
 };
 
 struct Cells {

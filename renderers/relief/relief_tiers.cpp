@@ -34,7 +34,9 @@ struct TierPlan {
 constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
 constexpr double kFarBend = 0.5;  // pixels that skin may deviate from a farther tier's boxes, at its largest
-constexpr double kSkirt = 1.5;    // texels of a box's neighbours that it captures too
+// A farther tier has at most this many times the boxes of the one before, or it is not worth its bytes.
+constexpr double kFewer = 0.75;
+constexpr double kSkirt = 1.5;  // texels of a box's neighbours that it captures too
 
 // "bind" or "CLIP@PHASE".
 CapturePose parse_capture(const std::string& text, const scene::Character& character) {
@@ -163,7 +165,7 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
       what.texels_of_joint[joint] = std::min(given, std::max(64, given >> (tier + 1)));
     }
     ReliefModel model = bake_relief(character, what);
-    if (model.boxes.size() < bake.models.back().boxes.size()) {
+    if (model.boxes.size() <= kFewer * static_cast<double>(bake.models.back().boxes.size())) {
       bake.tier_pixels.push_back(kTiers[tier].pixels);
       bake.models.push_back(std::move(model));
     }
@@ -235,6 +237,7 @@ std::vector<uint8_t> serialise(const ReliefTiers& bake) {
     out.values(m.colour);
     out.values(m.normal);
     out.value(m.emission_peak);
+    out.value(m.patches);
     if (m.emission_peak > 0) out.values(m.emission);
   }
   for (const std::vector<uint8_t>& cones : bake.cones) out.values(cones);
@@ -258,6 +261,7 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
     m.colour = in.values<uint8_t>();
     m.normal = in.values<uint8_t>();
     m.emission_peak = in.value<float>();
+    m.patches = in.value<bool>();
     if (m.emission_peak > 0) m.emission = in.values<uint8_t>();
     size_t texels = 0;
     for (const ReliefBox& box : m.boxes) {
