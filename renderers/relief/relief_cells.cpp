@@ -21,8 +21,10 @@ using scene::Character;
 
 constexpr size_t kPoses = 16;
 constexpr size_t kSampled = 192;  // triangles by which ways to cut a cell are compared
-// Of a patch's spread in all, what counts as no spread: across a flat patch the mean matrix says where things go.
-constexpr double kFlat = 1e-5;
+// Of a patch's spread in all, what counts as no spread: across a flat patch the mean matrix says where things go. The
+// first with which no pose squashes the cell.
+constexpr std::array<double, 5> kFlat{1e-4, 1e-3, 1e-2, 1e-1, 1};
+constexpr double kSquashed = 0.1;  // its volume, of the cube of its largest stretch
 
 struct Influence {
   int joint = 0;  // that carries it
@@ -82,13 +84,16 @@ class Skin {
     const size_t count = std::min(all.size(), most);
     for (size_t i = 0; i < count; ++i) triangles.push_back(all[i * all.size() / count]);
     Fit out{heaviest(triangles, shares), 0, 0};
-    if (out.shares.size() > 1) add_changes(triangles, weights_of(triangles), out.shares);
-    measure(triangles, out);
-    if (triangles.size() == all.size() && out.shares.size() > 1 && triangles.size() > 1) sharpen(triangles, out);
-    if (!std::isfinite(out.cost)) {  // the mean matrix flattens space
-      out.shares.resize(1);
-      out.shares[0] = {out.shares[0].joint, 1.0, glm::dmat4(0.0)};
-      measure(triangles, out);
+    measure(triangles, out);  // by the mean matrix alone
+    if (out.shares.size() == 1) return out;
+    const std::vector<double> weights = weights_of(triangles);
+    for (const double flat : kFlat) {
+      Fit next = out;
+      add_changes(triangles, weights, flat, next.shares);
+      measure(triangles, next);
+      if (!std::isfinite(next.cost)) continue;
+      if (triangles.size() == all.size() && triangles.size() > 1) sharpen(triangles, flat, next);
+      return next;
     }
     return out;
   }
@@ -175,7 +180,7 @@ class Skin {
   }
 
   // Least squares over the corners, of what each joint's part of the skin differs from its part of the mean.
-  void add_changes(const std::vector<uint32_t>& triangles, const std::vector<double>& weights,
+  void add_changes(const std::vector<uint32_t>& triangles, const std::vector<double>& weights, double thin,
                    std::vector<Share>& shares) const {
     const glm::dmat4 back = mean_back(shares);
     glm::dvec3 middle(0.0);
@@ -208,7 +213,7 @@ class Skin {
           for (int axis = 0; axis < 3; ++axis) slope[k][static_cast<size_t>(axis)] += a * from[axis] * rest[k];
         }
       }
-    const double flat = kFlat * (spread[0][0] + spread[1][1] + spread[2][2]) + 1e-30;
+    const double flat = thin * (spread[0][0] + spread[1][1] + spread[2][2]) + 1e-30;
     const glm::dmat3 inverse = glm::inverse(spread + glm::dmat3(flat));
     for (size_t k = 0; k < shares.size(); ++k) {
       glm::dmat4 change(0.0);
@@ -229,7 +234,7 @@ class Skin {
   }
 
   // Lawson's reweighting: what is missed by more counts for more, a few times over; the least worst of these fits.
-  void sharpen(const std::vector<uint32_t>& triangles, Fit& fit) const {
+  void sharpen(const std::vector<uint32_t>& triangles, double flat, Fit& fit) const {
     std::vector<double> weights = weights_of(triangles);
     Fit next = fit;
     for (int round = 0; round < 6; ++round) {
@@ -237,9 +242,9 @@ class Skin {
       double most = 1e-30;
       for (const double square : missed) most = std::max(most, square);
       for (size_t i = 0; i < weights.size(); ++i) weights[i] *= std::sqrt(missed[i] / most) + 0.05;
-      add_changes(triangles, weights, next.shares);
+      add_changes(triangles, weights, flat, next.shares);
       measure(triangles, next);
-      if (next.worst < fit.worst) fit = next;
+      if (next.worst < fit.worst && std::isfinite(next.cost)) fit = next;
     }
   }
 
@@ -251,7 +256,7 @@ class Skin {
       const glm::dmat4 moved = matrix(fit.shares, back, pose);
       const glm::dmat3 linear(moved);
       const double stretch = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
-      if (!(std::abs(glm::determinant(linear)) > 1e-4 * stretch * stretch * stretch))
+      if (!(std::abs(glm::determinant(linear)) > kSquashed * stretch * stretch * stretch))
         fit.cost = std::numeric_limits<double>::infinity();
       for (const uint32_t t : triangles) {
         const double a = area(t) / 3.0 / static_cast<double>(poses_.size());
