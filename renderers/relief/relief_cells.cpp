@@ -24,7 +24,7 @@ constexpr size_t kSampled = 192;  // triangles by which ways to cut a cell are c
 // Of a patch's spread in all, what counts as no spread: across a flat patch the mean matrix says where things go. The
 // first with which no pose squashes the cell.
 constexpr std::array<double, 5> kFlat{1e-4, 1e-3, 1e-2, 1e-1, 1};
-constexpr double kSquashed = 0.1;  // its volume, of the cube of its largest stretch
+constexpr double kSquashed = 0.05;  // its volume, of the cube of its largest stretch
 
 struct Influence {
   int joint = 0;  // that carries it

@@ -33,9 +33,12 @@ struct TierPlan {
 // of ever thinner limbs.
 constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
-constexpr double kFarBend = 0.5;  // pixels that skin may deviate from a farther tier's boxes, at its largest
+constexpr double kFarBend = 1.5;  // pixels that skin may deviate from a farther tier's boxes, at its largest
 // A farther tier has at most this many times the boxes of the one before, or it is not worth its bytes.
 constexpr double kFewer = 0.75;
+constexpr double kCutTexel = 0.5;  // of a whole box's largest texel, what cut skin makes do with
+// Texels that cut skin may take nearby, of those that rigid boxes of the same character would.
+constexpr double kMore = 1.7;
 constexpr double kSkirt = 1.5;  // texels of a box's neighbours that it captures too
 
 // "bind" or "CLIP@PHASE".
@@ -155,21 +158,36 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
     const double pixel = relief_height(character) / kTiers[tier].pixels;  // metres
     what.carriers = merger.merged(options.merge * pixel);
     what.texel = std::max(nearest.texel, kTiers[tier].texel * pixel);
-    if (options.bend > 0)
-      what.pieces = skin_cells(character, bank, what.capture, what.carriers,
-                               {.tolerance = kFarBend * pixel, .skirt = kSkirt * what.texel, .texel = what.texel})
-                        .pieces;
+    if (options.bend > 0) {
+      const CellOptions cells{
+          .tolerance = kFarBend * pixel, .skirt = kSkirt * what.texel, .texel = kCutTexel * what.texel};
+      what.pieces = skin_cells(character, bank, what.capture, what.carriers, cells).pieces;
+      // What stands beside cut skin is searched as that is, and needs its texels.
+      if (std::any_of(what.pieces.begin(), what.pieces.end(), [](const Piece& p) { return p.texel > 0; }))
+        what.texel = cells.texel;
+    }
     // Joints that were given texels have half of them, 64 at least.
     for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint) {
       const int given = nearest.texels_of_joint[joint];
       what.texels_of_joint[joint] = std::min(given, std::max(64, given >> (tier + 1)));
     }
     ReliefModel model = bake_relief(character, what);
-    if (model.boxes.size() <= kFewer * static_cast<double>(bake.models.back().boxes.size())) {
+    const auto boxes = static_cast<double>(bake.models.back().boxes.size());
+    if (static_cast<double>(model.boxes.size()) < (options.bend > 0 ? kFewer : 1.0) * boxes) {
       bake.tier_pixels.push_back(kTiers[tier].pixels);
       bake.models.push_back(std::move(model));
     }
   }
+}
+
+// Makes do with coarser texels for cut skin; false where there is none.
+bool coarsen(std::vector<Piece>& pieces) {
+  bool any = false;
+  for (Piece& piece : pieces) {
+    piece.texel *= 1.2;
+    any = any || (piece.texel > 0 && piece.texel < 1e3);
+  }
+  return any;
 }
 
 }  // namespace
@@ -297,17 +315,19 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
   what.capture = bake.capture.pose;
   what.texels_of_joint = parse_resolution(options.resolution, character);
   const double height = relief_height(character);
-  if (options.bend > 0) {
-    // Texels of the longest box that there is.
-    const double texel = (options.part > 0 ? options.part : 1.0) * height / what.map_size;
-    Cells cells =
-        skin_cells(character, bank, what.capture, own_carriers(character),
-                   {.tolerance = options.bend * height / kBendPixels, .skirt = kSkirt * texel, .texel = texel});
-    what.pieces = std::move(cells.pieces);
-    bake.deviation = cells.deviation;
-  }
   // Boxes in fewer parts, where the maps would take more than a character's share of the bake budget.
   what.longest = options.part * height;
+  if (options.bend > 0) {
+    // Texels of the longest box that there is.
+    const double texel = kCutTexel * (options.part > 0 ? options.part : 1.0) * height / what.map_size;
+    Cells cells = skin_cells(
+        character, bank, what.capture, own_carriers(character),
+        {.tolerance = options.bend * height / kBendPixels, .skirt = kSkirt / kCutTexel * texel, .texel = texel});
+    bake.deviation = cells.deviation;
+    const double most = kMore * static_cast<double>(relief_texels(character, what));
+    what.pieces = std::move(cells.pieces);
+    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces)) continue;
+  }
   size_t texels = relief_texels(character, what);
   while (options.part_auto && what.longest > 0 &&
          maps_bytes(texels, emission_peak(character), options) > allowance.share) {
