@@ -33,12 +33,14 @@ struct TierPlan {
 // of ever thinner limbs.
 constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
-constexpr double kFarBend = 1.5;  // pixels that skin may deviate from a farther tier's boxes, at its largest
+constexpr double kFarBend = 3.0;  // pixels that skin may deviate from a farther tier's boxes, at its largest
+// Taller figures have the nearest tier's cells wherever skin is cut.
+constexpr double kWholePixels = 50;
 // A farther tier has at most this many times the boxes of the one before, or it is not worth its bytes.
 constexpr double kFewer = 0.75;
 constexpr double kCutTexel = 0.5;  // of a whole box's largest texel, what cut skin makes do with
 // Texels that cut skin may take nearby, of those that rigid boxes of the same character would.
-constexpr double kMore = 1.7;
+constexpr double kMore = 2.1;
 constexpr double kSkirt = 1.5;  // texels of a box's neighbours that it captures too
 
 // "bind" or "CLIP@PHASE".
@@ -162,9 +164,11 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
       const CellOptions cells{
           .tolerance = kFarBend * pixel, .skirt = kSkirt * what.texel, .texel = kCutTexel * what.texel};
       what.pieces = skin_cells(character, bank, what.capture, what.carriers, cells).pieces;
+      const bool cut = std::any_of(what.pieces.begin(), what.pieces.end(), [](const Piece& p) { return p.texel > 0; });
+      // Fewer cells are off by too much of a figure of this size.
+      if (cut && kTiers[tier].pixels > kWholePixels) continue;
       // What stands beside cut skin is searched as that is, and needs its texels.
-      if (std::any_of(what.pieces.begin(), what.pieces.end(), [](const Piece& p) { return p.texel > 0; }))
-        what.texel = cells.texel;
+      if (cut) what.texel = cells.texel;
     }
     // Joints that were given texels have half of them, 64 at least.
     for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint) {
