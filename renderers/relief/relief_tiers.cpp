@@ -34,6 +34,8 @@ struct TierPlan {
 constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
 constexpr double kFarBend = 3.0;  // pixels that skin may deviate from a farther tier's boxes, at its largest
+// Silhouette error of rigid boxes over the clips (CaptureScore) up to which skin counts as stiff.
+constexpr double kStiff = 0.006;
 // Taller figures have the nearest tier's cells wherever skin is cut.
 constexpr double kWholePixels = 50;
 // A farther tier has at most this many times the boxes of the one before, or it is not worth its bytes.
@@ -154,13 +156,15 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   ReliefBakeOptions what = nearest;
   what.pieces.clear();
   what.longest = 0;
+  // Skin that hardly leaves rigid boxes has these, which take fewer steps of the search, where it is small.
+  const bool bends = options.bend > 0 && (options.capture != "best" || bake.capture.silhouette_error > kStiff);
   JointMerger merger(character, bank, what.capture);
   what.by_area = true;
   for (size_t tier = 0; tier < kTiers.size(); ++tier) {
     const double pixel = relief_height(character) / kTiers[tier].pixels;  // metres
     what.carriers = merger.merged(options.merge * pixel);
     what.texel = std::max(nearest.texel, kTiers[tier].texel * pixel);
-    if (options.bend > 0) {
+    if (bends) {
       const CellOptions cells{
           .tolerance = kFarBend * pixel, .skirt = kSkirt * what.texel, .texel = kCutTexel * what.texel};
       what.pieces = skin_cells(character, bank, what.capture, what.carriers, cells).pieces;
@@ -177,7 +181,7 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
     }
     ReliefModel model = bake_relief(character, what);
     const auto boxes = static_cast<double>(bake.models.back().boxes.size());
-    if (static_cast<double>(model.boxes.size()) < (options.bend > 0 ? kFewer : 1.0) * boxes) {
+    if (static_cast<double>(model.boxes.size()) < (bends ? kFewer : 1.0) * boxes) {
       bake.tier_pixels.push_back(kTiers[tier].pixels);
       bake.models.push_back(std::move(model));
     }
