@@ -188,11 +188,12 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   }
 }
 
-// Makes do with coarser texels for cut skin; false where there is none.
+// Makes do with coarser texels for cut skin, and skirts as much wider; false where there is none.
 bool coarsen(std::vector<Piece>& pieces) {
   bool any = false;
   for (Piece& piece : pieces) {
     piece.texel *= 1.2;
+    for (Skirt& skirt : piece.skirts) skirt.reach = std::min(1.0, 1.2 * skirt.reach);
     any = any || (piece.texel > 0 && piece.texel < 1e3);
   }
   return any;

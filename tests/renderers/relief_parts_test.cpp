@@ -172,11 +172,11 @@ TEST(ReliefParts, CellsStayWithTheSkinInEveryPose) {
       EXPECT_TRUE(held.insert(t).second) << "in two cells";
       for (uint32_t corner = 0; corner < 3; ++corner) {
         const uint32_t v = soft.mesh.indices[3 * t + corner];
-        EXPECT_NEAR(glm::distance(moved(piece, palette, palette, captured[v]), captured[v]), 0, 1e-9)
-            << "changes cancel where it was captured";
+        EXPECT_NEAR(glm::distance(moved(piece, palette, palette, captured[v]), captured[v]), 0, 1e-7)
+            << "changes cancel where it was captured, as far as its weights, which are floats, sum to 1";
         for (const auto& pose : spread_poses(bank, 16))
           EXPECT_LE(glm::distance(moved(piece, palette, pose, captured[v]), scene::skin_positions(soft.mesh, pose)[v]),
-                    kTolerance + 1e-9);
+                    kTolerance + 1e-7);
       }
     }
     for (const Skirt& skirt : piece.skirts) {
