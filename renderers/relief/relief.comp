@@ -89,14 +89,18 @@ void main() {
   uint first = (offset + agent) * uint(JOINTS);
   mat3x4 rows_of_bind = mat3x4(0.0);  // of world space from bind space, by the mean matrix
   mat3x4 rows_of_unit = mat3x4(0.0);  // of world space from the box
+  vec3 lights[4] = vec3[4](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
   for (int k = 0; k < RELIEF_SHARES; ++k) {
     if (boxes[index].weights[k] <= 0.0) break;
     uint matrix = (first + boxes[index].joints[k]) * 3u;
+    vec3 toward = vec3(0.0);
     for (int row = 0; row < 3; ++row) {
       vec4 of_joint = palette[matrix + uint(row)];
       rows_of_bind[row] += boxes[index].weights[k] * of_joint;
       rows_of_unit[row] += of_joint * boxes[index].movers[k];
+      toward += frame.light_direction[row] * of_joint.xyz;
     }
+    for (int c = 0; c < 4; ++c) lights[c] += toward * boxes[index].movers[k][c].w;
   }
   mat4 world_from_bind =
       transpose(mat4(rows_of_bind[0], rows_of_bind[1], rows_of_bind[2], vec4(0.0, 0.0, 0.0, 1.0)));
@@ -156,4 +160,5 @@ void main() {
                            packUnorm4x8(vec4(edges / longest, 0.0)) | (angles_kept ? 0u : 1u << 24u) | colour_level << 25u,
                            pack_maps(0u, maps.y, maps.z, colour_level).x >> 16u);
   for (int k = 0; k < 3; ++k) posed[item].turn[k] = vec4(rows_of_bind[k].xyz, 0.0);
+  for (int k = 0; k < 4; ++k) posed[item].lights[k] = vec4(lights[k], 0.0);
 }

@@ -357,7 +357,7 @@ class Relief final : public Representation {
   }
   // PosedBox in relief_records.glsl.
   size_t posed_bytes(const Tier& tier) const {
-    return 16 * (10 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
+    return 16 * (14 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
   }
 
   void draw_tier(Tier& tier, size_t character, const FrameResources& resources, const std::vector<uint32_t>& list,

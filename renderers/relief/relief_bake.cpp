@@ -142,6 +142,7 @@ struct BoxSpace {
   glm::dmat4 unit_from_capture;
   glm::dmat3 unit_from_bind;
   glm::dmat3 bind_from_capture;
+  bool bends;  // weights change over the box, and with them what turns normals
 };
 
 // The face of a box that looks along an axis, from its low side (0) or its high one.
@@ -214,9 +215,10 @@ bool is_there(const Source& source, const Winner& winner, const std::array<glm::
 glm::dvec3 normal_toward(const Source& source, const BoxSpace& space, const SurfacePoint& point, const Face& face,
                          bool double_sided) {
   glm::dvec3 n = space.bind_from_capture * point.mixed<glm::dvec3>(source.normals);
+  const double along = (space.unit_from_bind * n)[face.axis];
+  if (space.bends) n = point.mixed<glm::dvec3>(source.character.mesh.normals);
   const double length = glm::length(n);
   n = length > 0 ? n / length : glm::dvec3(0, 1, 0);
-  const double along = (space.unit_from_bind * n)[face.axis];
   return double_sided && ((face.side == 0 && along > 0) || (face.side == 1 && along < 0)) ? -n : n;
 }
 
@@ -648,7 +650,7 @@ BoxSpace place_box(const Source& source, const Capture& capture, ReliefBox& box)
     box.movers[k] = {share.joint, share.weight, share.weight * box.bind_from_unit + share.change * capture_from_unit};
   }
   return {glm::inverse(capture_from_unit), glm::dmat3(glm::inverse(box.bind_from_unit)),
-          glm::dmat3(glm::inverse(capture.capture_from_bind))};
+          glm::dmat3(glm::inverse(capture.capture_from_bind)), capture.piece.shares.size() > 1};
 }
 
 // All that a piece captures.

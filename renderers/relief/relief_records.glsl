@@ -17,6 +17,7 @@ struct PosedBox {
   uvec4 maps;      // see pack_maps(); z: the edges, the longest 1; w: top row of its colours
   vec4 view;       // direction from the box's middle to the eye in bind space, unit; steps of the search to a texel
   vec4 turn[3];    // rows of world directions from bind space
+  vec4 lights[4];  // the light's direction in bind space at the box's origin (3), and what each unit of the box adds (0 to 2)
   vec4 frame[3];   // box: rows of eye space from unit coordinates. hull: the outline's plane in unit coordinates
 #ifdef HULL
   vec4 corners[CORNERS / 2];  // of the outline on the plane at depth 1, relative to the box's middle

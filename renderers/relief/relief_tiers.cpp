@@ -21,7 +21,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 9;
+constexpr uint32_t kBakeVersion = 11;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -188,12 +188,11 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   }
 }
 
-// Makes do with coarser texels for cut skin, and skirts as much wider; false where there is none.
+// Makes do with coarser texels for cut skin; false where there is none.
 bool coarsen(std::vector<Piece>& pieces) {
   bool any = false;
   for (Piece& piece : pieces) {
     piece.texel *= 1.2;
-    for (Skirt& skirt : piece.skirts) skirt.reach = std::min(1.0, 1.2 * skirt.reach);
     any = any || (piece.texel > 0 && piece.texel < 1e3);
   }
   return any;
