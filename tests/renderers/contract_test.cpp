@@ -56,12 +56,17 @@ struct Bound {
 const std::map<std::string, Bound>& bounds() {
   static const std::map<std::string, Bound> all = {
       {"mesh", {{1, 1, 0, 0, 0}, "it is the reference"}},
-      {"flat", {{0.86, 1.08, 0.06, 20, 21}, "the nearest stored view is up to 12 degrees off, its depth is one plane's"}},
+      {"flat",
+       {{0.86, 1.08, 0.06, 20, 21}, "the nearest stored view is up to 12 degrees off, its depth is one plane's"}},
       {"hybrid", {{0.925, 1.02, 0.02, 1, 0.1}, "its far agent is the default impostor's, the others are the mesh"}},
-      {"relief", {{0.975, 1.015, 0.06, 1.6, 1.1}, "outlines to a texel of 128 across each joint's box"}},
+      {"relief",
+       {{0.975, 1.02, 0.06, 0.6, 0.1},
+        "outlines to a texel of 128 across each joint's box, and as far outside of cut skin"}},
       {"rigid",
-       {{0.755, 1.05, 0.10, 50, 63}, "eleven stored poses of the walk: the nearest is up to 48 ms off, and legs swing"}},
-      {"polypostor", {{0.935, 1.025, 0.06, 1.5, 0.1}, "as flat's views, but parts that end in polygons of eight corners"}},
+       {{0.755, 1.05, 0.10, 50, 63},
+        "eleven stored poses of the walk: the nearest is up to 48 ms off, and legs swing"}},
+      {"polypostor",
+       {{0.935, 1.025, 0.06, 1.5, 0.1}, "as flat's views, but parts that end in polygons of eight corners"}},
   };
   return all;
 }

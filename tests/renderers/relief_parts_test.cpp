@@ -218,8 +218,8 @@ TEST_F(ReliefPartsGl, CellsFollowBentSkin) {
     }
     return testing::difference(mesh, relief);
   };
-  const testing::Difference rigid = torn("relief:map=64,capture=bind,part=0,bend=rigid");
-  const testing::Difference cells = torn("relief:map=64,capture=bind,part=0,bend=1");
+  const testing::Difference rigid = torn("relief:map=128,capture=bind,part=0,bend=rigid");
+  const testing::Difference cells = torn("relief:map=128,capture=bind,part=0,bend=1");
   // One box a joint leaves the skin by up to half the turn; cells stay within a pixel of 240.
   EXPECT_GT(rigid.strays, 20);
   EXPECT_EQ(cells.strays, 0);
