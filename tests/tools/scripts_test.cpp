@@ -38,6 +38,7 @@ const std::map<std::string, std::string> kScripts = {
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
+    {"relief_tears.mjs", "ReliefTears"},
 };
 
 std::string quoted(const fs::path& path) { return shell_quoted(path.string()); }
@@ -154,6 +155,15 @@ TEST_F(ScriptsGl, ScoreCorrelations) {
   for (auto at = std::sregex_iterator(page.begin(), page.end(), link); at != std::sregex_iterator(); ++at)
     EXPECT_TRUE(fs::exists(folder_ / (*at)[1].str())) << (*at)[1].str();
   EXPECT_EQ(run("score_correlations.sh", driver_ + " scores.md --frobnicate").status, 2);
+}
+
+TEST_F(ScriptsGl, ReliefTears) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("relief_tears.mjs", driver_ + " --tiny");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  expect_tables("\n" + outcome.text, 1);
+  EXPECT_EQ(outcome.text.find("NaN"), std::string::npos) << outcome.text;
+  EXPECT_EQ(run("relief_tears.mjs", "").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {
