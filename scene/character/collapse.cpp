@@ -194,7 +194,7 @@ void CollapsingMesh::kill(uint32_t triangle) {
   --live_of_material_[static_cast<size_t>(character_.mesh.primitives[primitive_of_[triangle]].material)];
 }
 
-void CollapsingMesh::collapse(uint32_t from, uint32_t to, const Moves& moves, Care care) {
+void CollapsingMesh::collapse(uint32_t from, uint32_t to, const Moves& moves) {
   for (const uint32_t t : around_[from]) {
     if (dead_[t]) continue;
     if (corner_at(t, to)) {
@@ -208,11 +208,9 @@ void CollapsingMesh::collapse(uint32_t from, uint32_t to, const Moves& moves, Ca
   }
   around_[from].clear();
   std::erase_if(around_[to], [&](uint32_t t) { return dead_[t]; });
-  if (care == Care::loose) drop_doubles(to);
 }
 
-// Two triangles of the same three points show one surface: back to back, none that has an inside.
-void CollapsingMesh::drop_doubles(uint32_t point) {
+void CollapsingMesh::drop_doubles(uint32_t point, const std::function<bool(const Faces& face)>& may_be_lost) {
   std::map<std::array<uint32_t, 3>, uint32_t> seen;
   const auto material = [&](uint32_t t) {
     return static_cast<size_t>(character_.mesh.primitives[primitive_of_[t]].material);
@@ -227,7 +225,7 @@ void CollapsingMesh::drop_doubles(uint32_t point) {
       if (live_of_material_[material(t)] > 1) kill(t);
       continue;
     }
-    if (const auto other = seen.find(back); other != seen.end()) {
+    if (const auto other = seen.find(back); other != seen.end() && may_be_lost(faces_[t])) {
       const size_t needed = material(t) == material(other->second) ? 2 : 1;
       if (live_of_material_[material(t)] > needed && live_of_material_[material(other->second)] > needed) {
         kill(t);

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -42,7 +43,10 @@ class CollapsingMesh {
   std::optional<Moves> moves(uint32_t from, uint32_t to, Care care) const;
   // Whether the collapse keeps every material, turns no face over and, with care, keeps the surface's connections.
   bool is_sound(uint32_t from, uint32_t to, Care care) const;
-  void collapse(uint32_t from, uint32_t to, const Moves& moves, Care care);
+  void collapse(uint32_t from, uint32_t to, const Moves& moves);
+  // Of two triangles at the point that have the same three points, removes one where they show the same side, and both
+  // where they are back to back, have no inside and may be lost.
+  void drop_doubles(uint32_t point, const std::function<bool(const Faces& face)>& may_be_lost);
 
   // The corner of a triangle at a point; std::nullopt: it has none there.
   std::optional<uint32_t> corner_at(uint32_t triangle, uint32_t point) const;
@@ -58,7 +62,6 @@ class CollapsingMesh {
   bool keeps_connections(uint32_t from, uint32_t to) const;
   bool turns_over(uint32_t triangle, uint32_t from, uint32_t to, Care care) const;
   void kill(uint32_t triangle);
-  void drop_doubles(uint32_t point);
   std::vector<uint32_t> vertices_at(uint32_t point) const;  // of live triangles, ascending
 
   const Character& character_;

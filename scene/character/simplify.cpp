@@ -17,12 +17,19 @@ namespace {
 
 // Metres of displacement that count as much as one unit of a normal (57 degrees) or of a colour, of the figure's size;
 // a texture that slides over the surface counts as this share of the slide.
-constexpr float kNormalError = 0.01F;
+constexpr float kNormalError = 0.003F;
 constexpr float kColourError = 0.02F;
 constexpr float kSlideError = 0.3F;
 // Weights of the planes that hold borders, beside those of faces.
 constexpr double kOpenBorder = 10;
 constexpr double kSeam = 1;
+// By how much dearer it is to close a surface or to draw across a seam.
+constexpr double kLooseFactor = 3;
+// And to lose what has closed up: a limb that is gone is seen, one that is thin is not.
+constexpr double kLossFactor = 30;
+
+// What a face of this area weighs: by its size and not by its area, thin limbs hold their own against broad backs.
+double weight_of(double area) { return std::sqrt(area); }
 
 double size_of(const std::vector<glm::vec3>& points) {
   if (points.empty()) return 0;
@@ -84,10 +91,9 @@ class Simplifier {
   }
 
   void reduce_to(size_t triangles) {
-    for (const Care care : {Care::whole, Care::loose})
-      // What was refused may be possible once its surroundings have changed.
-      while (mesh_.triangles() > triangles && pass(triangles, care)) {
-      }
+    // What was refused may be possible once its surroundings have changed.
+    while (mesh_.triangles() > triangles && pass(triangles)) {
+    }
   }
 
   const CollapsingMesh& mesh() const { return mesh_; }
@@ -97,7 +103,10 @@ class Simplifier {
     double cost;
     uint32_t from, to;
     uint32_t from_changes, to_changes;
-    bool operator>(const Edge& o) const { return std::tie(cost, from, to) > std::tie(o.cost, o.from, o.to); }
+    Care care;
+    bool operator>(const Edge& o) const {
+      return std::tie(cost, from, to, care) > std::tie(o.cost, o.from, o.to, o.care);
+    }
   };
   using Queue = std::priority_queue<Edge, std::vector<Edge>, std::greater<>>;
 
@@ -113,11 +122,12 @@ class Simplifier {
       const double length = glm::length(normal);
       if (!(length > 0)) continue;
       const glm::dvec3 n = normal / length;
-      for (const uint32_t v : face) place(mesh_.point_of(v), pose).add_plane(n, -glm::dot(n, p[0]), length / 2);
+      for (const uint32_t v : face)
+        place(mesh_.point_of(v), pose).add_plane(n, -glm::dot(n, p[0]), weight_of(length / 2));
       for (size_t i = 0; i < 3; ++i) hold_border(t, i, pose, n);
       if (pose != 0) continue;
       const std::array<const Attributes*, 3> s = {&attributes_[face[0]], &attributes_[face[1]], &attributes_[face[2]]};
-      for (const uint32_t v : face) looks_[v].add_face(p, s, length / 2);
+      for (const uint32_t v : face) looks_[v].add_face(p, s, weight_of(length / 2));
     }
   }
 
@@ -132,8 +142,7 @@ class Simplifier {
     const double length = glm::length(along);
     if (!(length > 0)) return;
     const glm::dvec3 n = glm::cross(along / length, normal);
-    for (const uint32_t v : {a, b})
-      place(mesh_.point_of(v), pose).add_plane(n, -glm::dot(n, from), weight * length * length);
+    for (const uint32_t v : {a, b}) place(mesh_.point_of(v), pose).add_plane(n, -glm::dot(n, from), weight * length);
   }
 
   double border_weight(uint32_t t, uint32_t a, uint32_t b) const {
@@ -165,40 +174,60 @@ class Simplifier {
     return std::max(sum, 0.0);
   }
 
+  // With the most care that there can be from `care` on.
   void enter(Queue& queue, uint32_t from, uint32_t to, Care care) const {
-    if (const auto moves = mesh_.moves(from, to, care))
-      queue.push({cost(from, to, *moves), from, to, changes_[from], changes_[to]});
+    auto moves = mesh_.moves(from, to, care);
+    if (!moves && care == Care::whole) moves = mesh_.moves(from, to, care = Care::loose);
+    if (!moves) return;
+    const double factor = care == Care::whole ? 1 : kLooseFactor;
+    queue.push({factor * cost(from, to, *moves), from, to, changes_[from], changes_[to], care});
   }
 
   // Collapses until there are so few, or nothing is left to collapse. Whether there was anything.
-  bool pass(size_t triangles, Care care) {
+  bool pass(size_t triangles) {
     Queue queue;
     for (uint32_t p = 0; p < mesh_.points(); ++p)
-      for (const uint32_t q : mesh_.neighbours(p)) enter(queue, p, q, care);
+      for (const uint32_t q : mesh_.neighbours(p)) enter(queue, p, q, Care::whole);
     bool any = false;
     while (mesh_.triangles() > triangles && !queue.empty()) {
       const Edge edge = queue.top();
       queue.pop();
       if (edge.from_changes != changes_[edge.from] || edge.to_changes != changes_[edge.to]) continue;
       if (mesh_.count_with(edge.from, edge.to) == 0) continue;
-      const auto moves = mesh_.moves(edge.from, edge.to, care);
-      if (!moves || !mesh_.is_sound(edge.from, edge.to, care)) continue;
-      apply(edge, *moves, care);
+      const auto moves = mesh_.moves(edge.from, edge.to, edge.care);
+      if (!moves || !mesh_.is_sound(edge.from, edge.to, edge.care)) {
+        if (edge.care == Care::whole) enter(queue, edge.from, edge.to, Care::loose);
+        continue;
+      }
+      apply(edge, *moves);
       any = true;
       for (const uint32_t p : mesh_.neighbours(edge.to)) {
-        enter(queue, p, edge.to, care);
-        enter(queue, edge.to, p, care);
+        enter(queue, p, edge.to, Care::whole);
+        enter(queue, edge.to, p, Care::whole);
       }
     }
     return any;
   }
 
-  void apply(const Edge& edge, const CollapsingMesh::Moves& moves, Care care) {
-    mesh_.collapse(edge.from, edge.to, moves, care);
+  void apply(const Edge& edge, const CollapsingMesh::Moves& moves) {
+    mesh_.collapse(edge.from, edge.to, moves);
+    mesh_.drop_doubles(edge.to, [&](const Faces& face) { return kLossFactor * cost_of_loss(face) <= edge.cost; });
     for (size_t pose = 0; pose < poses_.size(); ++pose) place(edge.to, pose).add(place(edge.from, pose));
     for (const auto& [a, b] : moves) looks_[b].add(looks_[a]);
     ++changes_[edge.from];
     ++changes_[edge.to];
+  }
+
+  // Of a face that is left out, as if it had gone to one of its corners.
+  double cost_of_loss(const Faces& face) const {
+    double sum = 0;
+    for (const std::vector<glm::vec3>& pose : poses_) {
+      const glm::dvec3 a(pose[mesh_.point_of(face[0])]);
+      const glm::dvec3 e(glm::dvec3(pose[mesh_.point_of(face[1])]) - a);
+      const glm::dvec3 f(glm::dvec3(pose[mesh_.point_of(face[2])]) - a);
+      sum += weight_of(glm::length(glm::cross(e, f)) / 2) * std::max(glm::dot(e, e), glm::dot(f, f));
+    }
+    return sum / static_cast<double>(poses_.size());
   }
 
   std::span<const std::vector<glm::vec3>> poses_;
