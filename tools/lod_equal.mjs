@@ -130,7 +130,8 @@ const times = (h) => kept(`${h}`, () => {
   return out;
 });
 
-const number = (x) => (x === Infinity ? `> ${levels[0]}` : x === -Infinity ? `< ${levels[levels.length - 1]}` : `${Math.round(x)}`);
+const last = (list) => list[list.length - 1];
+const count_within = (list) => (x) => (x === Infinity ? `> ${list[0]}` : x === -Infinity ? `< ${last(list)}` : `${Math.round(x)}`);
 const cell = (s, text) => `${text(s.value)} [${text(s.low)} .. ${text(s.high)}]`;
 const logs = levels.map(Math.log);
 const flips = (r, h) => quality.filter((row) => row.representation === r && row.height_px === h).map((row) => row.flip.mean);
@@ -156,10 +157,13 @@ for (const family of [...new Set(names)].filter((r) => !levels.map(level).includ
       time_of_level(picked, equal_error.value) / median(picked.map((i) => t[family].samples[i])));
     const equal_time = with_interval(rounds, (picked) =>
       crossing(timed, costs.map((c) => median(picked.map((i) => c[i]))), median(picked.map((i) => t[family].samples[i]))));
-    const its_flip = value_at(logs, curves.map(mean), Math.log(Math.max(1, Math.min(1e9, equal_time.value))));
+    // Beyond the levels that were timed, the last of them says on which side.
+    const at = Math.max(last(timed), Math.min(timed[0], equal_time.value));
+    const its_flip = (Number.isFinite(equal_time.value) ? '' : equal_time.value > 0 ? '< ' : '> ') +
+      value_at(logs, curves.map(mean), Math.log(at)).toFixed(4);
     const winner = factor.low > 1 ? family.split(':')[0] : factor.high < 1 ? 'the level' : 'neither';
-    console.log(`| ${family} | ${h} | ${mean(own).toFixed(4)} | ${cell(equal_error, number)} | ` +
-      `${cell(factor, (x) => x.toFixed(2))} | ${cell(equal_time, number)} | ${its_flip.toFixed(4)} | ${winner} |`);
+    console.log(`| ${family} | ${h} | ${mean(own).toFixed(4)} | ${cell(equal_error, count_within(levels))} | ` +
+      `${cell(factor, (x) => x.toFixed(2))} | ${cell(equal_time, count_within(timed))} | ${its_flip} | ${winner} |`);
   }
 const { renderer, headline } = times(heights[0]);
 console.log(`\n${character}; ${headline} time, ${renderer}.`);
