@@ -103,6 +103,18 @@ TEST_F(MeshLevelGl, TakesOneWayToSayHowCoarse) {
     EXPECT_THROW(make(cast, spec), Error) << spec;
 }
 
+TEST_F(MeshLevelGl, IsPosedBeforehandToo) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
+  const auto rigid = make(cast, "rigid:poses=4,triangles=400");
+  EXPECT_EQ(rigid->triangles(0), 400U);
+  const auto level = make(cast, "mesh:triangles=400");
+  const Capture a = draw(cast, *level, 30, 0.25);
+  const Capture b = draw(cast, *rigid, 30, 0.25);
+  size_t off = 0;
+  for (size_t i = 0; i < a.ids.data.size(); ++i) off += a.ids.data[i] != b.ids.data[i] ? 1U : 0U;
+  EXPECT_LE(off, 4U) << "in a stored pose they are one mesh, but for pixels on an edge";
+}
+
 // Of hybrids: three levels of which the middle one is simplified.
 TEST_F(MeshLevelGl, IsALevelOfAHybrid) {
   const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
