@@ -14,7 +14,6 @@ void add_all_commands(Command& app, Run& run) {
       add_inspect,
       add_render,
       add_bake,
-      add_cache,
       add_pose,
       add_compare,
       add_quality,

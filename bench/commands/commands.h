@@ -15,7 +15,6 @@ using AddCommand = void (*)(Command& app, Run& run);
 
 void add_bake(Command& app, Run& run);
 void add_bench(Command& app, Run& run);
-void add_cache(Command& app, Run& run);
 void add_compare(Command& app, Run& run);
 void add_demo(Command& app, Run& run);
 void add_distance(Command& app, Run& run);

@@ -8,7 +8,6 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "renderers/bake/cache_limit.h"
 
 namespace crowdbench::renderers {
 namespace fs = std::filesystem;
@@ -70,11 +69,7 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
     const Header expected = make_header(kind, key, payload);
     sound = !stream.fail() && std::memcmp(&header, &expected, sizeof header) == 0;
   }
-  if (sound) {
-    // Read is used: the oldest use is the first to go (cache_limit.h). A folder that cannot be written stays as it is.
-    fs::last_write_time(file, fs::file_time_type::clock::now(), error);
-    return payload;
-  }
+  if (sound) return payload;
   if (!other_version) warn(fmt::format("{}: the stored bake is damaged; it is made anew", file.string()));
   fs::remove(file, error);
   return std::nullopt;
@@ -83,7 +78,6 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
 uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span<const uint8_t> payload) const {
   if (!enabled_) return 0;
   try {
-    const uint64_t limit = bake_limit();
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error)
@@ -101,7 +95,6 @@ uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span
                     "free some space, or set CROWDBENCH_CACHE_DIR to a place that can be written");
     }
     pending.commit();
-    shrink_bakes(folder_, limit, path(kind, key));
     return payload.size() + sizeof(Header);
   } catch (const Error& fault) {
     static std::atomic<bool> said = false;

@@ -123,17 +123,6 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_GT(j.at("gpu_bytes").get<int64_t>(), 10'000);
          EXPECT_GT(j.at("disk_bytes").get<int64_t>(), 10'000);
        }},
-      {"cache",
-       [&] {
-         const json before = facts("cache list --json");
-         ASSERT_GT(before.at("bakes").size(), 0U) << "what bake left";
-         EXPECT_EQ(before.at("bakes")[0].at("kind"), "flat");
-         EXPECT_GT(before.at("bytes").get<int64_t>(), 1000);
-         EXPECT_EQ(before.at("limit_bytes"), int64_t{4} << 30);
-         EXPECT_EQ(facts("cache clear --json").at("removed_bytes"), before.at("bytes"));
-         EXPECT_EQ(facts("cache list --json").at("bakes").size(), 0U);
-         EXPECT_EQ(run("cache burn").status, 2);
-       }},
       {"compare",
        [&] {
          const json j = facts("compare mesh.png flat.png --maps maps --json");

@@ -142,8 +142,6 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"pair", "--a mesh --b mesh --agents 2 --size 48x48 --frames 2 --out c.mp4"},
       {"report", "r.sqlite --csv r.csv"},
       {"demo", "--tiny --no-clip " + flat + small},
-      {"cache", "list"},
-      {"cache", "list --json"},
       {"schema", ""},
       {"schema", "--results"},
   };
@@ -294,7 +292,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
-        command != "compare" && command != "cache") {
+        command != "compare") {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

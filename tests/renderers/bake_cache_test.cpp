@@ -4,13 +4,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <cstdlib>
 #include <fstream>
 
-#include "core/error.h"
 #include "core/files.h"
-#include "renderers/bake/cache_limit.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::renderers {
@@ -101,47 +97,6 @@ TEST_F(BakeCacheTest, AFolderThatCannotBeWrittenIsAWarning) {
   const BakeCache cache(folder_ / "file" / "below");  // a file where a folder should be: fails for root too
   EXPECT_EQ(cache.store("flat", "00ff", payload_), 0U);
   EXPECT_FALSE(cache.load("flat", "00ff"));
-}
-
-TEST_F(BakeCacheTest, WhatWasNotUsedForLongestGoesFirst) {
-  const BakeCache cache(folder_);
-  for (const char* key : {"0a", "0b", "0c"}) cache.store("flat", key, payload_);
-  const auto used = [&](const char* key, int minutes_ago) {
-    fs::last_write_time(cache.path("flat", key), fs::file_time_type::clock::now() - std::chrono::minutes(minutes_ago));
-  };
-  used("0a", 30);
-  used("0b", 20);
-  used("0c", 10);
-  ASSERT_TRUE(cache.load("flat", "0a")) << "reading is a use";
-  const std::vector<CachedBake> bakes = cached_bakes(folder_);
-  ASSERT_EQ(bakes.size(), 3U);
-  EXPECT_EQ(bakes[0].key, "0b");
-  EXPECT_EQ(bakes[0].kind, "flat");
-  EXPECT_EQ(bakes[2].key, "0a");
-  const uint64_t each = bakes[0].bytes;
-  EXPECT_EQ(shrink_bakes(folder_, 3 * each), 0U);
-  EXPECT_EQ(shrink_bakes(folder_, 3 * each - 1), each);
-  EXPECT_FALSE(cache.load("flat", "0b"));
-  EXPECT_TRUE(cache.load("flat", "0c"));
-  EXPECT_EQ(shrink_bakes(folder_, 0, cache.path("flat", "0a")), each) << "the newest stays, however large";
-  EXPECT_TRUE(cache.load("flat", "0a"));
-  EXPECT_EQ(shrink_bakes(folder_ / "nowhere", 0), 0U);
-}
-
-TEST_F(BakeCacheTest, StoringKeepsWithinTheLimit) {
-  const BakeCache cache(folder_);
-  setenv("CROWDBENCH_CACHE_MIB", "1", 1);
-  const std::vector<uint8_t> large(700'000, 3);
-  EXPECT_GT(cache.store("flat", "0a", large), 0U);
-  EXPECT_GT(cache.store("flat", "0b", large), 0U);
-  EXPECT_FALSE(cache.load("flat", "0a"));
-  EXPECT_TRUE(cache.load("flat", "0b"));
-  for (const char* bad : {"x", "-1", "4 GiB", "1e3"}) {
-    setenv("CROWDBENCH_CACHE_MIB", bad, 1);
-    EXPECT_THROW(bake_limit(), Error) << bad;
-  }
-  unsetenv("CROWDBENCH_CACHE_MIB");
-  EXPECT_EQ(bake_limit(), uint64_t{4} << 30);
 }
 
 TEST_F(BakeCacheTest, SwitchedOffItNeitherReadsNorWrites) {
