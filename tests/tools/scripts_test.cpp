@@ -34,6 +34,7 @@ const std::map<std::string, std::string> kScripts = {
     {"driver.mjs", "ReliefQuality"},
     {"figures.sh", "Figures"},
     {"gpu_check.sh", "Bundle"},
+    {"lod_equal.mjs", "LodEqual"},
     {"polypostor_figures.mjs", "PolypostorFigures"},
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
@@ -122,6 +123,20 @@ TEST_F(ScriptsGl, Figures) {
   const Outcome failed = run("figures.sh", "false other.md --tiny");
   EXPECT_NE(failed.status, 0) << "a driver that fails is no figure";
   EXPECT_FALSE(fs::exists(folder_ / "other.md"));
+}
+
+TEST_F(ScriptsGl, LodEqual) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("lod_equal.mjs", driver_ + " levels --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_TRUE(std::regex_search(outcome.text, std::regex(R"(\n\| flat:views=sphere-4x1,frames=2 \| 30 \| 0\.\d+ \| )")))
+      << outcome.text;
+  EXPECT_NE(outcome.text.find("\n| rigid:poses=2 | 30 |"), std::string::npos);
+  EXPECT_EQ(outcome.text.find("NaN"), std::string::npos) << outcome.text;
+  const Outcome again = run("lod_equal.mjs", driver_ + " levels --tiny");
+  EXPECT_EQ(again.text, outcome.text) << "what was measured is kept";
+  EXPECT_EQ(run("lod_equal.mjs", driver_ + " levels --heights 1").status, 2);
+  EXPECT_EQ(run("lod_equal.mjs", driver_).status, 2);
 }
 
 TEST_F(ScriptsGl, PolypostorFigures) {
