@@ -28,6 +28,10 @@ struct SilhouettePair {
 };
 const SilhouettePair& silhouettes(const ScoreInput& input, Shared& shared);  // mask_of() both; kNeedsIds
 
+// The silhouettes of one agent, cut to its box and a pixel around: where that is the picture's edge the figure is cut
+// off there, and has no boundary.
+SilhouettePair masks_of_agent(const ScoreInput& input, const AgentPixels& agent);
+
 // boundary_distance() of the silhouettes. kNeedsIds
 const std::optional<BoundaryDistance>& silhouette_boundary(const ScoreInput& input, Shared& shared);
 

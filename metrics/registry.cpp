@@ -18,6 +18,8 @@ namespace crowdbench::metrics {
   SCORE(boundary_px_p95)          \
   SCORE(silhouette_hausdorff_px)  \
   SCORE(silhouette_difference_px) \
+  SCORE(holes)                    \
+  SCORE(strays)                   \
   SCORE(ssim)                     \
   SCORE(ssim_union)               \
   SCORE(ms_ssim)                  \

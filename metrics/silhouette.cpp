@@ -146,8 +146,22 @@ double difference_of_agent(const ScoreInput& input, const AgentPixels& agent) {
   return static_cast<double>(count);
 }
 
-// The masks of one agent, cut to its box and a pixel around: where that is the picture's edge the figure is cut off
-// there, and has no boundary.
+std::optional<double> hausdorff_of_agent(const ScoreInput& input, Shared&, const AgentPixels& agent) {
+  const SilhouettePair pair = masks_of_agent(input, agent);
+  const auto distance = boundary_distance(pair.reference, pair.test);
+  return distance ? std::optional(distance->greatest) : std::nullopt;
+}
+
+ScoreResult boundary(const ScoreInput& input, Shared& shared, double BoundaryDistance::*member) {
+  const std::optional<BoundaryDistance>& distance = silhouette_boundary(input, shared);
+  if (!distance) return absent(std::string(kNoBoundary));
+  ScoreResult result;
+  result.value = (*distance).*member;
+  return result;
+}
+
+}  // namespace
+
 SilhouettePair masks_of_agent(const ScoreInput& input, const AgentPixels& agent) {
   int left = input.reference.ids->width;
   int top = input.reference.ids->height;
@@ -171,22 +185,6 @@ SilhouettePair masks_of_agent(const ScoreInput& input, const AgentPixels& agent)
   }
   return pair;
 }
-
-std::optional<double> hausdorff_of_agent(const ScoreInput& input, Shared&, const AgentPixels& agent) {
-  const SilhouettePair pair = masks_of_agent(input, agent);
-  const auto distance = boundary_distance(pair.reference, pair.test);
-  return distance ? std::optional(distance->greatest) : std::nullopt;
-}
-
-ScoreResult boundary(const ScoreInput& input, Shared& shared, double BoundaryDistance::*member) {
-  const std::optional<BoundaryDistance>& distance = silhouette_boundary(input, shared);
-  if (!distance) return absent(std::string(kNoBoundary));
-  ScoreResult result;
-  result.value = (*distance).*member;
-  return result;
-}
-
-}  // namespace
 
 const SilhouettePair& silhouettes(const ScoreInput& input, Shared& shared) {
   return shared.get<SilhouettePair>([&] {

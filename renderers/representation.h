@@ -101,6 +101,7 @@ struct BakeInfo {
   std::vector<std::pair<std::string, double>> facts;
   std::vector<BakeItem> items;  // of the only character; none where there are several
   std::vector<Kept> kept;       // one a representation that something was left out of; a hybrid's are its components'
+  std::vector<std::string> notes;  // what was asked for and could not be had, and why
 };
 
 // agents[c]: indices into frame.agents[c], ascending.

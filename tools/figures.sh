@@ -103,7 +103,9 @@ speed() {  # OF TO AGENTS
   [ "$reason" = null ] && reason= || reason="void: $reason"
   [ "$(fact valid)" = true ] || reason="failed: $(fact faults.0)"
   echo "| $1 | $2 | $3 | $time | $(number 2 "$(fact "${time}_ratio")") | $(number 2 "$(fact interval.0)") .." \
-    "$(number 2 "$(fact interval.1)") | $(number 2 "$(fact mesh_floor)") | $(fact pairs) | $reason |"
+    "$(number 2 "$(fact interval.1)") | $(number 2 "$(fact to_500_triangles)") |" \
+    "$(number 2 "$(fact to_500_triangles_interval.0)") .. $(number 2 "$(fact to_500_triangles_interval.1)") |" \
+    "$(number 2 "$(fact mesh_floor)") | $(fact pairs) | $reason |"
 }
 
 quality() {  # REPRESENTATION ELEVATION HEIGHTS AZIMUTHS
@@ -174,8 +176,11 @@ Drawn by $(fact renderer) ($(fact gl_version)).
 
 ## Speed against the mesh
 
-| of | to | agents | time | ratio | interval | mesh over its floor | pairs | |
-|---|---|---|---|---|---|---|---|---|
+Beside each, the same against a level of detail: the mesh simplified to 500 triangles. Levels of equal error and of equal cost are
+in [levels.md](levels.md).
+
+| of | to | agents | time | ratio | interval | against 500 triangles | interval | mesh over its floor | pairs | |
+|---|---|---|---|---|---|---|---|---|---|---|
 TEXT
   if [ -n "$tiny" ]; then
     speed "$small" mesh 12

@@ -176,6 +176,7 @@ int run_bake(const Options& options) {
                                     {"kept_bytes", kept.kept_bytes},
                                     {"whole_bytes", kept.whole_bytes}});
     }
+    out["notes"] = bake.notes;
     out["facts"] = Json::object();
     for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
     if (options.report)
@@ -208,6 +209,7 @@ int run_bake(const Options& options) {
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
+  for (const std::string& note : bake.notes) fmt::print("  note: {}\n", printable(note));
   if (options.report)
     for (const renderers::BakeItem& item : bake.items) {
       fmt::print("  {:<28}", printable(item.name));

@@ -10,6 +10,7 @@
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/score_rows.h"
 #include "bench/experiments/sweep_table.h"
+#include "bench/stage/low_polygon.h"
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
 #include "core/error.h"
@@ -80,9 +81,11 @@ int run_bench(const Options& options) {
   const renderers::Spec own = representation_of(chosen);
   if (request.representations.empty() && own.text() != renderers::reference_spec().text())
     request.representations.push_back(own);
-  if (request.representations.empty())
+  if (request.representations.empty()) {
     for (const renderers::RepresentationType& type : renderers::representation_types())
       if (!type.reference && stands_alone(type)) request.representations.push_back(renderers::parse_spec(type.name));
+    request.representations.push_back(low_polygon_spec());
+  }
   StoreWriter store(options.out);  // refused before anything is drawn
   const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder, chosen.places);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);
@@ -134,7 +137,8 @@ void add_bench(Command& app, Run& run) {
   auto options = std::make_shared<Options>();
   SweepRequest& request = options->request;
   add_scenario_argument(*command, options->scene.file);
-  add_representation_option(*command, options->representations, "drawn beside the mesh (all that are built in)");
+  add_representation_option(*command, options->representations,
+                            "drawn beside the mesh (all that are built in, and a level of the mesh)");
   command->add_option("--agents", options->agents, "numbers of agents (1,10,100,1000)")
       ->delimiter(',')
       ->allow_extra_args(false)

@@ -11,6 +11,7 @@
 #include "bench/experiments/quality_rows.h"
 #include "bench/experiments/score_rows.h"
 #include "bench/stage/cast_name.h"
+#include "bench/stage/low_polygon.h"
 #include "bench/stage/stage_scenario.h"
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
@@ -194,7 +195,7 @@ int run_demo(const Options& options) {
                            options.representation));
     SweepRequest request;
     request.scenario = scenario;
-    request.representations = {renderers::parse_spec(options.representation)};
+    request.representations = {renderers::parse_spec(options.representation), low_polygon_spec()};
     request.budget_ms = 6000;
     request.time_limit_s = options.tiny ? 0.1 : 7;
     request.rounds = options.tiny ? 10 : 24;

@@ -92,7 +92,8 @@ void print(const RatioReport& report, const scene::Scenario& scenario) {
              report.of, report.of, report.headline_ratio.pairs);
   fmt::print("  mesh over its floor {}{}\n", times_text(report.mesh_floor),
              report.is_void ? fmt::format(", above {:.1f}: the figure is void", kMeshFloorBound) : "");
-  fmt::print("  against a mesh of {} triangles {}\n", report.low_polygon_triangles, times_text(report.to_low_polygon));
+  fmt::print("  against its level of {} triangles {}\n", report.low_polygon_triangles,
+             times_text(report.to_low_polygon));
   for (const RatioReport::Median& median : report.medians)
     fmt::print("  {:<34} CPU {:9.3f} ms  wall {:9.3f} ms{}\n", median.name, median.cpu_ns / 1e6, median.wall_ns / 1e6,
                median.gpu_ns ? fmt::format("  GPU {:9.3f} ms", *median.gpu_ns / 1e6) : "");

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "bench/stage/low_polygon_cast.h"
+#include "bench/stage/low_polygon.h"
 #include "bench/stage/stage.h"
 #include "bench/timing/timed_representation.h"
 #include "bench/timing/timing_method.h"
@@ -22,23 +22,23 @@ struct TimedSet {
   size_t of = 0, to = 0, mesh = 0, mesh_floor = 0, low_polygon = 0;
 };
 
-TimedSet bake_set(Stage& stage, Stage& low_polygon_stage, const RatioRequest& request) {
+TimedSet bake_set(Stage& stage, const RatioRequest& request) {
   TimedSet set;
-  const auto enter = [&](Stage& on, const renderers::Spec& spec) {
-    set.all.push_back(std::make_unique<TimedRepresentation>(on, spec, request.scenario, request.bake_budget));
+  const auto enter = [&](const renderers::Spec& spec) {
+    set.all.push_back(std::make_unique<TimedRepresentation>(stage, spec, request.scenario, request.bake_budget));
     return set.all.size() - 1;
   };
-  set.of = enter(stage, request.of);
-  set.to = enter(stage, request.to);
+  set.of = enter(request.of);
+  set.to = enter(request.to);
   const auto known_or_entered = [&](const renderers::Spec& spec) {
     for (const size_t i : {set.of, set.to})
       if (set.all[i]->name() == spec.text()) return i;
-    return enter(stage, spec);
+    return enter(spec);
   };
   const renderers::Spec mesh = renderers::reference_spec();
   set.mesh = known_or_entered(mesh);
   set.mesh_floor = known_or_entered(renderers::with_floor(mesh));
-  set.low_polygon = enter(low_polygon_stage, mesh);
+  set.low_polygon = known_or_entered(low_polygon_spec());
   return set;
 }
 
@@ -66,11 +66,11 @@ uint64_t triangles_of(renderers::Representation& representation, const scene::Ca
   return sum;
 }
 
-void put_triangles(RatioReport& report, const TimedSet& set, const scene::Cast& cast, const scene::Cast& low_polygon) {
+void put_triangles(RatioReport& report, const TimedSet& set, const scene::Cast& cast) {
   for (const auto& character : cast.characters) report.triangles += character->triangles();
   report.of_triangles = triangles_of(set.all[set.of]->representation(), cast);
   report.to_triangles = triangles_of(set.all[set.to]->representation(), cast);
-  report.low_polygon_triangles = low_polygon.characters.front()->triangles();
+  report.low_polygon_triangles = triangles_of(set.all[set.low_polygon]->representation(), cast);
 }
 
 std::vector<VariantTimes> time_set(gl::Context& context, const TimedSet& set, const RatioRequest& request,
@@ -99,9 +99,7 @@ RatioReport::Median median_of(const std::string& name, const VariantTimes& times
 
 void put_medians(RatioReport& report, const TimedSet& set, const std::vector<VariantTimes>& times) {
   for (size_t i = 0; i < set.all.size(); ++i) {
-    const std::string name =
-        i == set.low_polygon ? renderers::reference_spec().text() + " of mannequin:triangles=500" : set.all[i]->name();
-    report.medians.push_back(median_of(name, times[i]));
+    report.medians.push_back(median_of(set.all[i]->name(), times[i]));
     report.warmup_frames = std::max(report.warmup_frames, times[i].warmup_frames);
     report.settled = report.settled && times[i].settled;
   }
@@ -139,18 +137,15 @@ RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const R
   progress.note("solving for the view");
   const Staged staged = stage_scenario(request.scenario, cast, context);
   report.stage = measure_stage(staged, cast, context);
-  const LowPolygonCast low_polygon = low_polygon_cast(staged);
   Stage stage(context, cast);
   stage.show(staged);
-  Stage low_polygon_stage(context, low_polygon.cast);
-  low_polygon_stage.show(low_polygon.staged);
 
   progress.note("baking");
-  const TimedSet set = bake_set(stage, low_polygon_stage, request);
+  const TimedSet set = bake_set(stage, request);
   report.of = set.all[set.of]->name();
   report.to = set.all[set.to]->name();
   check_set(report, set);
-  put_triangles(report, set, cast, low_polygon.cast);
+  put_triangles(report, set, cast);
 
   const TimingMethod method = choose_timing_method(context);
   const std::vector<VariantTimes> times = time_set(context, set, request, method, progress);

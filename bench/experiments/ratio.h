@@ -35,8 +35,8 @@ struct RatioReport {
   MedianRatio mesh_floor;  // t(mesh) / t(mesh:floor=1), headline metric
   bool is_void = false;    // mesh_floor above its bound
   std::string void_reason;
-  MedianRatio to_low_polygon;  // t(500-triangle mannequin mesh) / t(of), headline metric
-  uint64_t low_polygon_triangles = 0;
+  MedianRatio to_low_polygon;          // t(the characters' meshes simplified to 500 triangles) / t(of), headline metric
+  uint64_t low_polygon_triangles = 0;  // of one agent of each character
   ImageCheck of_check, to_check, mesh_check;
   bool valid = true;
   std::vector<std::string> faults;              // of the image checks
@@ -60,7 +60,7 @@ struct RatioReport {
 struct RatioTimes {
   std::span<const SampleRow> of, to;
   std::span<const SampleRow> mesh, mesh_floor;
-  std::span<const SampleRow> low_polygon;  // the mesh of 500 triangles
+  std::span<const SampleRow> low_polygon;  // the meshes of 500 triangles
 };
 // Fills in cpu, wall and gpu, headline_ratio, mesh_floor and to_low_polygon, and whether the mesh is too far above its
 // floor for any of it to stand. Throws Error when the headline's clock gave no time for a frame.

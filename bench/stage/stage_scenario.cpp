@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bench/stage/coverage.h"
-#include "scene/character/simplify.h"
+#include "scene/pose/lod_mesh.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -14,8 +14,11 @@ std::optional<scene::Cast> draft_of(const scene::Cast& cast, uint32_t agents) {
                                 [](const auto& character) { return character->triangles() <= kDraftTriangles; });
   if (agents < kDraftAgents || fine) return std::nullopt;
   scene::Cast draft = cast;  // with the same pose banks: joints and clips are untouched
-  for (auto& character : draft.characters)
-    character = std::make_shared<const scene::Character>(scene::simplified(*character, kDraftTriangles));
+  for (size_t c = 0; c < draft.characters.size(); ++c) {
+    scene::LodMesh made = scene::make_lod_mesh(*cast.characters[c], *cast.banks[c], {.triangles = kDraftTriangles});
+    draft.characters[c] =
+        std::make_shared<const scene::Character>(scene::with_mesh(*cast.characters[c], std::move(made.mesh)));
+  }
   return draft;
 }
 

@@ -169,8 +169,10 @@ BakeInfo HybridRepresentation::bake_info() const {
   info.cache_key = baked_a && baked_b ? a.cache_key + "+" + b.cache_key : a.cache_key + b.cache_key;
   for (const auto& [name, value] : a.facts) info.facts.emplace_back("near_" + name, value);
   for (const auto& [name, value] : b.facts) info.facts.emplace_back("far_" + name, value);
-  for (const BakeInfo* component : {&a, &b})
+  for (const BakeInfo* component : {&a, &b}) {
     info.kept.insert(info.kept.end(), component->kept.begin(), component->kept.end());
+    info.notes.insert(info.notes.end(), component->notes.begin(), component->notes.end());
+  }
   return info;
 }
 

@@ -1,21 +1,38 @@
 #include "renderers/mesh/mesh.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/error.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
+#include "renderers/mesh/mesh_level.h"
 
 namespace crowdbench::renderers {
 namespace {
 
 class MeshRepresentation : public Representation {
  public:
-  MeshRepresentation(const MakeContext& make, MeshUse use, float peak = 0)
+  MeshRepresentation(const MakeContext& make, MeshUse use, const MeshLevelOptions& level, float peak = 0)
       : floor_(use == MeshUse::static_pose), draw_(make.context, use) {
+    const auto start = std::chrono::steady_clock::now();
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
       std::vector<std::vector<scene::Mat3x4>> poses;
       if (floor_) poses.push_back(bank.palette(bank.sample(0, 0.0)));
-      meshes_.push_back(upload_mesh(make.context, *make.cast.characters[c], bank.joints(), use, poses, peak));
+      const auto upload = [&](const scene::Character& character) {
+        meshes_.push_back(upload_mesh(make.context, character, bank.joints(), use, poses, peak));
+      };
+      if (level.is_whole()) {
+        upload(*make.cast.characters[c]);
+        continue;
+      }
+      levels_.push_back(make_mesh_level(make.cast.characters[c], make.cast.banks[c], level));
+      upload(scene::with_mesh(*make.cast.characters[c], levels_.back().mesh));
     }
+    seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
   void draw(const scene::Frame&, const FrameResources& resources, const AgentLists& agents, const Pass& pass) override {
@@ -42,26 +59,56 @@ class MeshRepresentation : public Representation {
     return out;
   }
 
+  BakeInfo bake_info() const override {
+    BakeInfo info;
+    if (!levels_.empty()) {
+      info = bake_info_of(levels_);
+      info.seconds = seconds_;
+    }
+    return info;
+  }
+
   uint64_t triangles(size_t character) const override { return meshes_[character].triangles; }
 
  private:
   bool floor_;
   MeshDraw draw_;
+  double seconds_ = 0;
   std::vector<CharacterMesh> meshes_;
+  std::vector<MeshLevel> levels_;  // by character; none where the characters' own meshes are drawn
 };
+
+MeshLevelOptions level_options(const OptionReader& reader) {
+  MeshLevelOptions out;
+  out.request.triangles = static_cast<size_t>(reader.integer("triangles", 0, 4'000'000));
+  out.request.ratio = reader.number("ratio", 0, 1);
+  out.request.error = reader.number("error", 0, 100);
+  out.lod = static_cast<size_t>(reader.integer("lod", 0, 63));
+  if ((out.request.triangles > 0) + (out.request.ratio > 0) + (out.request.error > 0) + (out.lod > 0) > 1)
+    throw Error("representation 'mesh'", "more than one of triangles, ratio, error and lod is given",
+                "give the one that says how coarse");
+  return out;
+}
 
 }  // namespace
 
 std::unique_ptr<Representation> make_mesh_capture(const MakeContext& make, float peak) {
-  return std::make_unique<MeshRepresentation>(make, MeshUse::capture, peak);
+  return std::make_unique<MeshRepresentation>(make, MeshUse::capture, MeshLevelOptions{}, peak);
 }
 
 const RepresentationType mesh_type = {
     .name = "mesh",
-    .summary = "the reference: the skinned mesh, posed on the GPU, instanced",
+    .summary = "the reference: the skinned mesh, posed on the GPU, instanced; or a level of detail of it",
+    .options =
+        {{"triangles", "0..4000000", "0", "a level of detail: at most so many triangles a character; 0: all"},
+         {"ratio", "0..1", "0", "instead: at most this share of the character's triangles; 0: all"},
+         {"error", "0..100", "0",
+          "instead: as few as stay within so many metres of the whole mesh in the poses of the clips in use; 0: all"},
+         {"lod", "0..63", "0", "instead: the level that the character's file holds (MSFT_lod, or names in _LOD1)"}},
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
+      const OptionReader reader(mesh_type, spec);
       return std::make_unique<MeshRepresentation>(
-          context, OptionReader(mesh_type, spec).flag("floor") ? MeshUse::static_pose : MeshUse::skinned);
+          context, reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level_options(reader));
     },
     .reference = true,
     .floor = "the same triangles in one pose, without skinning",

@@ -85,20 +85,28 @@ void main() {
   if (item >= count * uint(BOXES)) return;
   uint agent = item / uint(BOXES);
   uint index = item - agent * uint(BOXES);
-  BoxRecord box = boxes[index];
+  uvec4 maps = boxes[index].maps;
   uint first = (offset + agent) * uint(JOINTS);
-  uint matrix = (first + box.joints.x) * 3u;
-  mat3x4 rows_of_bind = mat3x4(palette[matrix], palette[matrix + 1u], palette[matrix + 2u]);
-  float second = uintBitsToFloat(box.joints.z);
-  if (second > 0.0) {
-    matrix = (first + box.joints.y) * 3u;
-    rows_of_bind = (1.0 - second) * rows_of_bind +
-                   second * mat3x4(palette[matrix], palette[matrix + 1u], palette[matrix + 2u]);
+  mat3x4 rows_of_bind = mat3x4(0.0);  // of world space from bind space, by the mean matrix
+  mat3x4 rows_of_unit = mat3x4(0.0);  // of world space from the box
+  vec3 lights[4] = vec3[4](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+  for (int k = 0; k < RELIEF_SHARES; ++k) {
+    if (boxes[index].weights[k] <= 0.0) break;
+    uint matrix = (first + boxes[index].joints[k]) * 3u;
+    vec3 toward = vec3(0.0);
+    for (int row = 0; row < 3; ++row) {
+      vec4 of_joint = palette[matrix + uint(row)];
+      rows_of_bind[row] += boxes[index].weights[k] * of_joint;
+      rows_of_unit[row] += of_joint * boxes[index].movers[k];
+      toward += frame.light_direction[row] * of_joint.xyz;
+    }
+    for (int c = 0; c < 4; ++c) lights[c] += toward * boxes[index].movers[k][c].w;
   }
   mat4 world_from_bind =
       transpose(mat4(rows_of_bind[0], rows_of_bind[1], rows_of_bind[2], vec4(0.0, 0.0, 0.0, 1.0)));
-  mat4 bind_from_unit = transpose(mat4(box.rows[0], box.rows[1], box.rows[2], vec4(0.0, 0.0, 0.0, 1.0)));
-  mat4 eye_from_unit = frame.view_from_world * (world_from_bind * bind_from_unit);
+  mat4 world_from_unit =
+      transpose(mat4(rows_of_unit[0], rows_of_unit[1], rows_of_unit[2], vec4(0.0, 0.0, 0.0, 1.0)));
+  mat4 eye_from_unit = frame.view_from_world * world_from_unit;
 
   mat3 linear = mat3(eye_from_unit);
   vec3 origin = eye_from_unit[3].xyz;
@@ -114,8 +122,8 @@ void main() {
   float longest = max(edges.x, max(edges.y, edges.z));
   float depth = max(-centre.z, 2.0 * frame.lens.x);
   float pixel = 2.0 * depth * frame.lens.z * frame.viewport.w;
-  float wanted = log2(max(pixel * float(box.maps.z) / longest, 1e-6));
-  float most = float(box.maps.w - 1u);
+  float wanted = log2(max(pixel * float(maps.z) / longest, 1e-6));
+  float most = float(maps.w - 1u);
   float level = clamp(floor(wanted + LEVEL_BIAS), 0.0, most);
   // Colours are filtered as the mesh's texture is, at one texel a pixel.
   uint colour_level = uint(clamp(floor(wanted), 0.0, most));
@@ -148,8 +156,9 @@ void main() {
   const float a_texel = 1.0;
 #endif
   posed[item].view = vec4(view * inversesqrt(max(dot(view, view), 1e-30)), a_texel);
-  posed[item].maps = uvec4(pack_maps(box.maps.x, box.maps.y, box.maps.z, uint(level)),
+  posed[item].maps = uvec4(pack_maps(maps.x, maps.y, maps.z, uint(level)),
                            packUnorm4x8(vec4(edges / longest, 0.0)) | (angles_kept ? 0u : 1u << 24u) | colour_level << 25u,
-                           pack_maps(0u, box.maps.y, box.maps.z, colour_level).x >> 16u);
+                           pack_maps(0u, maps.y, maps.z, colour_level).x >> 16u);
   for (int k = 0; k < 3; ++k) posed[item].turn[k] = vec4(rows_of_bind[k].xyz, 0.0);
+  for (int k = 0; k < 4; ++k) posed[item].lights[k] = vec4(lights[k], 0.0);
 }

@@ -64,7 +64,7 @@ struct Tier {
   size_t boxes = 0;
   int joints = 0;
   int corners = 8;
-  bool carve = true;  // the nearest tier: candidates are checked against the other axes
+  bool carve = true;  // the nearest tier, and patches: candidates are checked against the other axes
   gl::Texture depth;
   gl::Texture colour;
   gl::Texture normal;
@@ -95,13 +95,16 @@ struct Baked {
   uint64_t disk_bytes = 0;
   uint64_t nominal_bytes = 0;
   CaptureScore capture;
-  double texel = 0;  // metres, tier 0, the largest
+  double texel = 0;      // metres, tier 0, the largest
+  double deviation = 0;  // ReliefTiers::deviation
 };
 
 struct BoxRecord {
   glm::vec4 rows[3];
-  glm::uvec4 joints;
   glm::uvec4 maps;
+  std::array<uint32_t, kShares> joints;
+  std::array<float, kShares> weights;
+  glm::mat4 movers[kShares];
 };
 
 class Relief final : public Representation {
@@ -185,6 +188,7 @@ class Relief final : public Representation {
       info.facts.emplace_back("id_bytes", bytes((nearest.colour.bytes() + nearest.normal.bytes()) / 4));
       info.facts.emplace_back("level_bytes", bytes(full - full * baked_[0].full_texels / nearest.texels()));
       info.facts.emplace_back("texel_mm", 1000 * baked_[0].texel);
+      info.facts.emplace_back("skin_deviation_px", baked_[0].deviation / baked_[0].height * kBendPixels);
       info.facts.emplace_back("capture_clip", baked_[0].capture.pose.clip);
       info.facts.emplace_back("capture_phase", baked_[0].capture.pose.phase);
       if (baked_[0].capture.box_volume > 0)
@@ -223,6 +227,7 @@ class Relief final : public Representation {
     baked.disk_bytes = cache.enabled() ? cache.disk_bytes("relief", key) : 0;
     baked.nominal_bytes = relief_nominal_bytes(character.skeleton.joints.size(), options_.bake.maps.map_size);
     baked.capture = bake->capture;
+    baked.deviation = bake->deviation;
     baked.height = relief_height(character);
     baked.pixels = bake->tier_pixels;
     for (const ReliefBox& box : bake->models[0].boxes)
@@ -244,7 +249,7 @@ class Relief final : public Representation {
       items.push_back({joint.name, {{"texels", 0}, {"triangles", 0}, {"longest_m", 0}, {"bytes", 0}, {"boxes", 0}}});
     for (size_t i = 0; i < model.boxes.size(); ++i) {
       const ReliefBox& box = model.boxes[i];
-      auto& facts = items[static_cast<size_t>(box.joints[0])].facts;
+      auto& facts = items[static_cast<size_t>(box.joint())].facts;
       facts[0].second = std::max<double>(facts[0].second, box.texels);
       facts[1].second += model.triangles_of_box[i];
       facts[2].second = std::max({facts[2].second, box.size.x, box.size.y, box.size.z});
@@ -270,8 +275,8 @@ class Relief final : public Representation {
     Tier tier;
     tier.boxes = model.boxes.size();
     tier.joints = static_cast<int>(character.skeleton.joints.size());
-    tier.corners = index == 0 ? 8 : 4;
-    tier.carve = index == 0;
+    tier.carve = index == 0 || model.patches;
+    tier.corners = tier.carve ? 8 : 4;
     tier.depth =
         gl::Texture::make_2d(context_, options_.bake.depth_bits == 8 ? GL_RG8 : GL_RG16, plan.width, plan.height);
     tier.depth.write(0, 0, GL_RG, GL_UNSIGNED_SHORT, atlas.depth.data());
@@ -302,7 +307,11 @@ class Relief final : public Representation {
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column)
           record.rows[row][column] = static_cast<float>(box.bind_from_unit[column][row]);
-      record.joints = {box.joints[0], box.joints[1], std::bit_cast<uint32_t>(static_cast<float>(box.second)), 0};
+      for (size_t k = 0; k < kShares; ++k) {
+        record.joints[k] = static_cast<uint32_t>(box.movers[k].joint);
+        record.weights[k] = static_cast<float>(box.movers[k].weight);
+        record.movers[k] = glm::mat4(box.movers[k].bind_from_unit);
+      }
       record.maps = {plan.left[i], plan.top[i], box.texels, atlas_levels(box.texels)};
       records.push_back(record);
       for (const glm::vec3& p : box.hull) points.emplace_back(p, 1.0F);
@@ -350,7 +359,7 @@ class Relief final : public Representation {
   }
   // PosedBox in relief_records.glsl.
   size_t posed_bytes(const Tier& tier) const {
-    return 16 * (10 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
+    return 16 * (14 + (options_.hull ? static_cast<size_t>(tier.corners) / 2 : 0));
   }
 
   void draw_tier(Tier& tier, size_t character, const FrameResources& resources, const std::vector<uint32_t>& list,
@@ -446,7 +455,7 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   options.level_bias = read.number("bias", -4.0, 4.0);
   options.hull = read.choice("proxy", {"hull", "box"}) == 0;
   options.bake.merge = read.text("merge") == "auto" ? (options.hull ? 0.25 : 0.0) : read.number("merge", 0.0, 16.0);
-  options.bake.bend = read.number("bend", 0.0, 64.0);
+  options.bake.bend = read.text("bend") == "rigid" ? 0.0 : read.number("bend", 0.05, 64.0);
   options.bake.part_auto = read.text("part") == "auto" && options.bake.merge > 0;
   options.bake.part = options.bake.part_auto        ? kPart
                       : read.text("part") == "auto" ? 0.0
@@ -482,9 +491,9 @@ const RepresentationType relief_type = {
          {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
          {"merge", "auto|0..16", "auto",
           "pixels that joints sharing a box may deviate; auto: 0.25 with proxy=hull, else 0"},
-         {"bend", "0..64", "0",
-          "pixels, of a character 240 tall, that skin may deviate before bends get boxes of their own; 0: one box "
-          "a joint"},
+         {"bend", "rigid|0.05..64", "1",
+          "pixels, of a character 240 tall, that skin may deviate from boxes that bend with it before it is cut into "
+          "more; rigid: one stiff box a joint, as the source has them"},
          {"part", "auto|0..4", "auto",
           "longest box, in heights of the character: longer ones are captured in parts; 0: whole; auto: 0.27 "
           "with merge "

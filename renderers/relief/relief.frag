@@ -58,8 +58,8 @@ float stored_depth(float metres) { return -frame.projection[2][2] + frame.projec
 #include "renderers/relief/relief_debug.glsl"
 #endif
 
-// Lambert's cosine of a bind-space normal as stored.
-float lambert_of(vec3 stored) {
+// Lambert's cosine of a bind-space normal as stored, at a point of the box.
+float lambert_of(vec3 stored, vec3 point) {
   vec3 n = stored * 2.0 - 1.0;
   float square = max(dot(n, n), 1e-6);
   // What looks away is the inner side of an open piece, or beside a rim: mirrored, which does nothing at right angles and turns
@@ -68,9 +68,11 @@ float lambert_of(vec3 stored) {
   if (away < 0.0) n -= 2.0 * away / dot(v_view, v_view) * v_view;
   float lambert = dot(n, v_light.xyz) * inversesqrt(square);
   if ((v_maps.z >> 24u & 1u) != 0u) {
-    // What shears or stretches turns normals as the mesh's shader does.
+    // What shears or stretches turns normals as the mesh's shader does: with each joint's weight where the point lies.
     vec3 world = vec3(dot(posed[v_maps.w].turn[0].xyz, n), dot(posed[v_maps.w].turn[1].xyz, n), dot(posed[v_maps.w].turn[2].xyz, n));
-    lambert = dot(world, frame.light_direction.xyz) * inversesqrt(max(dot(world, world), 1e-30));
+    vec3 light = posed[v_maps.w].lights[3].xyz + posed[v_maps.w].lights[0].xyz * point.x +
+                 posed[v_maps.w].lights[1].xyz * point.y + posed[v_maps.w].lights[2].xyz * point.z;
+    lambert = dot(n, light) * inversesqrt(max(dot(world, world), 1e-30));
   }
   return max(lambert, 0.0);
 }
@@ -135,7 +137,7 @@ void main() {
   Face face = face_at(point, direction, ray.down, map, hit);
   vec2 colour_at = colour_place(map, face, point);
   vec4 colour = textureLod(colour_map, colour_at, 0.0);
-  vec3 shown = shade_lit(colour.rgb, lambert_of(face.normal.xyz), uint(face.normal.a * 255.0 + 0.5), v_identity.x,
+  vec3 shown = shade_lit(colour.rgb, lambert_of(face.normal.xyz, point), uint(face.normal.a * 255.0 + 0.5), v_identity.x,
                          colour.a > 0.5, vec3(0.0));
 #ifdef CB_EMISSIVE
   // Added here, since what an unlit texel holds is the part of it that glows.

@@ -8,6 +8,8 @@
 
 #define RELIEF_HULL_POINTS 16  // an eight-sided prism along the box's longest edge
 
+#define RELIEF_SHARES 8  // joints that move a box, at most
+
 #define RELIEF_TEXTURE_DEPTH 0
 #define RELIEF_TEXTURE_COLOUR 1
 #define RELIEF_TEXTURE_NORMAL 2

@@ -142,6 +142,7 @@ struct BoxSpace {
   glm::dmat4 unit_from_capture;
   glm::dmat3 unit_from_bind;
   glm::dmat3 bind_from_capture;
+  bool bends;  // weights change over the box, and with them what turns normals
 };
 
 // The face of a box that looks along an axis, from its low side (0) or its high one.
@@ -214,9 +215,10 @@ bool is_there(const Source& source, const Winner& winner, const std::array<glm::
 glm::dvec3 normal_toward(const Source& source, const BoxSpace& space, const SurfacePoint& point, const Face& face,
                          bool double_sided) {
   glm::dvec3 n = space.bind_from_capture * point.mixed<glm::dvec3>(source.normals);
+  const double along = (space.unit_from_bind * n)[face.axis];
+  if (space.bends) n = point.mixed<glm::dvec3>(source.character.mesh.normals);
   const double length = glm::length(n);
   n = length > 0 ? n / length : glm::dvec3(0, 1, 0);
-  const double along = (space.unit_from_bind * n)[face.axis];
   return double_sided && ((face.side == 0 && along > 0) || (face.side == 1 && along < 0)) ? -n : n;
 }
 
@@ -253,13 +255,33 @@ struct Bounds {
   double longest = 0;      // of these
 };
 
-// The part of a triangle between two corners of a box: its own corners; at most nine.
+// A triangle that a piece carries wholly.
+Skirt whole(uint32_t triangle) { return {triangle, {}, 1}; }
+
+// The part of a triangle between two corners of a box: its own corners; at most ten.
 struct Polygon {
   std::array<glm::dvec3, 10> corners;
   size_t count = 0;
 };
-Polygon clipped(const std::array<glm::dvec3, 3>& p, const glm::dvec3& low, const glm::dvec3& high) {
-  Polygon polygon{{p[0], p[1], p[2]}, 3};
+// What a skirt takes of its triangle p.
+Polygon taken(const std::array<glm::dvec3, 3>& p, const Skirt& skirt) {
+  Polygon polygon;
+  const auto add = [&](const glm::dvec3& corner) { polygon.corners[polygon.count++] = corner; };
+  for (size_t k = 0; k < 3; ++k) {
+    const size_t before = (k + 2) % 3;
+    const size_t after = (k + 1) % 3;
+    if (skirt.reach >= 1) {
+      add(p[k]);
+    } else if (skirt.shared[k]) {
+      if (!skirt.shared[before]) add(p[k] + skirt.reach * (p[before] - p[k]));
+      add(p[k]);
+      if (!skirt.shared[after]) add(p[k] + skirt.reach * (p[after] - p[k]));
+    }
+  }
+  return polygon;
+}
+
+Polygon clipped(Polygon polygon, const glm::dvec3& low, const glm::dvec3& high) {
   const auto cut = [&](int axis, double sign, double limit) {  // keeps sign * coordinate <= limit
     Polygon kept;
     for (size_t k = 0; k < polygon.count; ++k) {
@@ -290,19 +312,21 @@ std::array<glm::dvec3, 3> corners_of(const scene::Mesh& mesh, uint32_t triangle,
 // Drops the triangles that the piece's own limits leave nothing of.
 Bounds bounds_of(const Character& character, Piece& piece, const std::vector<glm::dvec3>& positions,
                  const glm::dmat4& capture_from_bind) {
-  const glm::dmat4 joint_from_bind = character.skeleton.joints[static_cast<size_t>(piece.joints[0])].inverse_bind;
+  const glm::dmat4 joint_from_bind = character.skeleton.joints[static_cast<size_t>(piece.joint())].inverse_bind;
   const glm::dmat4 joint_from_capture = joint_from_bind * glm::inverse(capture_from_bind);
   Bounds bounds;
-  std::vector<uint32_t> within;
-  for (const uint32_t t : piece.triangles) {
-    const Polygon part = clipped(corners_of(character.mesh, t, positions, joint_from_capture), piece.low, piece.high);
+  const auto holds = [&](const Skirt& skirt) {
+    const Polygon part = clipped(
+        taken(corners_of(character.mesh, skirt.triangle, positions, joint_from_capture), skirt), piece.low, piece.high);
     for (size_t k = 0; k < part.count; ++k) {
       bounds.low = glm::min(bounds.low, part.corners[k]);
       bounds.high = glm::max(bounds.high, part.corners[k]);
     }
-    if (part.count > 0) within.push_back(t);
-  }
-  piece.triangles = std::move(within);
+    return part.count > 0;
+  };
+  std::erase_if(piece.triangles, [&](uint32_t t) { return !holds(whole(t)); });
+  // Beside none of its own there is nothing to close.
+  std::erase_if(piece.skirts, [&](const Skirt& s) { return piece.triangles.empty() || !holds(s); });
   const glm::dmat3 capture_from_joint(glm::inverse(joint_from_capture));
   for (int a = 0; a < 3; ++a) {
     bounds.metres[a] = glm::length(capture_from_joint[a]) * (bounds.high[a] - bounds.low[a]);
@@ -382,6 +406,7 @@ struct AxisMaps {
   size_t n;  // texels a side
   std::array<std::vector<Winner>, 2> winners;
   std::vector<Touched> touched;
+  std::vector<Touched> kept;                     // of these, what the winners are of
   std::vector<std::array<double, 2>> intervals;  // least and greatest depth
   explicit AxisMaps(size_t side)
       : n(side), winners{std::vector<Winner>(n * n), std::vector<Winner>(n * n)}, touched(n * n), intervals(n * n) {}
@@ -391,7 +416,7 @@ struct AxisMaps {
 // From the winners at texel centres to closed intervals, see ReliefModel.
 void close_gaps(AxisMaps& maps) {
   const size_t n = maps.n;
-  const std::vector<Touched>& touched = maps.touched;
+  const std::vector<Touched>& touched = maps.kept;
   std::vector<Winner>& front = maps.winners[0];
   std::vector<Winner>& back = maps.winners[1];
   std::vector<std::array<double, 2>>& intervals = maps.intervals;
@@ -443,11 +468,18 @@ void close_gaps(AxisMaps& maps) {
 // What lies farther outside the box is another part's; nearer, it is rounding.
 constexpr double kOutside = 1e-9;
 
-// Adds triangle t to every texel that it reaches into. One that is seen edge-on still has depths.
-void touch(const Source& source, const std::array<glm::dvec3, 3>& p, uint32_t t, size_t n,
+// Adds what is taken of a triangle to every texel that it reaches into. One that is seen edge-on still has depths.
+void touch(const Source& source, const std::array<glm::dvec3, 3>& p, const Skirt& skirt, size_t n,
            std::vector<Touched>& touched) {
+  const uint32_t t = skirt.triangle;
+  const Polygon all = taken(p, skirt);
   const auto range = [&](int axis) {
-    const auto [low, high] = std::minmax({p[0][axis], p[1][axis], p[2][axis]});
+    double low = all.corners[0][axis];
+    double high = low;
+    for (size_t k = 1; k < all.count; ++k) {
+      low = std::min(low, all.corners[k][axis]);
+      high = std::max(high, all.corners[k][axis]);
+    }
     const auto last = static_cast<long>(n) - 1;
     return std::pair(std::clamp(static_cast<long>(std::floor(low)), 0L, last),
                      std::clamp(static_cast<long>(std::floor(high)), 0L, last));
@@ -462,7 +494,7 @@ void touch(const Source& source, const std::array<glm::dvec3, 3>& p, uint32_t t,
   for (long j = top; j <= bottom; ++j) {
     for (long i = left; i <= right; ++i) {
       const glm::dvec3 square_low(i, j, -kOutside);
-      const Polygon polygon = clipped(p, square_low, square_low + glm::dvec3(1.0, 1.0, 1.0 + 2 * kOutside));
+      const Polygon polygon = clipped(all, square_low, square_low + glm::dvec3(1.0, 1.0, 1.0 + 2 * kOutside));
       if (polygon.count == 0) continue;
       glm::dvec3 middle(0.0);
       for (size_t k = 0; k < polygon.count; ++k) middle += polygon.corners[k] / static_cast<double>(polygon.count);
@@ -481,8 +513,9 @@ void touch(const Source& source, const std::array<glm::dvec3, 3>& p, uint32_t t,
   }
 }
 
-// Makes triangle t the winner of every texel whose centre it covers nearest or farthest.
-void compete(const Source& source, const std::array<glm::dvec3, 3>& p, uint32_t t, AxisMaps& maps) {
+// Makes a triangle the winner of every texel whose centre it covers nearest or farthest, as far as it is taken.
+void compete(const Source& source, const std::array<glm::dvec3, 3>& p, const Skirt& skirt, AxisMaps& maps) {
+  const uint32_t t = skirt.triangle;
   const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
   if (std::abs(area) < 1e-12) return;
   const auto first = [](double a, double b, double c) {
@@ -498,6 +531,8 @@ void compete(const Source& source, const std::array<glm::dvec3, 3>& p, uint32_t 
       const double b1 = ((x - p[0].x) * (p[2].y - p[0].y) - (y - p[0].y) * (p[2].x - p[0].x)) / area;
       const double b2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) / area;
       if (b1 < -1e-9 || b2 < -1e-9 || b1 + b2 > 1.0 + 1e-9) continue;
+      const double away = (skirt.shared[0] ? 0 : 1 - b1 - b2) + (skirt.shared[1] ? 0 : b1) + (skirt.shared[2] ? 0 : b2);
+      if (skirt.reach < 1 && away > skirt.reach) continue;
       const double plane = p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z);
       if (plane < -kOutside || plane > 1.0 + kOutside) continue;
       const double depth = std::clamp(plane, 0.0, 1.0);
@@ -520,6 +555,38 @@ std::array<glm::dvec3, 3> in_texels(const Source& source, const BoxSpace& space,
   for (glm::dvec3& unit : p)
     unit = {unit[u_axis] * static_cast<double>(n), unit[v_axis] * static_cast<double>(n), unit[axis]};
   return p;
+}
+
+// Between the two layers of a patch lies the body only where the lower one faces down the axis and the upper one up it.
+// Where it does not, air does, and the layer is kept that faces along the axis most: the other belongs to another axis.
+void part_layers(const Source& source, const BoxSpace& space, const std::vector<Skirt>& all, int axis, AxisMaps& maps) {
+  const auto along = [&](const Winner& winner) {
+    const glm::dvec3 n =
+        space.bind_from_capture * SurfacePoint(source.character.mesh, winner).mixed<glm::dvec3>(source.normals);
+    return (space.unit_from_bind * n)[axis];
+  };
+  for (size_t texel = 0; texel < maps.n * maps.n; ++texel) {
+    Winner& front = maps.winners[0][texel];
+    Winner& back = maps.winners[1][texel];
+    if (!maps.covered(texel) || front.triangle == back.triangle) continue;
+    const double lower = along(front);
+    const double upper = along(back);
+    if (lower <= 0 && upper >= 0) continue;
+    const bool keep_front = lower <= 0 || (upper < 0 && -upper < lower);
+    (keep_front ? back : front) = keep_front ? front : back;
+    Touched& kept = maps.kept[texel];
+    kept = {front.depth, front.depth, front, front};
+    const glm::dvec3 square(static_cast<double>(texel % maps.n), static_cast<double>(texel / maps.n), 0);
+    for (const Skirt& skirt : all) {
+      if (skirt.triangle != front.triangle) continue;
+      const Polygon part = clipped(taken(in_texels(source, space, axis, maps.n, skirt.triangle), skirt),
+                                   square - glm::dvec3(0, 0, kOutside), square + glm::dvec3(1, 1, 1 + kOutside));
+      for (size_t k = 0; k < part.count; ++k) {
+        kept.low = std::min(kept.low, part.corners[k].z);
+        kept.high = std::max(kept.high, part.corners[k].z);
+      }
+    }
+  }
 }
 
 // The depths and extents of one axis.
@@ -567,7 +634,7 @@ struct Capture {
 // box gets a thickness.
 BoxSpace place_box(const Source& source, const Capture& capture, ReliefBox& box) {
   const auto n = static_cast<double>(box.texels);
-  const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(box.joints[0])].inverse_bind;
+  const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(box.joint())].inverse_bind;
   const glm::dvec3 centre = 0.5 * (capture.bounds.low + capture.bounds.high);
   const glm::dvec3 extent = capture.bounds.high - capture.bounds.low;
   const double least = 1e-3 * std::max({extent.x, extent.y, extent.z, 1e-9});
@@ -578,17 +645,30 @@ BoxSpace place_box(const Source& source, const Capture& capture, ReliefBox& box)
   box.bind_from_unit = glm::inverse(joint_from_bind) * joint_from_unit;
   const glm::dmat4 capture_from_unit = capture.capture_from_bind * box.bind_from_unit;
   for (int a = 0; a < 3; ++a) box.size[a] = glm::length(glm::dvec3(capture_from_unit[a]));
+  for (size_t k = 0; k < capture.piece.shares.size(); ++k) {
+    const Share& share = capture.piece.shares[k];
+    box.movers[k] = {share.joint, share.weight, share.weight * box.bind_from_unit + share.change * capture_from_unit};
+  }
   return {glm::inverse(capture_from_unit), glm::dmat3(glm::inverse(box.bind_from_unit)),
-          glm::dmat3(glm::inverse(capture.capture_from_bind))};
+          glm::dmat3(glm::inverse(capture.capture_from_bind)), capture.piece.shares.size() > 1};
+}
+
+// All that a piece captures.
+std::vector<Skirt> held(const Piece& piece) {
+  std::vector<Skirt> all;
+  for (const uint32_t t : piece.triangles) all.push_back(whole(t));
+  all.insert(all.end(), piece.skirts.begin(), piece.skirts.end());
+  return all;
 }
 
 // The hull of all that the box holds of its piece.
 std::array<glm::vec3, kHullPoints> hull_within(const Source& source, const BoxSpace& space, const Piece& piece,
                                                const ReliefBox& box) {
   std::vector<glm::dvec3> points;
-  for (const uint32_t t : piece.triangles) {
-    const Polygon part = clipped(corners_of(source.character.mesh, t, source.positions, space.unit_from_capture),
-                                 glm::dvec3(-kOutside), glm::dvec3(1.0 + kOutside));
+  for (const Skirt& skirt : held(piece)) {
+    const Polygon part = clipped(
+        taken(corners_of(source.character.mesh, skirt.triangle, source.positions, space.unit_from_capture), skirt),
+        glm::dvec3(-kOutside), glm::dvec3(1.0 + kOutside));
     points.insert(points.end(), part.corners.begin(), part.corners.begin() + static_cast<long>(part.count));
   }
   return hull_of(points, box.size, 0.5 / static_cast<double>(box.texels));
@@ -598,18 +678,24 @@ std::array<glm::vec3, kHullPoints> hull_within(const Source& source, const BoxSp
 void capture_box(const Source& source, const Capture& capture, ReliefBox& box, ReliefModel& model) {
   const BoxSpace space = place_box(source, capture, box);
   box.hull = hull_within(source, space, capture.piece, box);
+  const std::vector<Skirt> all = held(capture.piece);
   for (int axis = 0; axis < 3; ++axis) {
     AxisMaps maps(static_cast<size_t>(box.texels));
-    for (const uint32_t t : capture.piece.triangles) {
-      const std::array<glm::dvec3, 3> p = in_texels(source, space, axis, maps.n, t);
-      touch(source, p, t, maps.n, maps.touched);
-      compete(source, p, t, maps);
+    for (const Skirt& skirt : all) {
+      const std::array<glm::dvec3, 3> p = in_texels(source, space, axis, maps.n, skirt.triangle);
+      touch(source, p, skirt, maps.n, maps.touched);
+      compete(source, p, skirt, maps);
     }
+    maps.kept = maps.touched;
+    if (capture.piece.texel > 0) part_layers(source, space, all, axis, maps);
     close_gaps(maps);
     store_depths(maps, box, axis, model);
     store_faces(source, space, maps, box, axis, model);
   }
 }
+
+// A cut piece's box has half as many texels from where these are at most this much of what it makes do with.
+constexpr double kHalved = 0.7;
 
 // The boxes to capture, in the model's order.
 struct Plan {
@@ -628,9 +714,10 @@ Plan plan_boxes(const Character& character, const ReliefBakeOptions& options, co
   }
   Plan plan;
   const auto add = [&](Piece piece, const glm::dmat4& matrix, const Bounds& size) {
-    const int side = given[static_cast<size_t>(piece.joints[0])];
-    plan.boxes.push_back(
-        {.joints = piece.joints, .second = piece.second, .texels = side > 0 ? side : options.map_size});
+    const int side = given[static_cast<size_t>(piece.joint())];
+    ReliefBox& box = plan.boxes.emplace_back();
+    box.movers[0].joint = piece.joint();
+    box.texels = side > 0 ? side : options.map_size;
     plan.captures.push_back({std::move(piece), matrix, size});
   };
   for (Piece& piece : options.pieces.empty() ? joint_pieces(character, options.rule, options.threshold, carriers)
@@ -638,8 +725,7 @@ Plan plan_boxes(const Character& character, const ReliefBakeOptions& options, co
     // A matrix that flattens space cannot carry a box; such a piece draws nothing.
     const glm::dmat4 matrix = matrix_of(piece, palette);
     if (std::abs(glm::determinant(glm::dmat3(matrix))) < 1e-12 ||
-        std::abs(glm::determinant(character.skeleton.joints[static_cast<size_t>(piece.joints[0])].inverse_bind)) <
-            1e-18)
+        std::abs(glm::determinant(character.skeleton.joints[static_cast<size_t>(piece.joint())].inverse_bind)) < 1e-18)
       continue;
     const Bounds whole = bounds_of(character, piece, positions, matrix);
     if (options.longest <= 0 || whole.longest <= options.longest) {
@@ -656,8 +742,9 @@ Plan plan_boxes(const Character& character, const ReliefBakeOptions& options, co
   const double texel = std::max(options.texel, longest / options.map_size);
   for (size_t i = 0; i < plan.boxes.size(); ++i) {
     ReliefBox& box = plan.boxes[i];
-    if (options.by_area && given[static_cast<size_t>(box.joints[0])] == 0)
-      while (box.texels > 16 && plan.captures[i].bounds.longest <= texel * 0.5 * box.texels) box.texels /= 2;
+    const double most = std::max(options.by_area ? 0.5 * texel : 0.0, kHalved * plan.captures[i].piece.texel);
+    if (given[static_cast<size_t>(box.joint())] == 0)
+      while (box.texels > 16 && plan.captures[i].bounds.longest <= most * box.texels) box.texels /= 2;
     box.first = plan.texels;
     plan.texels += ReliefModel::box_texels(box);
   }
@@ -697,8 +784,10 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
     throw Error(character.name, "has no triangle that a joint moves, so there is nothing to capture",
                 "use another character");
   model.boxes = plan.boxes;
-  for (const Capture& capture : plan.captures)
+  for (const Capture& capture : plan.captures) {
     model.triangles_of_box.push_back(static_cast<int>(capture.piece.triangles.size()));
+    model.patches = model.patches || capture.piece.texel > 0;
+  }
   model.depth.resize(plan.texels * 3 * 2);
   model.extent.resize(plan.texels * 3 * 2);
   model.colour.resize(plan.texels * 6 * 4);

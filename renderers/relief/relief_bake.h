@@ -32,12 +32,18 @@ struct ReliefBakeOptions {
 
 inline constexpr size_t kHullPoints = 16;
 
-// One piece's box. Unit coordinates [0,1]^3 span the box; `bind_from_unit` maps them to bind space, so that the box at
-// time t is ((1 - second) * palette(t)[joints[0]] + second * palette(t)[joints[1]]) * bind_from_unit.
+// One piece's box. Unit coordinates [0,1]^3 span the box. At time t it lies where the sum over the shares of
+// palette(t)[joint] * bind_from_unit puts it.
 struct ReliefBox {
-  std::array<int, 2> joints{};
-  double second = 0;
+  struct Mover {
+    int joint = 0;
+    double weight = 0;               // the mean over the box; 0: none
+    glm::dmat4 bind_from_unit{0.0};  // homogeneous: the last row is the weight where a point lies
+  };
+  std::array<Mover, kShares> movers{};  // the heaviest first; without others the first one's is the box's own
+  // By the mean of the matrices; normals are in this bind space.
   glm::dmat4 bind_from_unit{1.0};
+  int joint() const { return movers[0].joint; }
   glm::dvec3 size{0.0};  // metres along the box's axes at the capture pose
   int texels = 0;        // a side of its maps; a power of two
   size_t first = 0;      // texels of one map of all boxes before it: where its maps begin
@@ -69,6 +75,7 @@ struct ReliefModel {
   // The same for the light given off (renderers/bake/emission.h), the fourth unused; empty where the peak is 0.
   std::vector<uint8_t> emission;
   float emission_peak = 0;
+  bool patches = false;  // some boxes hold cut skin, open and thin
   std::vector<int> triangles_of_box;
   size_t texels() const { return boxes.empty() ? 0 : boxes.back().first + box_texels(boxes.back()); }
   static size_t box_texels(const ReliefBox& b) { return static_cast<size_t>(b.texels) * static_cast<size_t>(b.texels); }

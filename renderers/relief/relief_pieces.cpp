@@ -130,9 +130,9 @@ std::vector<std::vector<uint32_t>> assign_triangles(const Character& character, 
 }
 
 glm::dmat4 matrix_of(const Piece& piece, const std::vector<glm::dmat4>& palette) {
-  const glm::dmat4& first = palette[static_cast<size_t>(piece.joints[0])];
-  if (piece.second <= 0) return first;
-  return (1.0 - piece.second) * first + piece.second * palette[static_cast<size_t>(piece.joints[1])];
+  glm::dmat4 mean(0.0);
+  for (const Share& share : piece.shares) mean += share.weight * palette[static_cast<size_t>(share.joint)];
+  return mean;
 }
 
 std::vector<int> parents_of(const Character& character) {
@@ -158,7 +158,7 @@ std::vector<Piece> joint_pieces(const Character& character, TriangleRule rule, d
   std::vector<Piece> pieces;
   for (size_t joint = 0; joint < triangles_of.size(); ++joint)
     if (!triangles_of[joint].empty())
-      pieces.push_back({.joints = {static_cast<int>(joint), 0}, .triangles = std::move(triangles_of[joint])});
+      pieces.push_back({.shares = {{static_cast<int>(joint)}}, .triangles = std::move(triangles_of[joint])});
   return pieces;
 }
 

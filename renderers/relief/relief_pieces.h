@@ -32,16 +32,38 @@ std::vector<glm::dmat4> capture_palette(const scene::Character& character, const
 using Carriers = std::vector<int>;
 Carriers own_carriers(const scene::Character& character);
 
-// What one box carries: triangles, moved by one joint or, where skin bends, by a weighted mean of two joints' matrices.
+inline constexpr size_t kShares = 8;  // two uvec4 of BoxRecord
+
+// One joint's part in moving a piece.
+struct Share {
+  int joint = 0;
+  double weight = 1;  // the mean over the piece's skin; of all shares together 1
+  // How the weight changes over the piece, to first order: what this joint's matrix is multiplied by beside the mean,
+  // from capture space (homogeneous). Over all shares these cancel at the capture pose.
+  glm::dmat4 change{0.0};
+};
+
+// The part of a triangle that lies next to what a piece carries: its points whose weights of the corners that are not
+// shared with the piece sum to at most `reach`.
+struct Skirt {
+  uint32_t triangle = 0;
+  std::array<bool, 3> shared{};
+  double reach = 1;
+};
+
+// What one box carries, and what moves it: a point p of capture space goes to the sum over the shares of
+// M_joint (weight B^-1 + change) p, where B is the mean matrix, the sum of weight M_joint, at the capture pose.
 struct Piece {
-  std::array<int, 2> joints{};  // the box stands along the first one's axes
-  double second = 0;            // weight of the second, 0..1; the first has the rest
+  std::vector<Share> shares;  // 1 to kShares, the heaviest first; the box stands along the first one's axes
   std::vector<uint32_t> triangles;
-  // In joints[0]'s own frame: what lies between is captured. A piece in parts has parts of the same surface.
+  std::vector<Skirt> skirts;  // of other pieces' triangles, so that no gap opens between boxes
+  double texel = 0;           // metres; above 0: finer texels are not needed
+  // In the first joint's own frame: what lies between is captured. A piece in parts has parts of the same surface.
   glm::dvec3 low{-std::numeric_limits<double>::infinity()};
   glm::dvec3 high{std::numeric_limits<double>::infinity()};
+  int joint() const { return shares[0].joint; }
 };
-// Sum of weight times matrix.
+// The mean matrix: sum of weight times matrix.
 glm::dmat4 matrix_of(const Piece& piece, const std::vector<glm::dmat4>& palette);
 // Of every joint, the nearest joint above it; -1 for none.
 std::vector<int> parents_of(const scene::Character& character);

@@ -15,13 +15,13 @@
 #include "renderers/bake/bake_cache.h"
 #include "renderers/bake/emission.h"
 #include "renderers/relief/relief_atlas.h"
-#include "renderers/relief/relief_bends.h"
+#include "renderers/relief/relief_cells.h"
 #include "renderers/relief/relief_cone.h"
 
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 8;
+constexpr uint32_t kBakeVersion = 11;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -33,7 +33,17 @@ struct TierPlan {
 // of ever thinner limbs.
 constexpr std::array<TierPlan, 4> kTiers{{{100, 0.4}, {50, 0.22}, {25, 0.15}, {12.5, 0.12}}};
 
-constexpr double kBendPixels = 240;  // tall: what ReliefTierOptions::bend counts in
+constexpr double kFarBend = 3.0;  // pixels that skin may deviate from a farther tier's boxes, at its largest
+// Silhouette error of rigid boxes over the clips (CaptureScore) up to which skin counts as stiff.
+constexpr double kStiff = 0.006;
+// Taller figures have the nearest tier's cells wherever skin is cut.
+constexpr double kWholePixels = 50;
+// A farther tier has at most this many times the boxes of the one before, or it is not worth its bytes.
+constexpr double kFewer = 0.75;
+constexpr double kCutTexel = 0.5;  // of a whole box's largest texel, what cut skin makes do with
+// Texels that cut skin may take nearby, of those that rigid boxes of the same character would.
+constexpr double kMore = 2.1;
+constexpr double kSkirt = 1.5;  // texels of a box's neighbours that it captures too
 
 // "bind" or "CLIP@PHASE".
 CapturePose parse_capture(const std::string& text, const scene::Character& character) {
@@ -87,8 +97,9 @@ std::vector<int> parse_resolution(const std::string& text, const scene::Characte
 
 // A box as it lies on disk.
 struct StoredBox {
-  std::array<int32_t, 2> joints{};
-  double second = 0;
+  std::array<int32_t, kShares> joints{};
+  std::array<double, kShares> weights{};
+  std::array<double, 16 * kShares> movers{};
   int32_t texels = 0;
   int32_t nothing = 0;  // no padding: the same bake is the same bytes
   uint64_t first = 0;
@@ -98,7 +109,13 @@ struct StoredBox {
 };
 
 StoredBox stored(const ReliefBox& box) {
-  StoredBox out{box.joints, box.second, box.texels, 0, box.first, {}, {}, {}};
+  StoredBox out{{}, {}, {}, box.texels, 0, box.first, {}, {}, {}};
+  for (size_t k = 0; k < kShares; ++k) {
+    out.joints[k] = box.movers[k].joint;
+    out.weights[k] = box.movers[k].weight;
+    for (int i = 0; i < 16; ++i)
+      out.movers[16 * k + static_cast<size_t>(i)] = box.movers[k].bind_from_unit[i / 4][i % 4];
+  }
   for (int i = 0; i < 16; ++i) out.bind_from_unit[static_cast<size_t>(i)] = box.bind_from_unit[i / 4][i % 4];
   for (int a = 0; a < 3; ++a) out.size[static_cast<size_t>(a)] = box.size[a];
   for (size_t i = 0; i < out.hull.size(); ++i) out.hull[i] = box.hull[i / 3][static_cast<int>(i % 3)];
@@ -107,8 +124,12 @@ StoredBox stored(const ReliefBox& box) {
 
 ReliefBox unstored(const StoredBox& from) {
   ReliefBox box;
-  box.joints = from.joints;
-  box.second = from.second;
+  for (size_t k = 0; k < kShares; ++k) {
+    box.movers[k].joint = from.joints[k];
+    box.movers[k].weight = from.weights[k];
+    for (int i = 0; i < 16; ++i)
+      box.movers[k].bind_from_unit[i / 4][i % 4] = from.movers[16 * k + static_cast<size_t>(i)];
+  }
   box.texels = from.texels;
   box.first = from.first;
   for (int i = 0; i < 16; ++i) box.bind_from_unit[i / 4][i % 4] = from.bind_from_unit[static_cast<size_t>(i)];
@@ -135,23 +156,46 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   ReliefBakeOptions what = nearest;
   what.pieces.clear();
   what.longest = 0;
+  // Skin that hardly leaves rigid boxes has these, which take fewer steps of the search, where it is small.
+  const bool bends = options.bend > 0 && (options.capture != "best" || bake.capture.silhouette_error > kStiff);
   JointMerger merger(character, bank, what.capture);
   what.by_area = true;
   for (size_t tier = 0; tier < kTiers.size(); ++tier) {
     const double pixel = relief_height(character) / kTiers[tier].pixels;  // metres
     what.carriers = merger.merged(options.merge * pixel);
     what.texel = std::max(nearest.texel, kTiers[tier].texel * pixel);
+    if (bends) {
+      const CellOptions cells{
+          .tolerance = kFarBend * pixel, .skirt = kSkirt * what.texel, .texel = kCutTexel * what.texel};
+      what.pieces = skin_cells(character, bank, what.capture, what.carriers, cells).pieces;
+      const bool cut = std::any_of(what.pieces.begin(), what.pieces.end(), [](const Piece& p) { return p.texel > 0; });
+      // Fewer cells are off by too much of a figure of this size.
+      if (cut && kTiers[tier].pixels > kWholePixels) continue;
+      // What stands beside cut skin is searched as that is, and needs its texels.
+      if (cut) what.texel = cells.texel;
+    }
     // Joints that were given texels have half of them, 64 at least.
     for (size_t joint = 0; joint < what.texels_of_joint.size(); ++joint) {
       const int given = nearest.texels_of_joint[joint];
       what.texels_of_joint[joint] = std::min(given, std::max(64, given >> (tier + 1)));
     }
     ReliefModel model = bake_relief(character, what);
-    if (model.boxes.size() < bake.models.back().boxes.size()) {
+    const auto boxes = static_cast<double>(bake.models.back().boxes.size());
+    if (static_cast<double>(model.boxes.size()) < (bends ? kFewer : 1.0) * boxes) {
       bake.tier_pixels.push_back(kTiers[tier].pixels);
       bake.models.push_back(std::move(model));
     }
   }
+}
+
+// Makes do with coarser texels for cut skin; false where there is none.
+bool coarsen(std::vector<Piece>& pieces) {
+  bool any = false;
+  for (Piece& piece : pieces) {
+    piece.texel *= 1.2;
+    any = any || (piece.texel > 0 && piece.texel < 1e3);
+  }
+  return any;
 }
 
 }  // namespace
@@ -206,7 +250,7 @@ std::vector<uint8_t> serialise(const ReliefTiers& bake) {
   ByteWriter out;
   const CaptureScore& c = bake.capture;
   out.value(c.pose.clip);
-  for (const double v : {c.pose.phase, c.silhouette_error, c.box_volume}) out.value(v);
+  for (const double v : {c.pose.phase, c.silhouette_error, c.box_volume, bake.deviation}) out.value(v);
   out.values(bake.tier_pixels);
   out.value(static_cast<uint32_t>(bake.models.size()));
   for (const ReliefModel& m : bake.models) {
@@ -219,6 +263,7 @@ std::vector<uint8_t> serialise(const ReliefTiers& bake) {
     out.values(m.colour);
     out.values(m.normal);
     out.value(m.emission_peak);
+    out.value(m.patches);
     if (m.emission_peak > 0) out.values(m.emission);
   }
   for (const std::vector<uint8_t>& cones : bake.cones) out.values(cones);
@@ -230,7 +275,7 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
   ReliefTiers bake;
   CaptureScore& c = bake.capture;
   c.pose.clip = in.value<int>();
-  for (double* v : {&c.pose.phase, &c.silhouette_error, &c.box_volume}) *v = in.value<double>();
+  for (double* v : {&c.pose.phase, &c.silhouette_error, &c.box_volume, &bake.deviation}) *v = in.value<double>();
   bake.tier_pixels = in.values<double>();
   const auto count = in.value<uint32_t>();
   for (uint32_t i = 0; i < count && in.ok(); ++i) {
@@ -242,12 +287,13 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
     m.colour = in.values<uint8_t>();
     m.normal = in.values<uint8_t>();
     m.emission_peak = in.value<float>();
+    m.patches = in.value<bool>();
     if (m.emission_peak > 0) m.emission = in.values<uint8_t>();
     size_t texels = 0;
     for (const ReliefBox& box : m.boxes) {
       if (box.texels < 16 || box.texels > 256 || box.first != texels) return std::nullopt;
-      for (const int joint : box.joints)
-        if (joint < 0 || static_cast<size_t>(joint) >= joints) return std::nullopt;
+      for (const ReliefBox::Mover& mover : box.movers)
+        if (mover.joint < 0 || static_cast<size_t>(mover.joint) >= joints) return std::nullopt;
       texels += ReliefModel::box_texels(box);
     }
     if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
@@ -277,11 +323,19 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
   what.capture = bake.capture.pose;
   what.texels_of_joint = parse_resolution(options.resolution, character);
   const double height = relief_height(character);
-  if (options.bend > 0)
-    what.pieces =
-        bend_pieces(character, bank, what.capture, {what.rule, what.threshold, options.bend * height / kBendPixels});
   // Boxes in fewer parts, where the maps would take more than a character's share of the bake budget.
   what.longest = options.part * height;
+  if (options.bend > 0) {
+    // Texels of the longest box that there is.
+    const double texel = kCutTexel * (options.part > 0 ? options.part : 1.0) * height / what.map_size;
+    Cells cells = skin_cells(
+        character, bank, what.capture, own_carriers(character),
+        {.tolerance = options.bend * height / kBendPixels, .skirt = kSkirt / kCutTexel * texel, .texel = texel});
+    bake.deviation = cells.deviation;
+    const double most = kMore * static_cast<double>(relief_texels(character, what));
+    what.pieces = std::move(cells.pieces);
+    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces)) continue;
+  }
   size_t texels = relief_texels(character, what);
   while (options.part_auto && what.longest > 0 &&
          maps_bytes(texels, emission_peak(character), options) > allowance.share) {

@@ -13,15 +13,18 @@
 
 namespace crowdbench::renderers {
 
+// Tall: what ReliefTierOptions::bend counts its pixels in.
+inline constexpr double kBendPixels = 240;
+
 struct ReliefTierOptions {
   ReliefBakeOptions maps;  // map_size, rule, threshold and by_area; the rest is found here
   std::string capture;     // "best", "bind" or "CLIP@PHASE"
   std::string resolution;  // "none" or "JOINT@TEXELS+..."
   int depth_bits = 16;
   bool cones = false;
-  double merge = 0;  // pixels that joints sharing a box may deviate; 0: one tier
-  double bend = 0;   // pixels, of a character 240 tall, that skin may deviate before it gets boxes of its own; 0: never
-  double part = 0;   // longest box, of the character's height; 0: no limit
+  double merge = 0;        // pixels that joints sharing a box may deviate; 0: one tier
+  double bend = 0;         // pixels, of a character 240 tall, that skin may deviate before it is cut; 0: rigid boxes
+  double part = 0;         // longest box, of the character's height; 0: no limit
   bool part_auto = false;  // longer boxes where the maps need it to fit
   uint64_t budget = 0;     // bytes of the nearest tier's maps, met by coarser texels; 0: none
 };
@@ -34,6 +37,7 @@ struct ReliefAllowance {
 
 struct ReliefTiers {
   CaptureScore capture;
+  double deviation = 0;             // metres: of the skin from the nearest tier's boxes at most; 0 where they are rigid
   std::vector<double> tier_pixels;  // of each model after the first: drawn below this height
   std::vector<ReliefModel> models;
   std::vector<std::vector<uint8_t>> cones;  // of each model; none unless asked for

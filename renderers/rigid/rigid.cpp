@@ -1,6 +1,5 @@
 // Based on: Maim et al. 2009: three levels, deformable mesh, rigid mesh and impostor, of which the middle one is a mesh
-// in stored poses. Differs from the source: the poses are the nearest of a clip's, evenly over its phases; there is no
-// second, simplified mesh.
+// in stored poses. Differs from the source: the poses are the nearest of a clip's, evenly over its phases.
 #include "renderers/rigid/rigid.h"
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "scene/cast/cast.h"
+#include "scene/pose/lod_mesh.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -27,10 +27,22 @@ struct CharacterPoses {
 };
 
 struct RigidOptions {
-  int64_t poses = 0;    // a clip; 0: as many as the budget holds
-  uint64_t budget = 0;  // bytes of posed vertices, all characters together
+  int64_t poses = 0;     // a clip; 0: as many as the budget holds
+  uint64_t budget = 0;   // bytes of posed vertices, all characters together
+  size_t triangles = 0;  // of the level of detail that is posed, a character; 0: all
   bool floor = false;
 };
+
+// The characters as they are posed: with fewer triangles where that was asked for.
+std::vector<std::shared_ptr<const scene::Character>> posed_characters(const scene::Cast& cast, size_t triangles) {
+  auto out = cast.characters;
+  if (triangles == 0) return out;
+  for (size_t c = 0; c < out.size(); ++c) {
+    scene::LodMesh level = scene::make_lod_mesh(*cast.characters[c], *cast.banks[c], {.triangles = triangles});
+    out[c] = std::make_shared<const scene::Character>(scene::with_mesh(*cast.characters[c], std::move(level.mesh)));
+  }
+  return out;
+}
 
 // Of a clip of `samples` samples in the bank: a still pose is stored once.
 uint32_t frames_of(const scene::BankClip& clip, uint32_t poses) { return clip.samples <= 1 ? 1 : poses; }
@@ -52,10 +64,11 @@ class RigidRepresentation : public Representation {
       : floor_(options.floor), draw_(make.context, MeshUse::stored_poses) {
     const auto start = std::chrono::steady_clock::now();
     const scene::Cast& cast = make.cast;
+    const auto characters = posed_characters(cast, options.triangles);
     std::vector<size_t> vertices;  // those that triangles use
     uint32_t most = 1;
     for (size_t c = 0; c < cast.characters.size(); ++c) {
-      vertices.push_back(make_mesh_data(*cast.characters[c]).vertices.size());
+      vertices.push_back(make_mesh_data(*characters[c]).vertices.size());
       for (const scene::BankClip& clip : cast.banks[c]->clips()) most = std::max(most, clip.samples);
     }
     const uint64_t budget = std::min(options.budget, make.bake_budget);
@@ -82,7 +95,7 @@ class RigidRepresentation : public Representation {
           palettes.push_back(bank.palette(bank.sample(static_cast<int>(k), static_cast<double>(f) / frames)));
       }
       out.poses = static_cast<uint32_t>(palettes.size());
-      out.mesh = upload_mesh(make.context, *cast.characters[c], bank.joints(), MeshUse::stored_poses, palettes);
+      out.mesh = upload_mesh(make.context, *characters[c], bank.joints(), MeshUse::stored_poses, palettes);
     }
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
@@ -173,12 +186,14 @@ const RepresentationType rigid_type = {
     .summary = "pre-posed meshes: stored poses of each clip as vertex buffers, no skinning",
     .options = {{"poses", "0..1024", "0",
                  "stored a clip; 0: as many as the budget holds, at most the bank's samples of the clip"},
-                {"budget", "1..65536", "16", "MiB of posed vertices, all clips and characters together"}},
+                {"budget", "1..65536", "16", "MiB of posed vertices, all clips and characters together"},
+                {"triangles", "0..4000000", "0", "of a level of detail that is posed, a character; 0: all"}},
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(rigid_type, spec);
       RigidOptions options;
       options.poses = reader.integer("poses", 0, 1024);
       options.budget = static_cast<uint64_t>(reader.integer("budget", 1, 65536)) << 20;
+      options.triangles = static_cast<size_t>(reader.integer("triangles", 0, 4'000'000));
       options.floor = reader.flag("floor");
       return std::make_unique<RigidRepresentation>(context, options);
     },

@@ -58,6 +58,39 @@ std::string difference_text(const Scene& scene, const std::string& name) {
   return text.empty() ? text : text + ".";
 }
 
+// A level of detail of the reference: the reference with options.
+bool is_level(const Scene& scene, const std::string& name) { return name.starts_with(scene.reference + ":"); }
+
+struct LevelRatio {
+  std::string level;
+  double times_as_fast = 0;
+};
+// Of a representation against the levels of detail that were timed in the same rounds, by the ratios of both to the
+// reference.
+std::vector<LevelRatio> ratios_to_levels(const Scene& scene, const RatioRow& row) {
+  std::vector<LevelRatio> out;
+  for (const std::string& level : scene.representations) {
+    if (!is_level(scene, level) || level == row.of.representation) continue;
+    const RatioRow* own = scene.ratio("speed", level, row.of.agents, row.of.requested_occupancy, scene.run->headline);
+    if (own != nullptr && own->ratio > 0) out.push_back({level, row.ratio / own->ratio});
+  }
+  return out;
+}
+
+std::string levels_text(const Scene& scene, const RatioRow& row) {
+  if (is_level(scene, row.of.representation)) return {};
+  const std::vector<LevelRatio> ratios = ratios_to_levels(scene, row);
+  if (ratios.empty()) return fmt::format(" No level of detail of {} was timed beside it.", scene.reference);
+  std::string text;
+  for (const LevelRatio& r : ratios) {
+    const bool faster = r.times_as_fast >= 1;
+    text += fmt::format(" It is {} times as {} as {}, a level of detail of {}.",
+                        factor_text(faster ? r.times_as_fast : 1 / r.times_as_fast), faster ? "fast" : "slow", r.level,
+                        scene.reference);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> answer(const Scene& scene) {
@@ -76,6 +109,7 @@ std::vector<std::string> answer(const Scene& scene) {
                       factor_text(faster ? best->ratio : 1 / best->ratio), faster ? "fast" : "slow", scene.reference,
                       factor_text(faster ? best->low : 1 / best->high),
                       factor_text(faster ? best->high : 1 / best->low), best->pairs);
+      text += levels_text(scene, *best);
       for (const CrossoverLine& line : lines) {
         if (line.occupancy != occupancy || line.first != scene.reference || line.second != name) continue;
         if (line.agents)
@@ -123,10 +157,14 @@ std::vector<Tile> tiles(const Scene& scene) {
   const std::string& metric = scene.run->headline;
   const double occupancy = scene.occupancies.front();
   const std::string at = occupancy > 0 ? " at " + percent_text(occupancy) + " occupancy" : std::string();
-  if (const RatioRow* ratio = largest_ratio(scene, name, occupancy); ratio != nullptr)
+  if (const RatioRow* ratio = largest_ratio(scene, name, occupancy); ratio != nullptr) {
+    std::string beside;
+    for (const LevelRatio& r : ratios_to_levels(scene, *ratio))
+      beside += fmt::format("; {}× that of {}", factor_text(r.times_as_fast), r.level);
     all.push_back({factor_text(ratio->ratio) + "×",
-                   fmt::format("the speed of {} with {}{}{}", scene.reference, agents_text(ratio->of.agents), at,
-                               void_notice(scene) ? " (void, see below)" : "")});
+                   fmt::format("the speed of {} with {}{}{}{}", scene.reference, agents_text(ratio->of.agents), at,
+                               beside, void_notice(scene) ? " (void, see below)" : "")});
+  }
   for (const CrossoverLine& line : crossovers_of(scene, metric))
     if (line.occupancy == occupancy && line.first == scene.reference && line.second == name && line.agents) {
       all.push_back({agents_text(static_cast<uint64_t>(std::llround(*line.agents))),

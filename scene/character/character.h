@@ -181,6 +181,9 @@ struct Character {
   std::string content_hash;  // SHA-256 of everything that a bake depends on
   Skeleton skeleton;
   Mesh mesh;
+  // Coarser meshes of the same character that the file holds, the first of them LOD1: with the same skeleton, materials
+  // and placement, which are made of `mesh`, LOD0, alone. Empty: the file has none.
+  std::vector<Mesh> levels;
   std::vector<Material> materials;
   std::vector<Texture> images;
   std::vector<Clip> clips;

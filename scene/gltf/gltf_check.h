@@ -59,6 +59,10 @@ std::vector<GltfMeshSize> check_meshes(GltfCheck& check, const GltfData& data);
 // Skins, the hierarchy of nodes, the scene that is shown and whether it keeps the limits. After check_meshes.
 void check_nodes(GltfCheck& check, const GltfData& data, const std::vector<GltfMeshSize>& meshes);
 
+// Which nodes stand for one another at different levels of detail (GltfPlan::lod). below: for each node those that
+// MSFT_lod names, the next coarser ones in order.
+void find_levels(GltfPlan& plan, const std::vector<std::vector<int>>& below, const std::vector<std::string>& names);
+
 void check_animations(GltfCheck& check, const GltfData& data);
 
 }  // namespace crowdbench::scene

@@ -26,6 +26,7 @@ class NodeCheck {
     check_skins();
     check_hierarchy();
     check_scene();
+    find_levels(check_.plan, coarser_, names_);
     check_totals();
   }
 
@@ -63,6 +64,8 @@ class NodeCheck {
     check_.plan.node_parent.assign(nodes, -1);
     check_.plan.hidden.assign(nodes, false);
     children_.resize(nodes);
+    coarser_.resize(nodes);
+    names_.resize(nodes);
     size_t node = 0;
     check_.each("nodes", [&](const json& object, const std::string& path) { check_node(object, path, node++); });
     order_nodes();
@@ -71,6 +74,8 @@ class NodeCheck {
   void check_node(const json& node, const std::string& path, size_t self) {
     json clean = json::object();
     check_.copy_name(node, path, clean);
+    if (clean.contains("name")) names_[self] = clean["name"].get<std::string>();
+    check_coarser(node, path, self);
     const auto copy = [&](const char* key, size_t count) {
       const json* value = check_.member(node, key);
       if (!value) return false;
@@ -119,6 +124,21 @@ class NodeCheck {
     node_skin_.push_back(mesh && skin ? *skin : -1);
     if (mesh && skin) check_skinned(*mesh, path);
     check_.keep("nodes", std::move(clean));
+  }
+
+  // MSFT_lod: the nodes that stand for this one where it is small.
+  void check_coarser(const json& node, const std::string& path, size_t self) {
+    const json* lod = check_.extension(node, path, "MSFT_lod");
+    if (!lod) return;
+    const std::string where = path + "/extensions/MSFT_lod/ids";
+    const json* ids = check_.member(*lod, "ids");
+    if (!ids || !ids->is_array()) check_.fail(where, "is not an array of nodes");
+    for (size_t i = 0; i < ids->size(); ++i) {
+      const int other = check_.index((*ids)[i], check_.item(where, i), "nodes");
+      if (static_cast<size_t>(other) == self || !named_coarser_.insert(other).second)
+        check_.fail(check_.item(where, i), fmt::format("names node {} a second time", other));
+      coarser_[self].push_back(other);
+    }
   }
 
   // Exporters that multiply matrices leave rounding in the last row; the specification wants exactly (0, 0, 0, 1).
@@ -234,6 +254,9 @@ class NodeCheck {
   const GltfData& data_;
   const std::vector<GltfMeshSize>& meshes_;
   std::vector<std::vector<int>> children_;
+  std::vector<std::vector<int>> coarser_;
+  std::set<int> named_coarser_;
+  std::vector<std::string> names_;
   std::vector<int> node_mesh_;
   std::vector<int> node_skin_;
   std::set<int> skinned_checked_;

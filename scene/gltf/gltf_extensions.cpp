@@ -15,15 +15,16 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 9> kRead = {"KHR_mesh_quantization",
-                                                   "KHR_texture_transform",
-                                                   "EXT_meshopt_compression",
-                                                   "KHR_draco_mesh_compression",
-                                                   "EXT_texture_webp",
-                                                   "KHR_node_visibility",
-                                                   "KHR_materials_unlit",
-                                                   "KHR_materials_emissive_strength",
-                                                   "KHR_materials_pbrSpecularGlossiness"};
+constexpr std::array<std::string_view, 10> kRead = {"KHR_mesh_quantization",
+                                                    "KHR_texture_transform",
+                                                    "EXT_meshopt_compression",
+                                                    "KHR_draco_mesh_compression",
+                                                    "EXT_texture_webp",
+                                                    "KHR_node_visibility",
+                                                    "MSFT_lod",
+                                                    "KHR_materials_unlit",
+                                                    "KHR_materials_emissive_strength",
+                                                    "KHR_materials_pbrSpecularGlossiness"};
 
 // They change nothing that is drawn here, so that even a file that requires them is drawn as it should be: lights are
 // the scenario's, materials are a base colour and light given off.

@@ -141,6 +141,22 @@ class Loader {
     return n.skin >= 0 || options_.rigid_meshes || model_.skins.empty();
   }
 
+  // Of the levels of a group that are shown, the one asked for, or the coarsest where there are not so many; all else
+  // at every level.
+  bool draws_at(size_t node, size_t level) const {
+    if (!draws(node)) return false;
+    const int group = plan_.lod_group[node];
+    if (group < 0) return true;
+    const std::set<int>& shown = shown_levels_.at(group);
+    return plan_.lod[node] == *std::next(shown.begin(), static_cast<std::ptrdiff_t>(std::min(level, shown.size() - 1)));
+  }
+
+  void find_levels_shown() {
+    for (size_t i = 0; i < model_.nodes.size(); ++i)
+      if (plan_.lod_group[i] >= 0 && draws(i)) shown_levels_[plan_.lod_group[i]].insert(plan_.lod[i]);
+    for (const auto& [group, shown] : shown_levels_) levels_ = std::max(levels_, shown.size());
+  }
+
   bool draws_anything() const {
     for (size_t i = 0; i < model_.nodes.size(); ++i)
       if (draws(i)) return true;
@@ -156,14 +172,8 @@ class Loader {
     mesh.weights.reserve(plan_.vertices);
     mesh.indices.reserve(plan_.triangles * 3);
     find_optional_attributes();
-    for (size_t i = 0; i < model_.nodes.size(); ++i) {
-      if (!draws(i)) continue;
-      const tinygltf::Node& node = model_.nodes[i];
-      const Palette palette = node.skin >= 0 ? skin_palette(node.skin) : rigid_palette(i);
-      const auto& primitives = model_.meshes[index_of(node.mesh)].primitives;
-      for (size_t p = 0; p < primitives.size(); ++p)
-        read_primitive(primitives[p], fmt::format("/meshes/{}/primitives/{}", node.mesh, p), i, palette);
-    }
+    find_levels_shown();
+    read_level(0);
     if (mesh.indices.empty()) {
       std::string reason = "has no triangles to draw";
       if (!options_.hide.empty()) reason += " once parts are hidden";
@@ -172,8 +182,43 @@ class Loader {
     }
     for (const int accessor : position_accessors_)
       character_.file_vertices += plan_.accessors[index_of(accessor)].count;
+    read_coarser_levels();
     if (zero_normals_ > 0) asset_.warn(fmt::format("{} normals of length zero point up instead", zero_normals_));
     weights_.report();
+  }
+
+  void read_level(size_t level) {
+    for (size_t i = 0; i < model_.nodes.size(); ++i) {
+      if (!draws_at(i, level)) continue;
+      const tinygltf::Node& node = model_.nodes[i];
+      const Palette palette = node.skin >= 0 ? skin_palette(node.skin) : rigid_palette(i);
+      const auto& primitives = model_.meshes[index_of(node.mesh)].primitives;
+      for (size_t p = 0; p < primitives.size(); ++p)
+        read_primitive(primitives[p], fmt::format("/meshes/{}/primitives/{}", node.mesh, p), i, palette);
+    }
+  }
+
+  // Character::levels, each read where the finest one was; together within the limits of one mesh.
+  void read_coarser_levels() {
+    if (levels_ < 2) return;
+    Mesh finest = std::move(character_.mesh);
+    size_t vertices = 0;
+    size_t corners = 0;
+    for (size_t level = 1; level < levels_; ++level) {
+      character_.mesh = {};
+      read_level(level);
+      Mesh& mesh = character_.mesh;
+      vertices += mesh.positions.size();
+      corners += mesh.indices.size();
+      if (mesh.indices.empty() || vertices > limits_.vertices || corners / 3 > limits_.triangles) break;
+      mesh.file_vertices.clear();
+      character_.levels.push_back(std::move(mesh));
+    }
+    character_.mesh = std::move(finest);
+    asset_.warn(fmt::format("{} levels of detail; LOD0 is drawn, the option lod=1 draws the next", levels_));
+    if (character_.levels.size() + 1 < levels_)
+      asset_.warn(
+          fmt::format("LOD{} and coarser ones are left out: no triangles, or too many", character_.levels.size() + 1));
   }
 
   // Arrays that all primitives or none have.
@@ -238,6 +283,8 @@ class Loader {
 
   Palette rigid_palette(size_t node) {
     auto& joints = character_.skeleton.joints;
+    const auto [place, fresh] = rigid_first_.emplace(node, static_cast<int>(joints.size()));
+    if (!fresh) return {place->second, 1, true};
     Joint joint;
     joint.node = node_of_[node];
     joint.name = model_.nodes[node].name;
@@ -474,6 +521,9 @@ class Loader {
   bool has_emissive_uvs_ = false;
   std::set<int> position_accessors_;  // of what is shown
   std::map<int, int> skin_first_;
+  std::map<size_t, int> rigid_first_;
+  std::map<int, std::set<int>> shown_levels_;  // by group
+  size_t levels_ = 1;                          // the finest among them
   int first_skin_ = -1;
   size_t zero_normals_ = 0;
   bool warned_flat_ = false;

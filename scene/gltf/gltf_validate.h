@@ -30,6 +30,10 @@ struct GltfPlan {
   std::vector<int> node_parent;  // by file index, -1 for a root
   std::vector<bool> in_scene;    // by file index: below a root of the default scene
   std::vector<bool> hidden;      // by file index: KHR_node_visibility says that it and what is below are not shown
+  // By file index: of nodes that stand for one another at different levels of detail, which group (-1: none) and which
+  // level, from 0, the finest. What is below such a node is of its level.
+  std::vector<int> lod_group;
+  std::vector<int> lod;
   std::vector<GltfHumanBone> human_bones;
   size_t vertices = 0;  // of the triangle primitives in the scene, a mesh on two nodes twice
   size_t triangles = 0;

@@ -420,6 +420,8 @@ void add_turning_node(Character& character, const glm::dquat& rotation) {
   if (skeleton.root_node >= 0) ++skeleton.root_node;
   for (HumanBone& bone : skeleton.human_bones) ++bone.node;
   for (Primitive& primitive : character.mesh.primitives) ++primitive.node;
+  for (Mesh& level : character.levels)
+    for (Primitive& primitive : level.primitives) ++primitive.node;
   for (Clip& clip : character.clips) {
     for (Channel& channel : clip.channels) ++channel.node;
     if (!clip.ground_velocity) continue;

@@ -235,7 +235,7 @@ TEST_F(SweepGl, RatioOfTheMeshToItselfIsAboutOne) {
   // Every time is of one of four: both sides, the mesh's floor and the mesh of 500 triangles; the mesh is `of` itself.
   ASSERT_EQ(report.medians.size(), 4U);
   EXPECT_EQ(report.medians[2].name, "mesh:floor=1");
-  EXPECT_EQ(report.medians[3].name, "mesh of mannequin:triangles=500");
+  EXPECT_EQ(report.medians[3].name, "mesh:triangles=500");
 
   request.pairs = kLeastPairs - 1;
   EXPECT_THROW(measure_ratio(*context_, cast_, request), Error);

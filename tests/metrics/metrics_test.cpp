@@ -17,6 +17,7 @@
 #include "metrics/pseudocolour.h"
 #include "metrics/silhouette.h"
 #include "metrics/ssim.h"
+#include "metrics/tears.h"
 #include "metrics/temporal.h"
 
 namespace crowdbench::metrics {
@@ -355,6 +356,84 @@ TEST(Silhouette, HausdorffAndSymmetricDifference) {
     if (agents.scores[s]->name == "silhouette_difference_px") {
       EXPECT_EQ(agents.agents[0].values[s], 26.0);
       EXPECT_EQ(agents.agents[1].values[s], 0.0);
+    }
+  }
+}
+
+// A figure of 8 x 6 pixels: what is missing at its edge is no hole, what is added next to it, corners included, is no
+// stray.
+TEST(Tears, ByHand) {
+  Mask reference(20, 16, 1);
+  for (int y = 4; y < 10; ++y)
+    for (int x = 5; x < 13; ++x) *reference.at(x, y) = 255;
+  Mask test = reference;
+  EXPECT_EQ(tears(reference, test)->holes, 0);
+  EXPECT_EQ(tears(reference, test)->strays, 0);
+  *test.at(5, 4) = *test.at(8, 4) = *test.at(12, 7) = 0;     // its edge
+  *test.at(4, 3) = *test.at(8, 3) = *test.at(13, 10) = 255;  // around it
+  EXPECT_EQ(tears(reference, test)->holes, 0);
+  EXPECT_EQ(tears(reference, test)->strays, 0);
+  *test.at(6, 5) = *test.at(11, 8) = *test.at(8, 6) = 0;  // one pixel inside, and deeper
+  *test.at(3, 3) = *test.at(14, 10) = 255;                // one pixel farther
+  *test.at(0, 0) = *test.at(19, 15) = *test.at(8, 2) = 255;
+  EXPECT_DOUBLE_EQ(tears(reference, test)->holes, 3 * 1000.0 / 48);
+  EXPECT_DOUBLE_EQ(tears(reference, test)->strays, 5 * 1000.0 / 48);
+}
+
+TEST(Tears, EdgesOfThePictureAndNothing) {
+  // A figure that the picture's corner cuts: its pixels there are inside of it.
+  Mask reference(4, 4, 1);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 2; ++x) *reference.at(x, y) = 255;
+  Mask test = reference;
+  *test.at(0, 0) = 0;
+  EXPECT_DOUBLE_EQ(tears(reference, test)->holes, 250);
+  *test.at(1, 1) = 0;
+  EXPECT_DOUBLE_EQ(tears(reference, test)->holes, 250) << "its edge";
+  // Nothing drawn is all hole but for the edge; everything drawn is all stray.
+  EXPECT_DOUBLE_EQ(tears(reference, Mask(4, 4, 1))->holes, 250);
+  Mask full(4, 4, 1);
+  std::fill(full.data.begin(), full.data.end(), uint8_t{255});
+  EXPECT_DOUBLE_EQ(tears(full, Mask(4, 4, 1))->holes, 1000);
+  EXPECT_DOUBLE_EQ(tears(reference, full)->strays, 7 * 250.0);
+  EXPECT_FALSE(tears(Mask(4, 4, 1), full)) << "per mille of nothing";
+  EXPECT_THROW(tears(full, Mask(4, 5, 1)), Error);
+  // Thin as a pixel, a figure has no inside that could be left out.
+  Mask line(8, 8, 1);
+  for (int x = 1; x < 7; ++x) *line.at(x, 3) = 255;
+  EXPECT_EQ(tears(line, Mask(8, 8, 1))->holes, 0);
+}
+
+// Where another agent covers one there is a hole in it, though not in the picture.
+TEST(Tears, OfAgents) {
+  ImageU32 a(20, 16, 1);
+  ImageU32 b(20, 16, 1);
+  for (int y = 4; y < 8; ++y)
+    for (int x = 5; x < 15; ++x) *a.at(x, y) = *b.at(x, y) = x < 10 ? 7 : 9;
+  *b.at(7, 6) = 9;    // a hole of 7, and a stray of 9 whose picture it is
+  *b.at(12, 12) = 9;  // a stray of 9
+  *b.at(14, 8) = 9;   // beside 9
+  ScoreInput input;
+  input.reference.ids = &a;
+  input.test.ids = &b;
+  Shared shared;
+  const AgentScores agents = score_agents(scores(), input, shared);
+  ASSERT_EQ(agents.agents.size(), 2U);
+  size_t seen = 0;
+  for (size_t s = 0; s < agents.scores.size(); ++s) {
+    const bool holes = agents.scores[s]->name == "holes";
+    if (!holes && agents.scores[s]->name != "strays") continue;
+    ++seen;
+    EXPECT_EQ(agents.agents[0].values[s], holes ? 50.0 : 0.0);
+    EXPECT_EQ(agents.agents[1].values[s], holes ? 0.0 : 100.0);
+  }
+  EXPECT_EQ(seen, 2U);
+  for (const Scored& one : score_pictures(scores(), input, shared)) {
+    if (one.score->name == "holes") {
+      EXPECT_EQ(one.result.value, 0.0) << "covered, whoever it is";
+    }
+    if (one.score->name == "strays") {
+      EXPECT_EQ(one.result.value, 25.0);
     }
   }
 }

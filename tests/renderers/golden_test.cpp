@@ -49,6 +49,7 @@ struct Golden {
 const std::vector<Golden>& goldens() {
   static const std::vector<Golden> all = {
       {"mesh", "mesh", 5.5},
+      {"mesh_level", "mesh:triangles=500", 5.5},
       {"rigid", "rigid:poses=8", 5.5},
       {"hybrid", "hybrid(mesh,polypostor:views=sphere-4x1,frames=2,texels=64,distance=4,fade=4)", 5.5},
       {"polypostor", "polypostor:views=sphere-6x2,frames=4", 5.5},

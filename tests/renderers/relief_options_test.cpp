@@ -175,7 +175,7 @@ TEST_F(ReliefOptionsGl, TriangleRulesOpenAndCloseTheJoint) {
   frame.origin = frame.camera.eye;
   testing::add_agent(frame, cast, {0, 0, 0}, 1, 0.5);
   // Half a texel is 4 mm, less than a pixel (4.6 mm).
-  const std::string common = "relief:map=128,merge=0,capture=bind,rule=";
+  const std::string common = "relief:map=128,merge=0,capture=bind,bend=rigid,rule=";
   const Difference dominant = against_mesh(cast, frame, common + "dominant");
   const Difference any = against_mesh(cast, frame, common + "any");
   const Difference low = against_mesh(cast, frame, common + "threshold0.9");

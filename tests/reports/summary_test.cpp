@@ -142,7 +142,8 @@ TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   ASSERT_EQ(sentences.size(), 3U);  // two occupancies and the difference
   EXPECT_EQ(sentences[0],
             "With 1,000 agents covering 15 % of a 640 × 480 picture, flat is 50.0 times as fast as mesh (95 % interval "
-            "48.5 to 52.0, 24 interleaved pairs). From about 10 agents on, flat is the cheaper one.");
+            "48.5 to 52.0, 24 interleaved pairs). No level of detail of mesh was timed beside it. From about 10 agents "
+            "on, flat is the cheaper one.");
   EXPECT_TRUE(sentences[1].starts_with("With 250 agents covering 90 %")) << sentences[1];
   EXPECT_EQ(
       sentences[2],
@@ -155,6 +156,33 @@ TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   EXPECT_EQ(glance[2].figure, "0.885");
   EXPECT_EQ(glance[2].meaning, "silhouette IoU, 64 pixels tall (mean of 3 views, 1 is equal)");
   EXPECT_EQ(glance[3].figure, "170.7 MiB");
+}
+
+TEST(Summary, ASpeedStandsBesideALevelOfDetail) {
+  StoreContents contents = made_up_contents();
+  // Every row of a third representation: the times of flat, four times as fast as the mesh.
+  for (const MeasurementRow& row : std::vector<MeasurementRow>(contents.measurements)) {
+    if (row.key.representation != "flat") continue;
+    contents.measurements.push_back(row);
+    contents.measurements.back().key.representation = "mesh:triangles=500";
+  }
+  for (const RatioRow& row : std::vector<RatioRow>(contents.ratios)) {
+    if (row.of.representation != "flat" || row.kind != "speed") continue;
+    contents.ratios.push_back(row);
+    contents.ratios.back().of.representation = "mesh:triangles=500";
+    contents.ratios.back().ratio = 4;
+  }
+  const auto scenes = scenes_of(contents, made_up_scores());
+  const auto sentences = answer(scenes[0]);
+  EXPECT_NE(sentences[0].find("flat is 50.0 times as fast as mesh"), std::string::npos);
+  EXPECT_NE(sentences[0].find("It is 12.5 times as fast as mesh:triangles=500, a level of detail of mesh."),
+            std::string::npos)
+      << sentences[0];
+  EXPECT_NE(tiles(scenes[0])[0].meaning.find("12.5× that of mesh:triangles=500"), std::string::npos);
+  for (const std::string& sentence : sentences)
+    if (sentence.find("mesh:triangles=500 is") != std::string::npos) {
+      EXPECT_EQ(sentence.find("level of detail"), std::string::npos) << "the level itself: " << sentence;
+    }
 }
 
 TEST(Summary, AReferenceFarAboveItsFloorVoidsTheFigures) {

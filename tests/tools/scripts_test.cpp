@@ -34,10 +34,12 @@ const std::map<std::string, std::string> kScripts = {
     {"driver.mjs", "ReliefQuality"},
     {"figures.sh", "Figures"},
     {"gpu_check.sh", "Bundle"},
+    {"lod_equal.mjs", "LodEqual"},
     {"polypostor_figures.mjs", "PolypostorFigures"},
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
+    {"relief_tears.mjs", "ReliefTears"},
 };
 
 std::string quoted(const fs::path& path) { return shell_quoted(path.string()); }
@@ -123,6 +125,20 @@ TEST_F(ScriptsGl, Figures) {
   EXPECT_FALSE(fs::exists(folder_ / "other.md"));
 }
 
+TEST_F(ScriptsGl, LodEqual) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("lod_equal.mjs", driver_ + " levels --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_TRUE(std::regex_search(outcome.text, std::regex(R"(\n\| flat:views=sphere-4x1,frames=2 \| 30 \| 0\.\d+ \| )")))
+      << outcome.text;
+  EXPECT_NE(outcome.text.find("\n| rigid:poses=2 | 30 |"), std::string::npos);
+  EXPECT_EQ(outcome.text.find("NaN"), std::string::npos) << outcome.text;
+  const Outcome again = run("lod_equal.mjs", driver_ + " levels --tiny");
+  EXPECT_EQ(again.text, outcome.text) << "what was measured is kept";
+  EXPECT_EQ(run("lod_equal.mjs", driver_ + " levels --heights 1").status, 2);
+  EXPECT_EQ(run("lod_equal.mjs", driver_).status, 2);
+}
+
 TEST_F(ScriptsGl, PolypostorFigures) {
   NEEDS(Need{"node", "nodejs"});
   for (const char* table : {"memory", "quality", "flicker", "characters", "speed", "bake"}) {
@@ -154,6 +170,15 @@ TEST_F(ScriptsGl, ScoreCorrelations) {
   for (auto at = std::sregex_iterator(page.begin(), page.end(), link); at != std::sregex_iterator(); ++at)
     EXPECT_TRUE(fs::exists(folder_ / (*at)[1].str())) << (*at)[1].str();
   EXPECT_EQ(run("score_correlations.sh", driver_ + " scores.md --frobnicate").status, 2);
+}
+
+TEST_F(ScriptsGl, ReliefTears) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("relief_tears.mjs", driver_ + " --tiny");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  expect_tables("\n" + outcome.text, 1);
+  EXPECT_EQ(outcome.text.find("NaN"), std::string::npos) << outcome.text;
+  EXPECT_EQ(run("relief_tears.mjs", "").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {

@@ -1,0 +1,136 @@
+#include "scene/pose/lod_mesh.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/character/simplify.h"
+
+namespace crowdbench::scene {
+namespace {
+
+constexpr size_t kPoses = 8;
+constexpr size_t kMostPoses = 24;  // where there are more clips than that, some of them
+// Quadrics of many vertices in many poses would not fit: 80 bytes each.
+constexpr size_t kMostVerticesTimesPoses = 4'000'000;
+constexpr size_t kSamples = 2000;  // of a surface in a pose
+constexpr size_t kLeastTriangles = 4;
+
+struct Pose {
+  int bank_clip;
+  double phase;
+};
+
+// Poses of all clips, evenly over their phases. between: halfway between those that are given without.
+std::vector<Pose> poses_of(const PoseBank& bank, bool between) {
+  const size_t clips = bank.clips().size();
+  const size_t used = std::min(clips, kMostPoses);
+  const size_t each = std::max<size_t>(1, kPoses / used);
+  std::vector<Pose> out;
+  for (size_t c = 0; c < used; ++c)
+    for (size_t k = 0; k < each; ++k)
+      out.push_back({static_cast<int>(c * clips / used),
+                     (static_cast<double>(k) + (between ? 0.5 : 0.0)) / static_cast<double>(each)});
+  return out;
+}
+
+std::vector<glm::vec3> posed(const Mesh& mesh, const PoseBank& bank, const Pose& pose) {
+  const std::vector<Mat3x4> palette = bank.palette(bank.sample(pose.bank_clip, pose.phase));
+  std::vector<glm::vec3> out(mesh.positions.size());
+  for (size_t v = 0; v < out.size(); ++v) {
+    const glm::vec4 position(mesh.positions[v], 1.0F);
+    for (int i = 0; i < kInfluences; ++i) {
+      const float weight = mesh.weights[v][i];
+      if (weight == 0) continue;
+      const Mat3x4& m = palette[mesh.joints[v][i]];
+      out[v] += weight *
+                glm::vec3(glm::dot(m.rows[0], position), glm::dot(m.rows[1], position), glm::dot(m.rows[2], position));
+    }
+  }
+  return out;
+}
+
+std::vector<std::vector<glm::vec3>> shown_poses(const Character& character, const PoseBank& bank) {
+  const size_t most =
+      std::max<size_t>(1, kMostVerticesTimesPoses / std::max<size_t>(1, character.mesh.positions.size()));
+  std::vector<std::vector<glm::vec3>> out;
+  const std::vector<Pose> poses = poses_of(bank, false);
+  const size_t kept = std::min(most, poses.size());
+  for (size_t i = 0; i < kept; ++i) out.push_back(posed(character.mesh, bank, poses[i * poses.size() / kept]));
+  return out;
+}
+
+// The fewest triangles whose error stays within the bound, by halving; the error is taken to fall as triangles are
+// added.
+LodMesh within_error(const Character& character, const PoseBank& bank, double bound,
+                     std::span<const std::vector<glm::vec3>> poses) {
+  size_t low = 0;
+  size_t high = character.triangles();
+  LodMesh best{character.mesh, {}};
+  while (high - low > std::max<size_t>(1, high / 50)) {
+    const size_t middle = (low + high) / 2;
+    SimplifiedMesh tried = simplify(character, poses, std::max(middle, kLeastTriangles));
+    if (lod_error(character, tried.mesh, bank).distance.max > bound) {
+      low = middle;
+      continue;
+    }
+    best.mesh = std::move(tried.mesh);
+    high = middle;
+  }
+  return best;
+}
+
+}  // namespace
+
+LodMesh make_lod_mesh(const Character& character, const PoseBank& bank, const LodRequest& request) {
+  const std::vector<std::vector<glm::vec3>> poses = shown_poses(character, bank);
+  if (request.error > 0) return within_error(character, bank, request.error, poses);
+  const size_t triangles =
+      request.ratio > 0 ? static_cast<size_t>(std::floor(request.ratio * static_cast<double>(character.triangles())))
+                        : request.triangles;
+  SimplifiedMesh made = simplify(character, poses, triangles);
+  return {std::move(made.mesh), std::move(made.why_more)};
+}
+
+Character with_mesh(const Character& character, Mesh mesh) {
+  Character out = character;
+  out.mesh = std::move(mesh);
+  out.levels.clear();
+  return out;
+}
+
+LodError lod_error(const Character& character, const Mesh& mesh, const PoseBank& bank) {
+  LodError out;
+  double squares = 0;
+  for (const Pose& pose : poses_of(bank, true)) {
+    const std::vector<glm::vec3> own = posed(character.mesh, bank, pose);
+    const std::vector<glm::vec3> other = posed(mesh, bank, pose);
+    const SurfaceDistance found = surface_distance({own, character.mesh.indices}, {other, mesh.indices}, kSamples);
+    squares += found.rms * found.rms;
+    ++out.poses;
+    if (found.max <= out.distance.max) continue;
+    out.distance.max = found.max;
+    out.bank_clip = pose.bank_clip;
+    out.phase = pose.phase;
+  }
+  out.distance.rms = std::sqrt(squares / static_cast<double>(out.poses));
+  return out;
+}
+
+MeshoptimizerMesh meshoptimizer_mesh(const Character& character, const PoseBank& bank, size_t triangles) {
+  const Mesh& mesh = character.mesh;
+  const std::vector<glm::vec3> positions = posed(mesh, bank, {0, 0.0});
+  std::vector<uint32_t> kept(mesh.indices.size());
+  float error = 0;
+  const size_t target = std::min(triangles * 3, mesh.indices.size());
+  constexpr float kAnyError = 1e9F;
+  kept.resize(meshopt_simplify(kept.data(), mesh.indices.data(), mesh.indices.size(), &positions[0].x, positions.size(),
+                               sizeof(glm::vec3), target, kAnyError, 0U, &error));
+  MeshoptimizerMesh out{
+      mesh, double{error} * double{meshopt_simplifyScale(&positions[0].x, positions.size(), sizeof(glm::vec3))}};
+  out.mesh.indices = std::move(kept);
+  return out;
+}
+
+}  // namespace crowdbench::scene
