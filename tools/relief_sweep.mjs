@@ -47,7 +47,7 @@ const call = asks(driver);
 function measure(cell) {
   const search = cell.steps.includes('+') ? `search=linear,steps=${cell.steps}` : `search=${cell.steps}`;
   // Every joint its own box at every size: what shares boxes changes no axis here.
-  const spec = `relief:map=${cell.map},${search},rule=${cell.rule},capture=${cell.capture},merge=0`;
+  const spec = `relief:map=${cell.map},${search},rule=${cell.rule},capture=${cell.capture},merge=0,bend=rigid`;
   const name = join(folder, Object.values(cell).join('_').replace(/[^\w.+-]/g, '-'));
   if (existsSync(`${name}.json`)) return JSON.parse(readFileSync(`${name}.json`, 'utf8'));
   const { rows } = call('quality', '--representation', spec, ...character, ...views);

@@ -15,8 +15,9 @@ if (!driver || (tiny && rest.length > 1)) {
 const [folder, ...given] = tiny ? [undefined, 'relief:map=32,capture=bind'] : rest;
 const representations = given.length > 0 ? given : ['relief'];
 const characters = [[tiny ? 'mannequin:triangles=500' : 'mannequin', 'walk']];
-const walks = [['Fox', 'Walk'], ['CesiumMan', '0'], ['RiggedFigure', '0'], ['greenman', '2_move'], ['Robot', 'Robot_Walking'],
-  ['KayKitKnight', 'Walking_A'], ['QuaterniusKnight', 'HumanArmature|Walking'], ['CyberpunkCharacter', 'CharacterArmature|Walk'], ['Mannequiny', 'walk']];
+const walks = [['Fox', 'Walk'], ['CesiumMan', '0'], ['RiggedFigure', '0'], ['greenman', '2_move'],
+  ['Robot', 'Robot_Walking'], ['KayKitKnight', 'Walking_A'], ['QuaterniusKnight', 'HumanArmature|Walking'],
+  ['CyberpunkCharacter', 'CharacterArmature|Walk'], ['Mannequiny', 'walk']];
 for (const [name, clip] of walks)
   if (folder && existsSync(`${folder}/${name}.glb`)) characters.push([`${folder}/${name}.glb`, clip]);
 const views = tiny ? ['--height-px', '60', '--time', '0.1']

@@ -31,6 +31,9 @@ namespace {
 constexpr int kGroup = 64;      // local_size_x of relief.comp
 constexpr double kPart = 0.27;  // of the height: one of 128 texels is then at most a pixel of a character 480 tall
 
+// Of the silhouette, what rigid boxes may miss over the clips (CaptureScore) before it is said.
+constexpr double kTornSilhouette = 0.01;
+
 struct Options {
   ReliefTierOptions bake;
   int search = RELIEF_SEARCH_ADAPTIVE;
@@ -221,6 +224,11 @@ class Relief final : public Representation {
       bake = bake_tiers(character, bank, options_.bake, allowance);
       cache.store("relief", key, serialise(*bake));
     }
+    if (options_.bake.bend <= 0 && bake->capture.silhouette_error > kTornSilhouette)
+      fmt::print(stderr,
+                 "crowdbench: warning: relief: rigid boxes miss {:.1f} % of the silhouette of {} over its clips, more "
+                 "than {:.0f} %; bend=1 follows its skin\n",
+                 100 * bake->capture.silhouette_error, printable(character.name), 100 * kTornSilhouette);
     Baked& baked = baked_.emplace_back();
     baked.key = key;
     baked.cached = cached;

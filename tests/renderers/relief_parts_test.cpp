@@ -200,6 +200,19 @@ TEST(ReliefParts, CellsStayWithTheSkinInEveryPose) {
   EXPECT_NEAR(whole.deviation, 0, 1e-9);
 }
 
+TEST_F(ReliefPartsGl, RigidBoxesThatTearSaySo) {
+  const scene::Cast cast = cast_of(soft_column());
+  const auto said = [&](const std::string& spec) {
+    ::testing::internal::CaptureStderr();
+    (void)make(cast, spec);
+    return ::testing::internal::GetCapturedStderr();
+  };
+  const std::string rigid = said("relief:map=32,part=0,merge=0,bend=rigid");
+  EXPECT_NE(rigid.find("warning: relief: rigid boxes miss "), std::string::npos) << rigid;
+  EXPECT_NE(rigid.find("; bend=1 follows its skin\n"), std::string::npos) << rigid;
+  EXPECT_EQ(said("relief:map=32,part=0,merge=0").find("warning"), std::string::npos);
+}
+
 // Bent by a quarter turn: cells follow the skin where one box a joint leaves it.
 TEST_F(ReliefPartsGl, CellsFollowBentSkin) {
   const scene::Cast cast = cast_of(soft_column());
