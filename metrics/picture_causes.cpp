@@ -189,6 +189,7 @@ class Telling {
     else
       reason(Cause::pose) = "no picture of the reference in other poses was given (--pose-ref)";
     put_in_places();
+    if (!now_.depth.empty()) measure_gaps();
     put_in_order();
     put_in_silhouettes();
     if (now_.depth.empty())
@@ -292,16 +293,20 @@ class Telling {
     put_in_where(Cause::silhouette, [&](size_t i) { return now_.ids.data[i] != test_.ids.data[i]; });
   }
 
-  void put_in_surfaces() {
+  // How much farther away an agent is than where it was found to have moved to in the picture: the same points of its
+  // body are compared.
+  void measure_gaps() {
     std::map<uint32_t, std::vector<double>> farther;
     for (size_t i = 0; i < pixels(); ++i)
-      if (const uint32_t id = pictures_.reference_ids.data[i]; id != 0 && id == test_.ids.data[i])
-        farther[id].push_back(static_cast<double>(test_.depth.data[i]) -
-                              static_cast<double>(pictures_.reference_depth->data[i]));
+      if (const uint32_t id = now_.ids.data[i]; id != 0 && id == test_.ids.data[i])
+        farther[id].push_back(static_cast<double>(test_.depth.data[i]) - static_cast<double>(now_.depth.data[i]));
     for (auto& [id, gaps] : farther) {
       std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
       changes_[id].farther = gaps[gaps.size() / 2];
     }
+  }
+
+  void put_in_surfaces() {
     put_in_where(Cause::surface, [&](size_t i) {
       if (test_.ids.data[i] == 0) return false;
       return std::abs(static_cast<double>(now_.depth.data[i]) - static_cast<double>(test_.depth.data[i])) >

@@ -36,7 +36,8 @@ std::string change_text(const metrics::AgentChange& change) {
   std::string text;
   if (change.posed) text += "; in the pose of --pose-ref";
   if (change.dx != 0 || change.dy != 0)
-    text += fmt::format("; displaced by {} pixels right and {} down", change.dx, change.dy);
+    text += fmt::format("; displaced by {} pixels {} and {} {}", std::abs(change.dx), change.dx < 0 ? "left" : "right",
+                        std::abs(change.dy), change.dy < 0 ? "up" : "down");
   if (change.farther && std::abs(*change.farther) > metrics::kSurfaceTolerance)
     text += fmt::format("; {:.3g} m {}", std::abs(*change.farther), *change.farther > 0 ? "farther" : "nearer");
   for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);

@@ -99,12 +99,9 @@ metrics::PictureCauses read_causes(const CompareOptions& options, const CompareS
                                    const std::optional<CompareRegion>& region, const ComparedPictures& pictures) {
   metrics::PicturesWithIds of{std::get<Image8>(pictures.reference), std::get<Image8>(pictures.test),
                               pictures.reference_ids, pictures.test_ids};
-  ImageF reference_depth, test_depth;
-  if (!options.depth_reference.empty()) {
-    reference_depth = read_depth(options.depth_reference, pictures.reference_ids);
-    test_depth = read_depth(options.depth_test, pictures.reference_ids);
-    of.reference_depth = &reference_depth;
-    of.test_depth = &test_depth;
+  if (!pictures.reference_depth.empty()) {
+    of.reference_depth = &pictures.reference_depth;
+    of.test_depth = &pictures.test_depth;
   }
   ComparedPictures posed;
   if (!options.pose_reference.empty()) {
@@ -173,6 +170,10 @@ Result compare(const CompareOptions& options, metrics::ScoreTable table) {
   bring_together(setup, result.region, pictures, options.reference, options.test, result.warnings);
   compare_tags(options, result);
   if (!options.ids_reference.empty()) read_both_ids(options, pictures, result);
+  if (!options.depth_reference.empty()) {
+    pictures.reference_depth = read_depth(options.depth_reference, pictures.reference_ids);
+    pictures.test_depth = read_depth(options.depth_test, pictures.reference_ids);
+  }
 
   metrics::ScoreInput input = score_input(setup, result.region, pictures);
   input.maps = !options.maps.empty();

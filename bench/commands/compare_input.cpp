@@ -37,12 +37,13 @@ int channels_of(const AnyImage& image) {
   return std::visit([](const auto& i) { return i.channels; }, image);
 }
 
-metrics::Buffers buffers_of(const AnyImage& image, const ImageU32& ids) {
+metrics::Buffers buffers_of(const AnyImage& image, const ImageU32& ids, const ImageF& depth) {
   metrics::Buffers out;
   out.codes = std::get_if<Image8>(&image);
   out.codes16 = std::get_if<Image16>(&image);
   out.linear = std::get_if<ImageF>(&image);
   if (!ids.empty()) out.ids = &ids;
+  if (!depth.empty()) out.depth = &depth;
   return out;
 }
 
@@ -183,8 +184,8 @@ void bring_together(const CompareSetup& setup, const std::optional<CompareRegion
 
 metrics::ScoreInput score_input(const CompareSetup& setup, const std::optional<CompareRegion>& region,
                                 const ComparedPictures& pictures) {
-  metrics::ScoreInput input{buffers_of(pictures.reference, pictures.reference_ids),
-                            buffers_of(pictures.test, pictures.test_ids)};
+  metrics::ScoreInput input{buffers_of(pictures.reference, pictures.reference_ids, pictures.reference_depth),
+                            buffers_of(pictures.test, pictures.test_ids, pictures.test_depth)};
   if (region) input.region = &region->counted;
   metrics::look_at(setup.display, input);
   input.padding = setup.padding;

@@ -56,7 +56,8 @@ CompareSetup compare_setup(const CompareOptions& options, metrics::ScoreTable ta
 // The two pictures as they were read, brought to one kind of number.
 struct ComparedPictures {
   AnyImage reference, test;
-  ImageU32 reference_ids, test_ids;  // empty: not asked for
+  ImageU32 reference_ids, test_ids;    // empty: not asked for
+  ImageF reference_depth, test_depth;  // likewise
 };
 bool has_codes(const AnyImage& image);
 

@@ -133,7 +133,7 @@ Option* add_display_option(Command& command, std::string& display) {
 }
 
 Option* add_results_option(Command& command, std::string& file) {
-  return command.add_option("--db", file, "add what was found to this result file (`report`, `correlate`)")
+  return command.add_option("--db", file, "add what was found to this result file; `correlate` and `report` read it")
       ->type_name("FILE.sqlite")
       ->output_file();
 }

@@ -17,6 +17,9 @@ const metrics::Score& score_named(const std::string& name, const std::string& op
     if (score->name == name) return *score;
     names.emplace_back(score->name);
   }
+  for (const metrics::Score* score : metrics::scores())
+    if (score->name == name)
+      throw Error(option, fmt::format("the score '{}' was not asked for", name), "name it in --scores too");
   const std::string nearest = nearest_name(name, names);
   throw Error(option, fmt::format("there is no score '{}'", printable(name)),
               nearest.empty() ? fmt::format("there are {}", fmt::join(names, ", "))

@@ -179,7 +179,7 @@ std::vector<CauseRange> distance_causes(const DistanceResult& result, size_t rep
   for (const DistanceCauses& frame : result.causes) {
     if (frame.representation != representation) continue;
     for (const DistanceAgent& agent : result.agents)
-      if (agent.view.tick == frame.tick)
+      if (agent.view.tick == frame.tick && agent.view.state == AgentState::counted)
         if (const metrics::CauseRow* row = frame.errors.agent(agent.view.id))
           units.push_back({agent.view.height_px, agent.view.id, *row});
   }

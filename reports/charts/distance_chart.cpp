@@ -81,29 +81,34 @@ std::string distance_chart(const ScoreDoc& doc, const DistanceGraph& graph) {
     return Json{{"field", field},
                 {"type", "quantitative"},
                 {"scale", {{"zero", false}, {"nice", true}}},
-                {"axis", {{"title", heading(doc)}, {"tickCount", 5}}}};
+                // The heading above names the score.
+                {"axis", {{"title", doc.unit}, {"tickCount", 5}}}};
   };
   const Json colour = colour_of(graph);
   Json spec = chart_frame(220);
   spec["data"] = {{"values", bins}};
-  spec["layer"] =
-      Json::array({{{"data", {{"values", points_of(graph)}}},
-                    {"mark", {{"type", "point"}, {"filled", true}, {"size", 14}, {"opacity", 0.3}, {"clip", true}}},
-                    {"encoding", {{"x", x}, {"y", y("value")}, {"color", colour}}}},
-                   {{"mark", {{"type", "area"}, {"opacity", 0.2}, {"invalid", "break-paths-show-domains"}}},
-                    {"encoding", {{"x", x}, {"y", y("low")}, {"y2", {{"field", "high"}}}, {"color", colour}}}},
-                   {{"mark", {{"type", "line"}, {"strokeWidth", 2}, {"invalid", "break-paths-show-domains"}}},
-                    {"encoding", {{"x", x}, {"y", y("value")}, {"color", colour}}}},
-                   {{"data", {{"values", thresholds_of(graph)}}},
-                    {"mark", {{"type", "rule"}, {"strokeDash", {4, 4}}, {"color", kChartInk}}},
-                    {"encoding", {{"y", y("value")}}}},
-                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 40}, {"opacity", 1}}},
+  Json layers = Json::array();
+  // A layer without values would have no range, of which the page's console is told.
+  if (Json points = points_of(graph); !points.empty())
+    layers.push_back({{"data", {{"values", std::move(points)}}},
+                      {"mark", {{"type", "point"}, {"filled", true}, {"size", 14}, {"opacity", 0.3}, {"clip", true}}},
+                      {"encoding", {{"x", x}, {"y", y("value")}, {"color", colour}}}});
+  layers.push_back({{"mark", {{"type", "area"}, {"opacity", 0.2}, {"invalid", "break-paths-show-domains"}}},
+                    {"encoding", {{"x", x}, {"y", y("low")}, {"y2", {{"field", "high"}}}, {"color", colour}}}});
+  layers.push_back({{"mark", {{"type", "line"}, {"strokeWidth", 2}, {"invalid", "break-paths-show-domains"}}},
+                    {"encoding", {{"x", x}, {"y", y("value")}, {"color", colour}}}});
+  if (Json thresholds = thresholds_of(graph); !thresholds.empty())
+    layers.push_back({{"data", {{"values", std::move(thresholds)}}},
+                      {"mark", {{"type", "rule"}, {"strokeDash", {4, 4}}, {"color", kChartInk}}},
+                      {"encoding", {{"y", y("value")}}}});
+  layers.push_back({{"mark", {{"type", "point"}, {"filled", true}, {"size", 40}, {"opacity", 1}}},
                     {"encoding",
                      {{"x", x},
                       {"y", y("value")},
                       {"color", colour},
                       {"tooltip", Json::array({tip("representation", "representation"), tip("where", graph.against),
-                                               tip("text", "median"), tip("agents", "agents")})}}}}});
+                                               tip("text", "median"), tip("agents", "agents")})}}}});
+  spec["layer"] = std::move(layers);
   return spec.dump();
 }
 

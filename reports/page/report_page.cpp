@@ -103,7 +103,10 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
   const std::vector<Scene> scenes = scenes_of(contents, options.scores);
   const std::vector<const RunRow*> distances = runs_with_curves(contents);
   if (scenes.empty() && distances.empty())
-    throw Error(options.source, "holds no measurement", "run `crowdbench bench --out " + options.source + "` first");
+    throw Error(options.source, "holds no measurement and no curve to make a page of",
+                contents.comparisons.empty()
+                    ? "run `crowdbench bench --out " + options.source + "` first"
+                    : "it holds comparisons: `crowdbench correlate`, or `crowdbench report --scores-csv FILE`");
   const bool several = scenes.size() > 1;
   const RunRow& run = scenes.empty() ? *distances.front() : *scenes.front().run;
   std::vector<Html> answers;

@@ -11,8 +11,6 @@
 namespace crowdbench::scene {
 namespace {
 
-size_t at(int node) { return static_cast<size_t>(node); }
-
 int require_node(const SkeletonRest& rest, const std::string& name) {
   if (const auto found = find_node(rest.skeleton, name)) return *found;
   std::vector<std::string> names;

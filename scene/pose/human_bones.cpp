@@ -150,7 +150,7 @@ int depth_of(const Skeleton& skeleton, int node) {
   return depth;
 }
 
-bool is_above(const Skeleton& skeleton, int above, int node) {
+bool is_at_or_above(const Skeleton& skeleton, int above, int node) {
   while (node >= 0 && node != above) node = skeleton.nodes[static_cast<size_t>(node)].parent;
   return node == above;
 }
@@ -197,7 +197,7 @@ class Finder {
     }
     if (!spine.contains(0)) return;
     const auto leg = found_.find({BonePart::upper_leg, BoneSide::left, 0});
-    if (!found_.contains({BonePart::hips}) && leg != found_.end() && is_above(skeleton_, spine[0], leg->second))
+    if (!found_.contains({BonePart::hips}) && leg != found_.end() && is_at_or_above(skeleton_, spine[0], leg->second))
       found_[{BonePart::hips}] = spine[0];
     if (!found_.contains({BonePart::neck}) && spine.contains(4) && spine.contains(6))
       found_[{BonePart::neck}] = spine[4];
@@ -212,7 +212,7 @@ class Finder {
     if (hips == found_.end() || top == found_.end()) return;
     std::vector<int> chain;
     for (int node = skeleton_.nodes[static_cast<size_t>(top->second)].parent;
-         node >= 0 && !is_above(skeleton_, node, hips->second);
+         node >= 0 && !is_at_or_above(skeleton_, node, hips->second);
          node = skeleton_.nodes[static_cast<size_t>(node)].parent)
       chain.push_back(node);
     std::ranges::reverse(chain);

@@ -20,12 +20,10 @@
 namespace crowdbench::scene {
 namespace {
 
-constexpr double kSameRotation = 0.01;     // radians: rests that differ by less are the same
+constexpr double kSameRest = 0.01;         // radians: rests that differ by less are the same
 constexpr double kSameLength = 1e-3;       // of the skeleton's size: likewise for translations
 constexpr double kSameScale = 1e-3;        // likewise
 constexpr double kKeyInterval = 1.0 / 60;  // seconds: the largest between two keys of a retargeted curve
-
-size_t at(int node) { return static_cast<size_t>(node); }
 
 // The shortest turn that takes one direction to the other.
 glm::dquat arc(const glm::dvec3& from, const glm::dvec3& to) {
@@ -43,7 +41,7 @@ glm::dquat arc(const glm::dvec3& from, const glm::dvec3& to) {
 bool same_rest(Node a, Node b, double size) {
   if (!take_apart(a) || !take_apart(b)) return false;
   const double cosine = std::min(std::abs(glm::dot(a.rotation, b.rotation)), 1.0);
-  return 2 * std::acos(cosine) <= kSameRotation && glm::length(a.translation - b.translation) <= kSameLength * size &&
+  return 2 * std::acos(cosine) <= kSameRest && glm::length(a.translation - b.translation) <= kSameLength * size &&
          glm::length(a.scale - b.scale) <= kSameScale * glm::length(a.scale);
 }
 

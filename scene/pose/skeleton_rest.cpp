@@ -10,8 +10,6 @@
 namespace crowdbench::scene {
 namespace {
 
-size_t at(int node) { return static_cast<size_t>(node); }
-
 // Along the axes of the file: a figure that leans a little at rest goes on leaning.
 glm::dvec3 nearest_axis(const glm::dvec3& v) {
   glm::dvec3 out(0.0);

@@ -11,6 +11,9 @@
 
 namespace crowdbench::scene {
 
+// A node that there is as a place in Skeleton::nodes.
+inline size_t at(int node) { return static_cast<size_t>(node); }
+
 // Rest: the nodes' own transforms. Refers to the character's skeleton, whose rest must stay as it is.
 struct SkeletonRest {
   const Skeleton& skeleton;

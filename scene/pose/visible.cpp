@@ -24,6 +24,39 @@ bool transparent(const Character& character, const Material& material) {
   return image.channels == 4 && alpha_coverage(image.data, threshold) == 0;
 }
 
+// Nothing of the triangle passes its material's test: its vertices' alpha and every texel of the box around its texture
+// coordinates, and a texel beyond, taken together. The box is more than the triangle: what is cut to shape within one
+// counts as there.
+bool cut_away(const Character& character, const Material& material, const uint32_t* corners) {
+  const Mesh& mesh = character.mesh;
+  float threshold = alpha_threshold(material);
+  if (threshold <= 0) return false;
+  if (!mesh.colours.empty()) {
+    float most = 0;
+    for (int i = 0; i < 3; ++i) most = std::max(most, mesh.colours[corners[i]].a);
+    if (most < threshold) return true;  // a texture only takes away
+    threshold /= most;
+  }
+  if (material.base_colour_image < 0) return false;
+  const Image8& image = character.images[static_cast<size_t>(material.base_colour_image)].image;
+  if (image.channels != 4) return false;
+  glm::vec2 low = mesh.uvs[corners[0]];
+  glm::vec2 high = low;
+  for (int i = 1; i < 3; ++i) {
+    low = glm::min(low, mesh.uvs[corners[i]]);
+    high = glm::max(high, mesh.uvs[corners[i]]);
+  }
+  // Beyond the picture it depends on how it is wrapped.
+  if (!(low.x >= 0 && low.y >= 0 && high.x <= 1 && high.y <= 1)) return false;
+  const glm::ivec2 size(image.width, image.height);
+  const glm::ivec2 from = glm::max(glm::ivec2(low * glm::vec2(size)) - 1, glm::ivec2(0));
+  const glm::ivec2 to = glm::min(glm::ivec2(high * glm::vec2(size)) + 1, size - 1);
+  for (int y = from.y; y <= to.y; ++y)
+    for (int x = from.x; x <= to.x; ++x)
+      if (static_cast<float>(image.at(x, y)[3]) / 255.0F >= threshold) return false;
+  return true;
+}
+
 glm::dvec3 posed(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>& palette) {
   glm::dvec4 sum(0.0);
   for (int i = 0; i < kInfluences; ++i)
@@ -77,7 +110,8 @@ size_t drop_invisible(Character& character) {
     });
   };
   return keep_drawn(character.mesh, [&](const uint32_t* t, const Primitive& primitive) {
-    if (clear[static_cast<size_t>(primitive.material)]) return false;
+    const auto material = static_cast<size_t>(primitive.material);
+    if (clear[material] || cut_away(character, character.materials[material], t)) return false;
     if (has_area(bind[t[0]], bind[t[1]], bind[t[2]], bind_size)) return true;
     return t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && has_area_in_a_clip(t);
   });

@@ -6,7 +6,8 @@
 
 namespace crowdbench::scene {
 
-// Removes from the mesh what cannot be seen: triangles whose material is fully transparent, and those without area in
+// Removes from the mesh what cannot be seen: triangles of which their material, texture or
+// vertex colours leave nothing, and those without area in
 // the bind pose and at the ends and the middle of every clip (collapsed triangles, nodes scaled to nothing). Returns
 // how many. Where nothing would be left, nothing is removed.
 size_t drop_invisible(Character& character);

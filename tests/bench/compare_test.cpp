@@ -406,7 +406,12 @@ TEST(Compare, WhatHappenedToEachAgentIsNamed) {
       "--ids-ref",   (folder / "a_ids.exr").string(),   "--ids-test",   (folder / "b_ids.exr").string(),
       "--depth-ref", (folder / "a_depth.exr").string(), "--depth-test", (folder / "b_depth.exr").string(),
       "--pose-ref",  (folder / "late.png").string(),    "--ids-pose",   (folder / "late_ids.exr").string()};
-  const json causes = compared(folder / "a.png", folder / "b.png", files)["causes"];
+  const json document = compared(folder / "a.png", folder / "b.png", files);
+  const json& causes = document["causes"];
+  // Agent 5 is 6 m away in one and 4 m in the other, where both show it; all others stand as far as they stood.
+  EXPECT_EQ(document["agents"][4]["depth_mae"], 2.0);
+  EXPECT_EQ(document["agents"][2]["depth_mae"], 0.0);
+  EXPECT_GT(document["scores"]["depth_mae"].get<double>(), 0);
   const char* expected[] = {"place", "pose", "texture", "order"};
   int64_t sum = causes["residue"];
   for (const auto& [cause, amount] : causes["squared"].items()) sum += amount.is_null() ? 0 : amount.get<int64_t>();

@@ -370,6 +370,20 @@ TEST(PictureCauses, DepthsTellSurfacesFromTextures) {
   EXPECT_NEAR(change(causes, 4).farther.value(), 0.5, 1e-6);
 }
 
+// A slanted body that only moved in the picture is as far away as it was, point by point.
+TEST(PictureCauses, AMovedAgentsDepthIsThatOfItsOwnPoints) {
+  Pictures a = Pictures::of({});
+  Pictures b = Pictures::of({.moved_right = 4, .moved_down = 1});
+  for (auto& [pictures, left] : {std::pair<Pictures&, int>{a, 2}, std::pair<Pictures&, int>{b, 6}})
+    for (int y = 0; y < pictures.ids.height; ++y)
+      for (int x = 0; x < pictures.ids.width; ++x)
+        if (*pictures.ids.at(x, y) == 1) *pictures.depth.at(x, y) = 5 + 0.05F * static_cast<float>(x - left);
+  const PictureCauses causes = told(a, b, true);
+  expect_only(causes.errors, "place", 1);
+  EXPECT_EQ(change(causes, 1).dx, 4);
+  EXPECT_NEAR(change(causes, 1).farther.value(), 0, 1e-6);
+}
+
 TEST(PictureCauses, WithoutThePosesALateAgentsOutlineIsWrong) {
   const PictureCauses causes = told(Pictures::of({}), Pictures::of({.arm_up = true}));
   EXPECT_FALSE(causes.errors.available(Cause::pose));

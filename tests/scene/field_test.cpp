@@ -82,6 +82,41 @@ TEST(Undrawn, CollapsedAndTransparentTrianglesCountForNothing) {
   }
 }
 
+// Hair and cloth share a picture with what is solid: a triangle over clear texels alone is not there, nor is one whose
+// vertices are clear; one that reaches a solid texel is.
+TEST(Undrawn, TrianglesOverClearTexelsCountForNothing) {
+  constexpr int kSide = 8;
+  Image8 image(kSide, kSide, 4);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      for (int c = 0; c < 4; ++c) image.at(x, y)[c] = c == 3 && x >= kSide / 2 ? 0 : 255;
+  const std::vector<uint8_t> png = encode_png(image);
+  struct Case {
+    std::vector<float> uvs;
+    float alpha;
+    size_t triangles;
+  };
+  const std::vector<float> clear = {0.8F, 0.1F, 0.95F, 0.1F, 0.95F, 0.9F, 0.8F, 0.9F};
+  const std::vector<float> solid = {0.1F, 0.1F, 0.95F, 0.1F, 0.95F, 0.9F, 0.1F, 0.9F};
+  for (const Case& of : {Case{clear, 1, 2}, Case{solid, 1, 4}, Case{solid, 0.2F, 2}}) {
+    Builder b = bending_card();
+    b.doc["images"][0]["bufferView"] = b.view(png.data(), png.size());
+    b.doc["materials"].push_back(
+        {{"alphaMode", "MASK"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+    nlohmann::json far = primitive(b);
+    far["material"] = 1;
+    far["attributes"]["POSITION"] = b.accessor<float>({0, 20, 0, 1, 20, 0, 1, 22, 0, 0, 22, 0}, "VEC3");
+    far["attributes"]["TEXCOORD_0"] = b.accessor<float>(of.uvs, "VEC2");
+    std::vector<float> colours;
+    for (int i = 0; i < 4; ++i) colours.insert(colours.end(), {1, 1, 1, of.alpha});
+    far["attributes"]["COLOR_0"] = b.accessor<float>(colours, "VEC4");
+    b.doc["meshes"][0]["primitives"].push_back(far);
+    const Character c = load(b, LoadOptions{});
+    EXPECT_EQ(c.triangles(), of.triangles);
+    EXPECT_NEAR(c.placement.scale, 1.75 / (of.triangles == 2 ? 2 : 22), 1e-9);
+  }
+}
+
 TEST(Undrawn, ANodeScaledToNothingCountsForNothing) {
   Builder b = bending_card();
   b.doc["meshes"].push_back(b.doc["meshes"][0]);
