@@ -91,7 +91,7 @@ void add_cache(Command& app, Run& run) {
       "Examples:\n  crowdbench cache list          each with its last use, the one unused for longest first\n"
       "  crowdbench cache list --json\n  crowdbench cache clear         removes all\n",
       renderers::kDefaultCacheLimitMiB));
-  command->add_option("action", options->action, "list or clear")->required()->type_name("list|clear");
+  command->add_option("ACTION", options->action, "list or clear")->required()->type_name("list|clear");
   add_json_option(*command, options->json, "the same as JSON");
   command->callback([options, &run] {
     run = [options] {

@@ -17,20 +17,26 @@ layout(binding = CB_TEXTURE_BASE_COLOUR) uniform sampler2DArray base_colour_imag
 layout(binding = CB_TEXTURE_EMISSIVE) uniform sampler2DArray emissive_images;
 #endif
 
-layout(location = 0) in vec4 v_normal_u;
-layout(location = 1) in float v_v;
+#ifdef CB_SAMPLED
+// Where some of a pixel's samples lie within the triangle: at its middle, colours would be those of beyond the edge.
+#define CB_WITHIN centroid
+#else
+#define CB_WITHIN
+#endif
+layout(location = 0) CB_WITHIN in vec4 v_normal_u;
+layout(location = 1) CB_WITHIN in float v_v;
 layout(location = 2) flat in uint v_outfit_material;
 #ifdef CB_IDS
 layout(location = 5) flat in uint v_id;
 #endif
 #ifdef CB_COLOURS
-layout(location = 3) in vec4 v_colour;
+layout(location = 3) CB_WITHIN in vec4 v_colour;
 #endif
 #ifdef CB_EMISSIVE_UVS
-layout(location = 4) in vec2 v_emissive_uv;
+layout(location = 4) CB_WITHIN in vec2 v_emissive_uv;
 #endif
 #ifdef CB_FLAT_NORMALS
-layout(location = 6) in vec4 v_place_flat;
+layout(location = 6) CB_WITHIN in vec4 v_place_flat;
 #endif
 
 void main() {
@@ -73,7 +79,7 @@ void main() {
   alpha *= v_colour.a;
 #endif
   float cutoff = texelFetch(materials, material + 2).x;
-#ifdef CB_ALPHA_TO_COVERAGE
+#if defined(CB_MASKED) && defined(CB_SAMPLED)
   // Alpha about the cutoff becomes the share of the pixel's samples that are covered: all within a pixel of the outline.
   float covered = cutoff > 0.0 ? clamp((alpha - cutoff) / max(fwidth(alpha), 1e-4) + 0.5, 0.0, 1.0) : 1.0;
   bool absent = covered == 0.0;
@@ -102,7 +108,7 @@ void main() {
   uint id = 0u;
 #endif
   write_output(shade(albedo, normal, slot, v_outfit_material & 0xffffu, (flags & CB_MATERIAL_UNLIT) != 0u, emissive), id);
-#ifdef CB_ALPHA_TO_COVERAGE
+#if defined(CB_MASKED) && defined(CB_SAMPLED)
   out_colour.a = covered;
 #endif
 #endif

@@ -2,6 +2,11 @@
 // Linear blend skinning of one character type, instanced. CB_STATIC: the floor, positions already posed, no palette.
 #include "renderers/shaders/frame.glsl"
 
+#ifdef CB_SAMPLED
+#define CB_WITHIN centroid
+#else
+#define CB_WITHIN
+#endif
 layout(location = CB_ATTRIBUTE_POSITION) in vec4 in_position;  // w: the material's index
 layout(location = CB_ATTRIBUTE_NORMAL) in vec4 in_normal;
 layout(location = CB_ATTRIBUTE_UV) in vec2 in_uv;
@@ -13,26 +18,26 @@ layout(location = CB_LOCATION_JOINTS) uniform uint joints;
 #endif
 #ifdef CB_COLOURS
 layout(location = CB_ATTRIBUTE_COLOUR) in vec4 in_colour;
-layout(location = 3) out vec4 v_colour;
+layout(location = 3) CB_WITHIN out vec4 v_colour;
 #endif
 #ifdef CB_EMISSIVE_UVS
 layout(location = CB_ATTRIBUTE_EMISSIVE_UV) in vec2 in_emissive_uv;
-layout(location = 4) out vec2 v_emissive_uv;
+layout(location = 4) CB_WITHIN out vec2 v_emissive_uv;
 #endif
 layout(location = CB_ATTRIBUTE_AGENT) in uint in_agent;
 #ifdef CB_CAPTURE
 #include "renderers/impostor/tiles/capture.glsl"
 #endif
 
-layout(location = 0) out vec4 v_normal_u;  // world normal, not unit; u. Few outputs: each costs every triangle's set-up
-layout(location = 1) out float v_v;
+layout(location = 0) CB_WITHIN out vec4 v_normal_u;  // world normal, not unit; u. Few outputs: each costs every triangle's set-up
+layout(location = 1) CB_WITHIN out float v_v;
 layout(location = 2) flat out uint v_outfit_material;  // outfit in the low 16 bits, material above
 #ifdef CB_IDS
 layout(location = 5) flat out uint v_id;
 #endif
 
 #ifdef CB_FLAT_NORMALS
-layout(location = 6) out vec4 v_place_flat;  // place on the axes of the normal; 1 where the face's own normal is used
+layout(location = 6) CB_WITHIN out vec4 v_place_flat;  // place on the axes of the normal; 1 where the face's own normal is used
 #endif
 
 #ifdef CB_FEEDBACK

@@ -210,7 +210,7 @@ const gl::Program& MeshDraw::program(const Variant& v) {
     define(v.double_sided, "CB_DOUBLE_SIDED");
     define(v.flat, "CB_FLAT_NORMALS");
     define(v.masked, "CB_MASKED");
-    define(v.coverage, "CB_ALPHA_TO_COVERAGE");
+    define(v.sampled, "CB_SAMPLED");
     found =
         programs_.emplace(v, gl::Program(context_, {"renderers/mesh/mesh.vert", "renderers/mesh/mesh.frag"}, defines))
             .first;
@@ -228,11 +228,11 @@ void MeshDraw::draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffe
   mesh.vertex_array.bind();
   mesh.material_texels.bind(CB_TEXTURE_MATERIALS);
   for (const MeshGroup& group : mesh.groups) {
-    const bool coverage = group.masked && pass.samples > 1;
     const int emissive_array = mesh.has_emissive ? group.emissive_array : -1;
-    const gl::Program& p = program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
-                                    mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0,
-                                    emissive_array >= 0, group.double_sided, mesh.has_flat, group.masked, coverage});
+    const gl::Program& p =
+        program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
+                 mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0, emissive_array >= 0,
+                 group.double_sided, mesh.has_flat, group.masked, pass.samples > 1});
     p.use();
     if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
     const auto bind_array = [&](int array, unsigned unit) {
@@ -246,6 +246,7 @@ void MeshDraw::draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffe
       glDisable(GL_CULL_FACE);
     else
       glEnable(GL_CULL_FACE);
+    const bool coverage = group.masked && pass.samples > 1;
     if (coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
     glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(group.index_count), GL_UNSIGNED_INT,
                             reinterpret_cast<const void*>(group.first_index * sizeof(uint32_t)),

@@ -59,7 +59,7 @@ class MeshDraw {
   // What a compiled variant of the program depends on.
   struct Variant {
     bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided, flat, masked,
-        coverage;
+        sampled;
     auto operator<=>(const Variant&) const = default;
   };
   const gl::Program& program(const Variant& variant);

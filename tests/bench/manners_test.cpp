@@ -133,6 +133,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"inspect", "mannequin:triangles=500 --json"},
       {"render", "--agents 2 --size 48x48 --out b.png"},
       {"bake", "--representation mesh --json" + small},
+      {"cache", "list"},
+      {"cache", "list --json"},
       {"pose", "mannequin:triangles=500 --json"},
       {"compare", "a.png a.png --json"},
       {"compare", "a.png a.png"},
@@ -305,7 +307,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
-        command != "correlate" && command != "compare") {
+        command != "correlate" && command != "compare" && command != "cache") {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

@@ -22,7 +22,7 @@ using testing::walker;
 constexpr int kSamples = 4;  // every driver of OpenGL 4.5 has them
 
 scene::Frame two_walkers() {
-  scene::Frame frame = frame_of_one(6.2, 1.0, 96, 96);
+  scene::Frame frame = frame_of_one(6.2, 1.0, 192, 192);
   add_agent(frame, walker(), {-0.6, 0, 0}, 1, 0.1, 0.05F);
   add_agent(frame, walker(), {0.7, 0, -0.3}, 2, 0.6, 0.4F);
   return frame;

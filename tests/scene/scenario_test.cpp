@@ -176,6 +176,8 @@ KeyValue random_value(const Key& key, uint64_t seed, uint64_t index) {
   switch (key.type) {
     case KeyType::flag: return u < 0.5;
     case KeyType::integer:
+      if (key.name == "samples") return int64_t{1} << random_below(seed, index, 3, 4);
+      if (key.name == "supersample") return 1 + 2 * static_cast<int64_t>(random_below(seed, index, 3, 5));
       return static_cast<int64_t>(key.low) +
              static_cast<int64_t>(random_below(seed, index, 3, static_cast<uint64_t>(key.high - key.low) + 1));
     case KeyType::seed: return random_bits(seed, index, 4);
