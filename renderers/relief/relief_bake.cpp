@@ -576,7 +576,9 @@ void part_layers(const Source& source, const BoxSpace& space, const std::vector<
     (keep_front ? back : front) = keep_front ? front : back;
     Touched& kept = maps.kept[texel];
     kept = {front.depth, front.depth, front, front};
-    const glm::dvec3 square(static_cast<double>(texel % maps.n), static_cast<double>(texel / maps.n), 0);
+    const size_t column = texel % maps.n;
+    const size_t row = texel / maps.n;
+    const glm::dvec3 square(static_cast<double>(column), static_cast<double>(row), 0);
     for (const Skirt& skirt : all) {
       if (skirt.triangle != front.triangle) continue;
       const Polygon part = clipped(taken(in_texels(source, space, axis, maps.n, skirt.triangle), skirt),
