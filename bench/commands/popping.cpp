@@ -27,7 +27,6 @@ struct Options {
   SceneOptions scene;
   std::string representation;
   std::string sequence;
-  std::string display;
   std::string out;
   std::vector<std::string> sweeps;
   uint64_t worst = 10;
@@ -101,11 +100,9 @@ void require_switches(const std::vector<PoppingRun>& runs) {
 
 int run_scenario(const Options& options) {
   PoppingReport report;
-  report.display_given = !options.display.empty();
-  report.display =
-      report.display_given ? metrics::display_of(options.display, "--display") : metrics::default_display();
   report.rows = options.rows;
   ChosenScenario chosen = read_scenario(options.scene);
+  report.display = chosen.display;
   override_representation(chosen, options.representation);
   report.runs = runs_of(representation_of(chosen), options.sweeps);
   require_switches(report.runs);
@@ -115,7 +112,7 @@ int run_scenario(const Options& options) {
   if (chosen.scenario.tick_rate > kFastest)
     throw Error("tick_rate", fmt::format("{:g} frames a second are more than are scored", chosen.scenario.tick_rate),
                 fmt::format("give at most {:g}", kFastest));
-  request.view = {&report.display, !report.display_given, chosen.scenario.tick_rate};
+  request.view = {&report.display.display, !report.display.given, chosen.scenario.tick_rate};
   request.pictures = options.out.empty() ? 0 : options.worst;
   request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
@@ -212,10 +209,7 @@ void add_popping(Command& app, Run& run) {
       ->take_all()
       ->allow_extra_args(false);
   add_frame_options(*command, options->request);
-  command
-      ->add_option("--display", options->display,
-                   "where it is looked at: a model's name, or a file with ColorVideoVDP's keys")
-      ->type_name("NAME|FILE.json");
+  add_display_option(*command, options->scene.display);
   command->add_option("--rows", options->rows, "switches that are printed; --json has all")
       ->type_name("N")
       ->capture_default_str()

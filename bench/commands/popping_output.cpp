@@ -127,10 +127,7 @@ Json popping_json(const PoppingReport& report) {
               {"renderer", report.renderer},
               {"ticks", {request.tick, request.tick + request.frames - 1}},
               {"fps", request.view.fps}};
-  out["display"] = {{"name", report.display.name},
-                    {"given", report.display_given},
-                    {"pixels_per_degree", report.display.pixels_per_degree},
-                    {"text", metrics::display_text(report.display)}};
+  out["display"] = display_json(report.display);
   out["scores"] = out["runs"] = Json::array();
   for (const PopScore& score : metrics::pop_scores())
     out["scores"].push_back({{"name", score.name},
@@ -157,8 +154,7 @@ void print_popping(const PoppingReport& report) {
   for (const PopScore& score : metrics::pop_scores())
     fmt::print("  {:<9} {}{}{}; {:g} = no pop\n", score.column, score.title, score.unit.empty() ? "" : ", ", score.unit,
                score.equal);
-  fmt::print("  display   {}{}\n", metrics::display_text(report.display),
-             report.display_given ? "" : " (by default; --display chooses)");
+  fmt::print("  display   {}\n", display_line(report.display));
   for (const std::string& file : report.pictures) fmt::print("  wrote {}\n", file);
 }
 

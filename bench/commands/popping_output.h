@@ -25,8 +25,7 @@ struct PoppingReport {
   std::string renderer;
   PoppingRequest request;  // of all runs but for the representation
   std::vector<PoppingRun> runs;
-  metrics::Display display;
-  bool display_given = false;
+  metrics::ChosenDisplay display;
   size_t rows = 20;                   // switches that are printed
   std::vector<std::string> pictures;  // that were written
 };

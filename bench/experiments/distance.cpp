@@ -165,7 +165,8 @@ DistanceResult measure_distance(gl::Context& context, const scene::Cast& cast, c
         scene::Frame sharp = frame;  // causes are told apart by what one sample a pixel shows
         sharp.antialiasing = {};
         const bool same = frame.antialiasing == sharp.antialiasing;
-        const Capture plain = same ? right : renderer.capture(sharp, mesh.representation);
+        std::optional<Capture> anew;
+        const Capture& plain = same ? right : anew.emplace(renderer.capture(sharp, mesh.representation));
         result.causes.push_back({r, frame.tick, causes_in_frame(mesh, drawer, sharp, plain, stored[r])});
       }
       progress.advance();

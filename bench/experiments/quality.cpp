@@ -273,8 +273,9 @@ class Comparison {
     scene::Frame sharp = frame;  // causes are told apart by what one sample a pixel shows
     sharp.antialiasing = {};
     const bool same = frame.antialiasing == sharp.antialiasing;
-    const renderers::Capture reference =
-        same ? pictures.reference : exact_mesh(view.clip, view.time).capture(sharp, row.phase);
+    std::optional<renderers::Capture> anew;
+    const renderers::Capture& reference =
+        same ? pictures.reference : anew.emplace(exact_mesh(view.clip, view.time).capture(sharp, row.phase));
     const auto [mesh, phase] = shown_mesh(view, side, stored->second.of_several, row.phase);
     const scene::Frame posed = mesh->posed(sharp, phase);
     const scene::Frame shown = side.posed(sharp, row.phase);

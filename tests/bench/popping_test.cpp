@@ -279,6 +279,25 @@ TEST(PoppingCommandGl, SweepsOptionsAndWritesTheWorst) {
   EXPECT_EQ(printed(arguments), out) << "the same again";
 }
 
+TEST(PoppingCommandGl, LooksAtTheScenariosDisplay) {
+  support::ScratchFolder folder;
+  const std::string path =
+      "[[camera.key]]\ntime = 0.0\neye = [0.0, 2.0, 6.0]\n[[camera.key]]\ntime = 1.0\neye = [0.0, 3.0, 10.0]\n";
+  write_file(folder / "own.toml", "display = \"standard_hmd\"\n" + path);
+  write_file(folder / "none.toml", path);
+  const auto seen = [&](const char* scenario, std::vector<std::string> more) {
+    more.insert(more.end(),
+                {(folder / scenario).string(), "--representation", "hybrid(mesh,(" + kFlat + "),distance=8)"});
+    return printed(with(more));
+  };
+  const json own = seen("own.toml", {});
+  ASSERT_FALSE(own.contains("error")) << own;
+  EXPECT_EQ(own.at("display").at("name"), "standard_hmd");
+  EXPECT_EQ(own.at("display").at("given"), true);
+  EXPECT_EQ(own.at("runs"), seen("none.toml", {"--display", "standard_hmd"}).at("runs"));
+  EXPECT_NE(own.at("runs"), seen("none.toml", {}).at("runs"));
+}
+
 TEST(PoppingCommand, FindsTheFrameOfASequence) {
   const fs::path shared = fs::path(CROWDBENCH_SHARED_DIR) / "ground-truth" / "sequence";
   if (!fs::exists(shared)) GTEST_SKIP() << "needs the shared ground-truth folder";
