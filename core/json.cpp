@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <variant>
 
@@ -11,10 +12,11 @@ namespace {
 struct Array {
   std::vector<Json> elements;
 };
-// keys[i] names elements[i].
+// keys[i] names elements[i]. A member stays where it is while others come: in out["a"] = out["b"] = x the right side is
+// made first and read after the left one is.
 struct Object {
   std::vector<std::string> keys;
-  std::vector<Json> elements;
+  std::deque<Json> elements;
 };
 
 template <typename... Fs>
@@ -122,11 +124,12 @@ Json& Json::operator[](size_t index) {
   return array.elements[index];
 }
 
-const std::vector<Json>& Json::elements() const {
-  return Value::is<Object>(value_) ? Value::get<Object>(value_).elements : Value::get<Array>(value_).elements;
-}
+const std::vector<Json>& Json::elements() const { return Value::get<Array>(value_).elements; }
 
-size_t Json::size() const { return is_null() ? 0 : elements().size(); }
+size_t Json::size() const {
+  if (is_null()) return 0;
+  return Value::is<Object>(value_) ? Value::get<Object>(value_).elements.size() : elements().size();
+}
 
 Json& Json::back() { return (*this)[elements().size() - 1]; }
 

@@ -53,13 +53,13 @@ class Json {
   // text: JSON that this program has written. Other text is a bug and asserts.
   static Json parse(std::string_view text);
 
-  // The member, added as null where there is none; null becomes an object.
+  // The member, added as null where there is none; null becomes an object. Members added later leave it where it is.
   Json& operator[](std::string_view key);
   // The member; there is one.
   const Json& at(std::string_view key) const;
   // The element; there is one.
   Json& operator[](size_t index);
-  // Of an array; of an object, its members' values.
+  // Of an array.
   const std::vector<Json>& elements() const;
   Json& back();
   // Of elements or members; null has none.
