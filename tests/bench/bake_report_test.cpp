@@ -80,6 +80,7 @@ TEST(BakeReportGl, RequiredByKeepsAPartOrIsRefused) {
 }
 
 TEST(BakeReportGl, PolypostorsAreAudited) {
+  CROWDBENCH_SKIP_SANITIZED("BakeReportGl.RequiredByKeepsAPartOrIsRefused");
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
   const support::Outcome out =
       support::run_driver("",

@@ -19,6 +19,7 @@
 #include "renderers/frame/capture.h"
 #include "scene/crowd/crowd.h"
 #include "test_paths.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
@@ -106,6 +107,7 @@ TEST_F(PoppingGl, FindsAllSwitchesAndNoOthers) {
 
 // Agents held together are those held one by one, by the frames themselves.
 TEST_F(PoppingGl, ScoresTheFrameAgainstTheFrameWithoutTheSwitch) {
+  CROWDBENCH_SKIP_SANITIZED("PoppingCommandGl.SweepsOptionsAndWritesTheWorst");
   const std::string spec = "hybrid(mesh,(" + kFlat + "),distance=8)";
   // Several agents a frame, and room between them.
   scenario_.tick_rate = 6;
@@ -155,6 +157,7 @@ TEST_F(PoppingGl, NothingIsSeenOfASwitchBetweenEquals) {
 }
 
 TEST_F(PoppingGl, ACrossFadeIsOneSwitchAndShowsLess) {
+  CROWDBENCH_SKIP_SANITIZED("PoppingCommandGl.SweepsOptionsAndWritesTheWorst");
   const PoppingResult cut = measure("hybrid(mesh,(" + kFlat + "),distance=8)");
   const PoppingResult fade = measure("hybrid(mesh,(" + kFlat + "),distance=8,fade=5)");
   const auto keys = [](const PoppingResult& result) {

@@ -28,6 +28,7 @@ class RenderGl : public ::testing::Test {
 };
 
 TEST_F(RenderGl, BytesDoNotDependOnThreadsPlatformOrRun) {
+  CROWDBENCH_SKIP_SANITIZED("RenderGl.ASwitchWithHistoryIsTheSameAtAnyThreadCount");
   const std::string common =
       "render --character mannequin:triangles=500 --agents 30 --seed 7 --size 200x150 --tick 12 --out ";
   const struct {

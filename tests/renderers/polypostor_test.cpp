@@ -43,6 +43,7 @@ PolypostorBakeOptions small_bake() {
 }
 
 TEST_F(PolypostorGl, BytesDoNotDependOnThreads) {
+  CROWDBENCH_SKIP_SANITIZED("PolypostorGl.BytesSurviveARoundTripAndDamageDoesNot");
   PolypostorBakeOptions options = small_bake();
   std::vector<std::vector<uint8_t>> bytes;
   for (const unsigned threads : {1U, 3U}) {

@@ -17,6 +17,7 @@
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
 #include "solids.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -240,6 +241,7 @@ TEST_F(ReliefOptionsGl, MirroredJointsAreLitLikeTheMirroredMesh) {
 
 // The mannequin's face from 0.3 m, and the whole figure from 2 km through a lens that shows it as large as from 3 m.
 TEST_F(ReliefOptionsGl, AgentsAtThirtyCentimetresAndTwoKilometres) {
+  CROWDBENCH_SKIP_SANITIZED("ReliefNumericsGl.NearAndFarAndFieldsOfView");
   scene::Cast cast = cast_of(scene::open_character("mannequin"));
   Renderer renderer(context(), cast);
   const auto mesh = make(cast, "mesh");
