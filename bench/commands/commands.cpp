@@ -22,6 +22,7 @@ void add_all_commands(Command& app, Run& run) {
       add_popmap,
       add_popping,
       add_distance,
+      add_tune,
       add_ratio,
       add_bench,
       add_pair,

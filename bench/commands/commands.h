@@ -32,6 +32,7 @@ void add_render(Command& app, Run& run);
 void add_report(Command& app, Run& run);
 void add_schema(Command& app, Run& run);
 void add_switch_distance(Command& app, Run& run);
+void add_tune(Command& app, Run& run);
 void add_view(Command& app, Run& run);
 
 void add_all_commands(Command& app, Run& run);

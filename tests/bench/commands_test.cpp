@@ -241,6 +241,16 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          for (const json& agent : told.at("frames")[0].at("agents")) expect_causes(agent);
          EXPECT_FALSE(told.at("words").get<std::string>().empty());
        }},
+      {"tune",
+       [&] {
+         const json j = facts(
+             "tune --representation mesh:triangles=100 --agents 9 --size 160x120 --heights 3 --moments 1 " +
+             std::string("--azimuth-deg 0,90 --elevation-deg 0 --rounds 4 --threshold mae=255 --json") + character);
+         EXPECT_EQ(j.at("candidates").size(), 2U);
+         EXPECT_EQ(j.at("candidates")[0].at("heights").size(), 3U);
+         EXPECT_EQ(j.at("chosen").size(), 3U);
+         EXPECT_TRUE(j.at("representation").is_string());
+       }},
       {"ratio",
        [&] {
          const json j =

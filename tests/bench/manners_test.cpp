@@ -143,6 +143,10 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"popmap", flat + " --azimuth-deg 0 --elevation-deg 0 --phase 0 --ratio 1 --json" + small},
       {"popping", "--representation 'hybrid(mesh,mesh)' --agents 2 --size 32x32 --frames 2 --json" + small},
       {"distance", "--representation mesh --scores mae --agents 2 --size 32x32 --json" + small},
+      {"tune",
+       "--representation mesh:triangles=100 --agents 2 --size 32x32 --heights 2 --moments 1 --azimuth-deg 0 "
+       "--elevation-deg 0 --rounds 4 --threshold mae=255 --json" +
+           small},
       {"ratio", "--of mesh --to mesh --agents 2 --size 32x32 --pairs 20 --json" + small},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite --json"},
