@@ -16,8 +16,9 @@ struct Shift {
 };
 
 // Hodges and Lehmann's shift of x against y: the median of all differences x - y, the interval between two of them in
-// order, chosen by the exact law of Mann and Whitney's U without ties (with ties it covers more). Holds all differences
-// in memory: x.size() * y.size() at most some ten millions. Both: at least one value, all finite.
+// order, chosen by the law of Mann and Whitney's U without ties (with ties it covers more): exact for up to about 65
+// values of each, then normal. Holds all differences in memory: x.size() * y.size() at most some ten millions. Both: at
+// least one value, all finite.
 Shift hodges_lehmann(std::span<const double> x, std::span<const double> y, double confidence = 0.95);
 
 // The same of paired differences: the median of the means of every two of them, each with itself too (Walsh averages).

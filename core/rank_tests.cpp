@@ -20,7 +20,7 @@ namespace crowdbench {
 namespace {
 
 // Additions that an exact law may take under RankLaw::automatic.
-constexpr double kExactWork = 1.5e8;
+constexpr double kExactWork = 2e7;
 
 // Midranks are halves at most: twice the ranks are whole numbers.
 std::vector<uint32_t> doubled(std::span<const double> ranks) {

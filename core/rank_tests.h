@@ -9,7 +9,7 @@ namespace crowdbench {
 
 // How a p value is read from the rank sum.
 enum class RankLaw {
-  automatic,          // exact where that takes no more than about a tenth of a second, else normal_continuity
+  automatic,          // exact where that takes no more than some hundredths of a second, else normal_continuity
   exact,              // every assignment of the pooled ranks, equal values at the mean of theirs (midranks)
   normal,             // the normal approximation, its variance corrected for ties
   normal_continuity,  // the same, moved by half a step towards the mean

@@ -74,8 +74,8 @@ TEST(BlockBootstrap, IsAFunctionOfItsSeedAndHoldsTheMedian) {
   EXPECT_GT(a.high, median(values));
 }
 
-// At 95 % and a correlation of 0.6 from one round to the next the plain bootstrap holds the median in two of three runs.
-// CROWDBENCH_LONG_FORM=1 (tools/statistics_evidence.sh): a table of many more series.
+// At 95 % and a correlation of 0.6 from one round to the next the plain bootstrap holds the median in two of three
+// runs. CROWDBENCH_LONG_FORM=1 (tools/statistics_evidence.sh): a table of many more series.
 TEST(BlockBootstrap, KeepsItsCoverageUnderSerialCorrelation) {
   const bool long_form = std::getenv("CROWDBENCH_LONG_FORM") != nullptr;
   const std::vector<size_t> lengths = long_form ? std::vector<size_t>{24, 60, 200} : std::vector<size_t>{100};
@@ -83,13 +83,16 @@ TEST(BlockBootstrap, KeepsItsCoverageUnderSerialCorrelation) {
   if (long_form) std::cout << "| rounds | correlation | block bootstrap | plain bootstrap |\n|--:|--:|--:|--:|\n";
   for (const size_t n : lengths)
     for (const double correlation : correlations) {
-      const Coverage coverage = long_form ? coverage_of(n, correlation, 2000, 600) : coverage_of(n, correlation, 300, 300);
+      const Coverage coverage =
+          long_form ? coverage_of(n, correlation, 2000, 600) : coverage_of(n, correlation, 300, 300);
       if (long_form)
         std::cout << "| " << n << " | " << correlation << " | " << 100 * coverage.blocks << " % | "
                   << 100 * coverage.independent << " % |\n"
                   << std::flush;
       EXPECT_GE(coverage.blocks, 0.89) << n << ' ' << correlation;
-      if (correlation >= 0.6) EXPECT_LT(coverage.independent, 0.8) << "the plain one is too narrow: " << n;
+      if (correlation >= 0.6) {
+        EXPECT_LT(coverage.independent, 0.8) << "the plain one is too narrow: " << n;
+      }
     }
 }
 

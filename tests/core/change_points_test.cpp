@@ -60,10 +60,11 @@ TEST(ChangePoints, ThreePercentInNoiseOfFour) {
 }
 
 void expect_p(const nlohmann::json& expected, double p, const std::string& what) {
-  if (expected.is_null())
+  if (expected.is_null()) {
     EXPECT_EQ(p, 1) << what << ": neither noise nor difference";
-  else
+  } else {
     EXPECT_NEAR(p, expected.get<double>(), 1e-6 * expected.get<double>() + 1e-300) << what;
+  }
 }
 
 TEST(ChangePoints, AreThoseOfTheSharedGroundTruth) {
