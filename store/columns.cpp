@@ -355,6 +355,34 @@ const Table<RatioRow>& table<RatioRow>() {
 }
 
 template <>
+const Table<ControlRow>& table<ControlRow>() {
+  using R = ControlRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "control",
+       .rows = "controls",
+       .meaning = "A control (A/A): one representation timed twice in the same rounds, as if it were two. What a "
+                  "comparison of two that do not differ says here.",
+       .since = 4},
+      &StoreContents::controls,
+      id_field<&R::id>(),
+      run_field<&R::run>(),
+      point_fields<&R::of>(),
+      field<&R::metric>({.name = "metric", .meaning = "which time", .values = {"cpu", "wall", "gpu"}}),
+      field<&R::ratio>({.name = "ratio", .meaning = "median of the paired ratios of the second to the first"}),
+      field<&R::low>({.name = "ratio_low", .meaning = "lower end of its bootstrap 95 % interval"}),
+      field<&R::high>({.name = "ratio_high", .meaning = "upper end of that interval"}),
+      field<&R::p>({.name = "p",
+                    .meaning = "two-sided, of the signed rank test of the logarithms of the ratios: at most 0.05 in one "
+                               "control of twenty where all is well"}),
+      field<&R::detectable>({.name = "detectable",
+                             .unit = "fraction",
+                             .meaning = "the smallest change of a ratio that this many rounds with this noise find with "
+                                        "80 % at a level of 5 %: 0.02 is 2 %"}),
+      field<&R::pairs>({.name = "pairs", .unit = "frames", .meaning = "pairs of frames"}));
+  return made;
+}
+
+template <>
 const Table<ComparisonRow>& table<ComparisonRow>() {
   using R = ComparisonRow;
   static const Table<R> made = make_table<R>(

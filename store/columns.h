@@ -83,8 +83,8 @@ struct Table {
 template <typename... Rows>
 struct RowTypes {};
 // Every table, in the order in which they are made and read: what a table references comes before it.
-using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ComparisonRow, ScoreRow, PictureRow, CurveRow,
-                             CurveBinRow, ThresholdRow>;
+using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow,
+                             PictureRow, CurveRow, CurveBinRow, ThresholdRow>;
 
 // The table whose rows these are.
 template <typename Row>
@@ -97,6 +97,8 @@ template <>
 const Table<SampleRow>& table();
 template <>
 const Table<RatioRow>& table();
+template <>
+const Table<ControlRow>& table();
 template <>
 const Table<ComparisonRow>& table();
 template <>

@@ -119,6 +119,20 @@ struct RatioRow {
   bool operator==(const RatioRow&) const = default;
 };
 
+// A control (A/A): one representation twice in the same rounds, as if it were two.
+struct ControlRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  PointKey of;
+  std::string metric;  // "cpu", "wall" or "gpu"
+  double ratio = 0;
+  double low = 0, high = 0;
+  double p = 1;
+  double detectable = 0;
+  int pairs = 0;
+  bool operator==(const ControlRow&) const = default;
+};
+
 // One score of a comparison. A new score is a new name, never a new column.
 struct ScoreRow {
   std::string name;
@@ -211,6 +225,7 @@ struct StoreContents {
   std::vector<RunRow> runs;
   std::vector<MeasurementRow> measurements;
   std::vector<RatioRow> ratios;
+  std::vector<ControlRow> controls;
   std::vector<ComparisonRow> comparisons;
   std::vector<PictureRow> pictures;
   std::vector<CurveRow> curves;

@@ -237,6 +237,7 @@ StoreContents read_store(const std::filesystem::path& path, bool with_samples, b
 template int64_t StoreWriter::write(const RunRow&);
 template int64_t StoreWriter::write(const MeasurementRow&);
 template int64_t StoreWriter::write(const RatioRow&);
+template int64_t StoreWriter::write(const ControlRow&);
 template int64_t StoreWriter::write(const ComparisonRow&);
 template int64_t StoreWriter::write(const PictureRow&);
 template int64_t StoreWriter::write(const CurveRow&);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
@@ -26,6 +28,18 @@ Json interval_json(const MedianRatio& ratio) { return {ratio.interval.low, ratio
 
 Json number(const std::optional<MedianRatio>& ratio) { return ratio ? Json(ratio->median) : Json(nullptr); }
 
+Json control_json(const std::optional<Control>& control) {
+  if (!control) return nullptr;
+  const bool finite = std::isfinite(control->detectable);
+  return {{"ratio", control->ratio.median},
+          {"interval", interval_json(control->ratio)},
+          {"p", control->p},
+          {"level", kControlLevel},
+          {"differs", control->differs},
+          {"detectable", finite ? Json(control->detectable) : Json(nullptr)},
+          {"power", kControlPower}};
+}
+
 Json json_of(const RatioReport& report, const scene::Scenario& scenario) {
   Json medians = Json::object();
   for (const RatioReport::Median& median : report.medians)
@@ -48,6 +62,7 @@ Json json_of(const RatioReport& report, const scene::Scenario& scenario) {
           {"mesh_floor_interval", interval_json(report.mesh_floor)},
           {"void", report.is_void},
           {"void_reason", report.is_void ? Json(report.void_reason) : Json(nullptr)},
+          {"control", control_json(report.control)},
           {"to_500_triangles", report.to_low_polygon.median},
           {"to_500_triangles_interval", interval_json(report.to_low_polygon)},
           {"valid", report.valid},
@@ -92,6 +107,9 @@ void print(const RatioReport& report, const scene::Scenario& scenario) {
              report.of, report.of, report.headline_ratio.pairs);
   fmt::print("  mesh over its floor {}{}\n", times_text(report.mesh_floor),
              report.is_void ? fmt::format(", above {:.1f}: the figure is void", kMeshFloorBound) : "");
+  if (report.control)
+    fmt::print("  A/A, {} against itself: {}\n", renderers::reference_spec().text(),
+               control_text(report.control->ratio, report.control->p, report.control->detectable));
   fmt::print("  against its level of {} triangles {}\n", report.low_polygon_triangles,
              times_text(report.to_low_polygon));
   for (const RatioReport::Median& median : report.medians)

@@ -11,6 +11,7 @@
 #include "bench/experiments/time_budget.h"
 #include "bench/stage/cast_name.h"
 #include "bench/stage/stage.h"
+#include "bench/timing/control.h"
 #include "bench/timing/image_check.h"
 #include "bench/timing/timed_representation.h"
 #include "core/image_io.h"
@@ -93,6 +94,8 @@ class Sweep {
   struct Times {
     std::vector<VariantTimes> looks;
     std::map<size_t, VariantTimes> floors;  // by place among the looks
+    size_t controlled = 0;                  // the look that was timed once more
+    VariantTimes control;
   };
 
   PointKey key(size_t spec, const Point& at) const {
@@ -230,6 +233,12 @@ class Sweep {
         of.push_back(of[v]);
       }
 
+    // The first that goes on, once more: the control.
+    if (!of.empty()) {
+      variants.push_back(control_of(looks[of.front()].spec).variant());
+      of.push_back(of.front());
+    }
+
     TimingPlan plan;
     plan.rounds = request_.rounds;
     plan.least_rounds = std::min(request_.least_rounds, request_.rounds);
@@ -249,7 +258,12 @@ class Sweep {
                                      : median(values_of(one.samples, Metric::wall)));
     Times times;
     times.looks.resize(looks.size());
-    for (size_t v = 0; v < variants.size(); ++v)
+    if (!of.empty()) {
+      times.controlled = of.back();
+      times.control = std::move(results.back());
+      of.pop_back();
+    }
+    for (size_t v = 0; v < of.size(); ++v)
       (v < without_floors ? times.looks[of[v]] : times.floors[of[v]]) = std::move(results[v]);
     return times;
   }
@@ -277,6 +291,9 @@ class Sweep {
                                               spec != 0 && reference_timed ? &times.looks.front() : nullptr,
                                               floor == times.floors.end() ? nullptr : &floor->second))
         store_.write(ratio);
+      if (l == times.controlled && !times.control.dropped)
+        for (const ControlRow& control : control_rows(run_.id, row.key, times.looks[l].samples, times.control.samples))
+          store_.write(control);
       if (spec != 0) write_comparison(row.key, looks.front().picture, seen.picture, keep_pictures);
       if (row.frame_ns->median > request_.budget_ms * 1e6) end_curve(spec, at, row.frame_ns->median);
     }
@@ -349,6 +366,13 @@ class Sweep {
     }
     return *place;
   }
+  // A second one of its own, with buffers of its own.
+  TimedRepresentation& control_of(size_t spec) {
+    auto& place = controls_[spec];
+    if (!place)
+      place = std::make_unique<TimedRepresentation>(stage_, specs_[spec], request_.scenario, request_.bake_budget);
+    return *place;
+  }
   // nullptr for a representation that is a floor itself, or has parts.
   TimedRepresentation* floor_of(size_t spec) {
     if (!specs_[spec].components.empty() || timed(spec).is_floor()) return nullptr;
@@ -376,6 +400,7 @@ class Sweep {
   std::vector<Curve> curves_;
   std::map<size_t, std::unique_ptr<TimedRepresentation>> timed_;
   std::map<size_t, std::unique_ptr<TimedRepresentation>> floors_;
+  std::map<size_t, std::unique_ptr<TimedRepresentation>> controls_;
   SweepSummary summary_;
   TimeBudget budget_;
   // Of the latest point that was timed at this occupancy: every variant drawn once, and how many agents that were.

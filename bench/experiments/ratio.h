@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/stage/stage_facts.h"
+#include "bench/timing/control.h"
 #include "bench/timing/image_check.h"
 #include "bench/timing/timing.h"
 #include "renderers/representation.h"
@@ -35,6 +36,7 @@ struct RatioReport {
   MedianRatio mesh_floor;  // t(mesh) / t(mesh:floor=1), headline metric
   bool is_void = false;    // mesh_floor above its bound
   std::string void_reason;
+  std::optional<Control> control;      // the mesh once more, as if it were another (A/A), headline metric
   MedianRatio to_low_polygon;          // t(the characters' meshes simplified to 500 triangles) / t(of), headline metric
   uint64_t low_polygon_triangles = 0;  // of one agent of each character
   ImageCheck of_check, to_check, mesh_check;
@@ -61,9 +63,10 @@ struct RatioTimes {
   std::span<const SampleRow> of, to;
   std::span<const SampleRow> mesh, mesh_floor;
   std::span<const SampleRow> low_polygon;  // the meshes of 500 triangles
+  std::span<const SampleRow> mesh_again;   // the mesh's control
 };
-// Fills in cpu, wall and gpu, headline_ratio, mesh_floor and to_low_polygon, and whether the mesh is too far above its
-// floor for any of it to stand. Throws Error when the headline's clock gave no time for a frame.
+// Fills in cpu, wall and gpu, headline_ratio, mesh_floor, control and to_low_polygon, and whether the mesh is too far
+// above its floor for any of it to stand. Throws Error when the headline's clock gave no time for a frame.
 void put_ratios(RatioReport& report, const RatioTimes& times, Metric headline);
 
 // Solves the scene with the mesh, checks the pictures, warms up and times. Progress on a terminal. Throws Error

@@ -7,12 +7,25 @@
 #include <tuple>
 
 #include "bench/experiments/point_name.h"
+#include "bench/timing/control.h"
 
 namespace crowdbench::bench {
 namespace {
 
 std::string interval_text(const std::optional<TimeSummary>& time) {
   return time ? fmt::format("{:.3f} [{:.3f}, {:.3f}]", time->median / 1e6, time->low / 1e6, time->high / 1e6) : "-";
+}
+
+// The controls of the points that were measured now, in the headline's time.
+std::string controls_text(const StoreContents& contents, const RunRow& run, size_t wide) {
+  std::string out;
+  for (const ControlRow& row : contents.controls)
+    if (row.run == run.id && row.metric == run.headline)
+      out += fmt::format(
+          "{:<{}} A/A, {} against itself, {}: {}\n", view_name(row.of.requested_occupancy), wide, row.of.representation,
+          agents_text(row.of.agents),
+          control_text({row.ratio, {row.low, row.high}, static_cast<size_t>(row.pairs)}, row.p, row.detectable));
+  return out;
 }
 
 }  // namespace
@@ -50,7 +63,7 @@ std::string sweep_table(const StoreContents& contents, const RunRow& run) {
                     speed, row->covered_px ? percent_text(static_cast<double>(*row->covered_px) / pixels) : "-",
                     row->status == Status::valid ? "" : fmt::format("  {}: {}", status_name(row->status), row->reason));
   }
-  return out;
+  return out + controls_text(contents, run, wide);
 }
 
 }  // namespace crowdbench::bench

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/block_bootstrap.h"
 #include "core/random.h"
 
 namespace crowdbench::bench {
@@ -153,27 +154,29 @@ std::vector<double> values_of(std::span<const SampleRow> samples, Metric metric)
 }
 
 TimeSummary summarise_times(std::span<const double> times_ns, uint64_t seed) {
-  const Interval interval = bootstrap_median(times_ns, seed);
+  const Interval interval = block_bootstrap_median(times_ns, seed);
   return {median(times_ns),        interval.low, interval.high, quantile(times_ns, 0.05), quantile(times_ns, 0.95),
           quantile(times_ns, 0.99)};
 }
 
+std::vector<double> ratios_by_round(std::span<const SampleRow> numerator, std::span<const SampleRow> denominator,
+                                    Metric metric) {
+  std::vector<double> ratios;
+  for (size_t i = 0; i < std::min(numerator.size(), denominator.size()); ++i) {
+    assert(numerator[i].round == denominator[i].round);
+    if (metric == Metric::gpu && (!numerator[i].gpu_ns || !denominator[i].gpu_ns)) return {};
+    const double above = metric_of(numerator[i], metric);
+    const double below = metric_of(denominator[i], metric);
+    if (above > 0 && below > 0) ratios.push_back(above / below);
+  }
+  return ratios;
+}
+
 std::optional<MedianRatio> paired_ratio(std::span<const SampleRow> numerator, std::span<const SampleRow> denominator,
                                         Metric metric, uint64_t seed) {
-  const size_t pairs = std::min(numerator.size(), denominator.size());
-  std::vector<double> above;
-  std::vector<double> below;
-  for (size_t i = 0; i < pairs; ++i) {
-    assert(numerator[i].round == denominator[i].round);
-    if (metric == Metric::gpu && (!numerator[i].gpu_ns || !denominator[i].gpu_ns)) return std::nullopt;
-    const double a = metric_of(numerator[i], metric);
-    const double b = metric_of(denominator[i], metric);
-    if (a <= 0 || b <= 0) continue;
-    above.push_back(a);
-    below.push_back(b);
-  }
-  if (above.empty()) return std::nullopt;
-  return median_of_ratios(above, below, seed);
+  const std::vector<double> ratios = ratios_by_round(numerator, denominator, metric);
+  if (ratios.empty()) return std::nullopt;
+  return MedianRatio{median(ratios), block_bootstrap_median(ratios, seed), ratios.size()};
 }
 
 void put_times(MeasurementRow& row, const VariantTimes& times, uint64_t seed) {

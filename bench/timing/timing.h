@@ -95,12 +95,17 @@ bool has_settled(std::span<const double> frames, double fraction);
 
 // One metric of every sample, in nanoseconds; empty when any sample lacks it.
 std::vector<double> values_of(std::span<const SampleRow> samples, Metric metric);
-// Median with its bootstrap interval and percentiles. At least one value.
+// Median with its bootstrap interval (by blocks of successive rounds where these are alike) and percentiles. At least
+// one value, in the order measured.
 TimeSummary summarise_times(std::span<const double> times_ns, uint64_t seed);
 // The median of the paired ratios numerator / denominator over the rounds that both have; std::nullopt when there are
-// none or the metric is not available. Times of 0 (a clock too coarse) leave their pair out.
+// none or the metric is not available. Times of 0 (a clock too coarse) leave their pair out. The interval keeps its
+// coverage where successive rounds are alike (core/block_bootstrap.h).
 std::optional<MedianRatio> paired_ratio(std::span<const SampleRow> numerator, std::span<const SampleRow> denominator,
                                         Metric metric, uint64_t seed);
+// The ratios themselves, one a round in which both took time, in order; empty as above.
+std::vector<double> ratios_by_round(std::span<const SampleRow> numerator, std::span<const SampleRow> denominator,
+                                    Metric metric);
 // Fills the time columns and the samples of a row.
 void put_times(MeasurementRow& row, const VariantTimes& times, uint64_t seed);
 

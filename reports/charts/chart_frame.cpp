@@ -12,6 +12,7 @@ Json config() {
           {"view", {{"stroke", nullptr}}},
           {"axis",
            {{"labelFontSize", 12},
+            {"labelLimit", 0},  // Vega's own cuts options off long names
             {"titleFontSize", 12},
             {"titleFontWeight", 600},
             {"titlePadding", 10},
@@ -22,6 +23,7 @@ Json config() {
             {"tickColor", "#9aa5b1"}}},
           {"legend",
            {{"labelFontSize", 12},
+            {"labelLimit", 0},
             {"titleFontSize", 12},
             {"labelColor", kChartInk},
             {"titleColor", kChartInk},

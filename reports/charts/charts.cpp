@@ -144,11 +144,12 @@ std::string time_chart(const Scene& scene, double occupancy) {
   Json crossings = Json::array();
   for (const CrossoverLine& line : crossovers_of(scene, metric))
     if (line.occupancy == occupancy && line.agents && (line.first == scene.reference || line.second == scene.reference))
-      crossings.push_back({{"agents", *line.agents},
-                           {"ms", line.time_ns / 1e6},
-                           {"pair", line.first + " and " + line.second},
-                           {"at", fmt::format("{:.0f} agents", *line.agents)},
-                           {"beyond", line.cheaper_beyond + " is cheaper"}});
+      crossings.push_back(
+          {{"agents", *line.agents},
+           {"ms", line.time_ns / 1e6},
+           {"pair", line.first + " and " + line.second},
+           {"at", fmt::format("{:.0f} agents ({:.0f} to {:.0f})", *line.agents, line.agents_low, line.agents_high)},
+           {"beyond", line.cheaper_beyond + " is cheaper"}});
 
   const double least = range.least / 1.3;
   const double greatest = range.greatest * 1.3;

@@ -10,6 +10,7 @@
 #include "core/json.h"
 #include "core/statistics.h"
 #include "reports/exports/markdown_cell.h"
+#include "reports/exports/point_path.h"
 #include "reports/exports/scores_markdown.h"
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
@@ -231,14 +232,10 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
         }
     const auto lines = crossovers_of(scene, metric);
     if (!lines.empty()) {
-      out += "\n## Where the curves cross\n\n| pair | occupancy | at | cheaper |\n|---|--:|--:|---|\n";
+      out += "\n## Which is the cheaper one\n\n| pair | occupancy | by the paired ratios |\n|---|--:|---|\n";
       for (const CrossoverLine& line : lines)
-        add("| {} and {} | {} | {} | {} |\n", markdown_cell(line.first), markdown_cell(line.second),
-            percent_or_dash(line.occupancy), line.agents ? fmt::format("{:.0f} agents", *line.agents) : "–",
-            line.agents ? fmt::format("{} below, {} beyond", markdown_cell(line.cheaper_below),
-                                      markdown_cell(line.cheaper_beyond))
-                        : fmt::format("{} from {} to {} agents", markdown_cell(line.cheaper_beyond),
-                                      count_text(line.from), count_text(line.to)));
+        add("| {} and {} | {} | {} |\n", markdown_cell(line.first), markdown_cell(line.second),
+            percent_or_dash(line.occupancy), markdown_cell(crossover_text(line)));
     }
     out += scores_markdown(scene) + largest_crowds(scene) + provenance(run);
   }
@@ -317,9 +314,7 @@ std::string google_benchmark_json(const StoreContents& contents) {
   std::map<std::string, int> family;
   std::map<std::string, int> instances;
   for (const MeasurementRow& row : contents.measurements) {
-    const std::string run_name =
-        fmt::format("crowd/representation:{}/character:{}/agents:{}/occupancy:{}/{}x{}", row.key.representation,
-                    row.key.character, row.key.agents, row.key.requested_occupancy, row.key.width, row.key.height);
+    const std::string run_name = point_path(row.key);
     const int family_index = family.try_emplace(row.key.representation, static_cast<int>(family.size())).first->second;
     const int instance = instances[row.key.representation]++;
     Json counters = Json::object();

@@ -58,6 +58,13 @@ std::string difference_text(const Scene& scene, const std::string& name) {
   return text.empty() ? text : text + ".";
 }
 
+// What the reference of a ratio is drawn with: " of 27,048 triangles"; empty where that was not kept.
+std::string triangles_text(const Scene& scene, const RatioRow& ratio) {
+  const MeasurementRow* row = scene.find(scene.reference, ratio.of.agents, ratio.of.requested_occupancy);
+  if (row == nullptr || !row->triangles_per_agent) return {};
+  return fmt::format(" of {} triangles", count_text(*row->triangles_per_agent));
+}
+
 // A level of detail of the reference: the reference with options.
 bool is_level(const Scene& scene, const std::string& name) { return name.starts_with(scene.reference + ":"); }
 
@@ -104,20 +111,15 @@ std::vector<std::string> answer(const Scene& scene) {
       if (best == nullptr) continue;
       const bool faster = best->ratio >= 1;
       std::string text =
-          fmt::format("With {} {}, {} is {} times as {} as {} (95 % interval {} to {}, {} interleaved pairs).",
+          fmt::format("With {} {}, {} is {} times as {} as {}{} (95 % interval {} to {}, {} interleaved pairs).",
                       agents_text(best->of.agents), view_text(scene, occupancy), name,
                       factor_text(faster ? best->ratio : 1 / best->ratio), faster ? "fast" : "slow", scene.reference,
-                      factor_text(faster ? best->low : 1 / best->high),
+                      triangles_text(scene, *best), factor_text(faster ? best->low : 1 / best->high),
                       factor_text(faster ? best->high : 1 / best->low), best->pairs);
       text += levels_text(scene, *best);
       for (const CrossoverLine& line : lines) {
         if (line.occupancy != occupancy || line.first != scene.reference || line.second != name) continue;
-        if (line.agents)
-          text += fmt::format(" From about {} on, {} is the cheaper one.",
-                              agents_text(static_cast<uint64_t>(std::llround(*line.agents))), line.cheaper_beyond);
-        else
-          text += fmt::format(" Of the two, {} is the cheaper one over the whole range, {} to {}.", line.cheaper_beyond,
-                              count_text(line.from), agents_text(line.to));
+        text += " Against " + scene.reference + ": " + crossover_text(line) + ".";
       }
       paragraphs.push_back(text);
     }
@@ -161,14 +163,17 @@ std::vector<Tile> tiles(const Scene& scene) {
     std::string beside;
     for (const LevelRatio& r : ratios_to_levels(scene, *ratio))
       beside += fmt::format("; {}× that of {}", factor_text(r.times_as_fast), r.level);
-    all.push_back({factor_text(ratio->ratio) + "×",
-                   fmt::format("the speed of {} with {}{}{}{}", scene.reference, agents_text(ratio->of.agents), at,
-                               beside, void_notice(scene) ? " (void, see below)" : "")});
+    all.push_back(
+        {factor_text(ratio->ratio) + "×",
+         fmt::format("the speed of {}{}, drawn by {} with {}{}{}{}", scene.reference, triangles_text(scene, *ratio),
+                     name, agents_text(ratio->of.agents), at, beside, void_notice(scene) ? " (void, see below)" : "")});
   }
   for (const CrossoverLine& line : crossovers_of(scene, metric))
     if (line.occupancy == occupancy && line.first == scene.reference && line.second == name && line.agents) {
       all.push_back({agents_text(static_cast<uint64_t>(std::llround(*line.agents))),
-                     fmt::format("from there on {} is the cheaper one{}", line.cheaper_beyond, at)});
+                     fmt::format("from there on {} is the cheaper one{} (95 % interval {} to {})", line.cheaper_beyond,
+                                 at, count_text(static_cast<uint64_t>(std::llround(line.agents_low))),
+                                 agents_text(static_cast<uint64_t>(std::llround(line.agents_high))))});
       break;
     }
   for (const ScoreDoc& doc : scene.scores) {

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "reports/charts/charts.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
@@ -17,19 +15,11 @@ using Rows = std::vector<TemplateValues>;
 Rows crossovers(const SceneOnPage& page) {
   Rows lines;
   for (const CrossoverLine& line : crossovers_of(page.scene, page.scene.run->headline)) {
-    Rows crossing;
-    if (line.agents)
-      crossing.push_back({{"agents", agents_text(static_cast<uint64_t>(std::llround(*line.agents)))},
-                          {"time", time_text(line.time_ns)},
-                          {"below", line.cheaper_below},
-                          {"beyond", line.cheaper_beyond}});
     lines.push_back({{"first", page.mark(line.first)},
                      {"second", page.mark(line.second)},
                      {"occupancy", occupancy_text(line.occupancy)},
-                     {"crossing", std::move(crossing)},
-                     {"cheaper", line.cheaper_beyond},
-                     {"from", count_text(line.from)},
-                     {"to", agents_text(line.to)}});
+                     {"text", crossover_text(line)},
+                     {"time", line.agents ? ", a frame taking " + time_text(line.time_ns) : std::string()}});
   }
   if (lines.empty()) return {};
   return {{{"lines", std::move(lines)}}};

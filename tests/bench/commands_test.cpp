@@ -292,6 +292,47 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(text("q.md").find("| `flip` |"), std::string::npos);
          EXPECT_TRUE(fs::is_directory(work_ / "worst"));
        }},
+      {"regress",
+       [&] {
+         // The file with itself: nothing differs, but ten rounds may not exclude a slow-down of 5 %.
+         const Outcome same = run("regress r.sqlite r.sqlite --detect 900 --markdown regress.md --junit regress.xml");
+         EXPECT_EQ(same.status, 0) << same.text;
+         EXPECT_NE(same.text.find("PASS: 0 worse"), std::string::npos) << same.text;
+         EXPECT_NE(text("regress.md").find("## PASS"), std::string::npos);
+         EXPECT_NE(text("regress.xml").find("failures=\"0\""), std::string::npos);
+         const json j = json::parse(run("regress r.sqlite r.sqlite --detect 900 --json", false).text);
+         ASSERT_EQ(j.at("times").size(), 2U) << "without floors the reference has no yardstick";
+         EXPECT_EQ(j.at("times")[0].at("change"), 0);
+         EXPECT_EQ(j.at("pictures").size(), 2U);
+         EXPECT_EQ(j.at("pictures")[0].at("share"), 0);
+         EXPECT_NE(run("regress r.sqlite r.sqlite --explain 1 --pictures why").text.find("difference.png"),
+                   std::string::npos);
+         EXPECT_EQ(run("regress r.sqlite q.sqlite").status, 3) << "nothing in common";
+       }},
+      {"history",
+       [&] {
+         // One file given twice stands for two runs.
+         const json j = facts("history r.sqlite r.sqlite --chart h.html --json");
+         ASSERT_EQ(j.at("series").size(), 2U);
+         EXPECT_EQ(j.at("series")[0].at("values").size(), 2U);
+         EXPECT_TRUE(j.at("series")[0].at("changes").empty());
+         EXPECT_NE(text("h.html").find("Nothing changed"), std::string::npos);
+         EXPECT_NE(run("history r.sqlite").text.find("no point was measured twice"), std::string::npos);
+       }},
+      {"export",
+       [&] {
+         const Outcome outcome =
+             run("export r.sqlite --csv e.csv --scores-csv es.csv --json-out e.json --google-benchmark g2.json "
+                 "--bencher b.json --frame-log f.csv --markdown e.md");
+         EXPECT_EQ(outcome.status, 0) << outcome.text;
+         const json bencher = json::parse(text("b.json"));
+         ASSERT_EQ(bencher.size(), 4U);
+         EXPECT_GT(bencher.begin()->at("wall-time").at("value").get<double>(), 0);
+         EXPECT_EQ(text("f.csv").substr(0, 30), "Application,MsBetweenPresents,");
+         const std::string frames = text("f.csv");
+         EXPECT_EQ(std::count(frames.begin(), frames.end(), '\n'), 1 + 4 * 10);
+         EXPECT_EQ(json::parse(text("e.json")).at("controls").size(), 4U) << "two points, CPU and wall clock";
+       }},
       {"report",
        [&] {
          const Outcome outcome =

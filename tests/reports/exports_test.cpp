@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "reports/exports/bencher.h"
+#include "reports/exports/frame_log.h"
 #include "tests/reports/rows.h"
 #include "tests/store/full_rows.h"
 
@@ -77,6 +79,8 @@ StoreContents full_contents() {
   all.measurements[0].id = 4;
   all.ratios = {full_ratio(3)};
   all.ratios[0].id = 5;
+  all.controls = {full_control(3)};
+  all.controls[0].id = 9;
   all.comparisons = {full_comparison(3)};
   all.comparisons[0].id = 6;
   all.pictures = {full_picture(3, 6)};
@@ -124,6 +128,11 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
     "character": "mannequin", "agents": 250, "width_px": 640, "height_px": 480, "requested_occupancy": 0.15,
     "to": "mesh", "metric": "cpu", "ratio": 12.5, "ratio_low": 11.5, "ratio_high": 13.5, "pairs": 20}])")
                                          .dump());
+  EXPECT_EQ(all.at("controls").dump(), wanted(R"([{"id": 9, "run": 3, "representation": "mesh",
+    "character": "mannequin", "agents": 251, "width_px": 641, "height_px": 481, "requested_occupancy": 0.16,
+    "metric": "wall", "ratio": 1.25, "ratio_low": 0.75, "ratio_high": 1.75, "p": 0.5, "detectable": 0.03125,
+    "pairs": 21}])")
+                                           .dump());
   EXPECT_EQ(all.at("curves").dump(), wanted(R"([{"id": 7, "run": 3, "representation": "flat", "reference": "mesh",
     "character": "mannequin", "score": "flip", "against": "height_px", "points": 401, "agents": 201,
     "rank_correlation": -0.25, "display": "standard_fhd: ...", "display_given": true, "bins": [
@@ -278,6 +287,33 @@ TEST(Exports, MarkdownHasTheTablesAndEscapesThem) {
       << described;
   EXPECT_NE(described.find("| flat | 64 | 3 | 0.885 (0.840) | 0.835 (0.790) |"), std::string::npos) << described;
   EXPECT_NE(described.find("| flat | 100 | 15 % | 0.950 | ∞ | 1.25 |"), std::string::npos) << described;
+}
+
+TEST(Exports, BencherHasTimesWithTheirIntervalsRatiosAndScores) {
+  const json all = json::parse(bencher_json(made_up_contents()));
+  EXPECT_EQ(all.size(), 17U) << "every point that was timed";
+  const json& point = all.at("crowd/representation:flat/character:mannequin/agents:100/occupancy:0.15/640x480");
+  EXPECT_EQ(point.at("cpu-time").at("value"), 1.1e6);
+  EXPECT_LT(point.at("cpu-time").at("lower_value"), point.at("cpu-time").at("value"));
+  const double speed = 1e7 / 1.1e6;
+  EXPECT_NEAR(point.at("times-as-slow-as-reference-cpu").at("value").get<double>(), 1 / speed, 1e-12);
+  EXPECT_NEAR(point.at("times-as-slow-as-reference-cpu").at("upper_value").get<double>(), 1 / (0.97 * speed), 1e-12);
+  EXPECT_EQ(point.at("score-ssim").at("value"), 0.95);
+  EXPECT_FALSE(point.contains("score-psnr")) << "an infinite value is none there";
+  EXPECT_FALSE(point.contains("gpu-time"));
+}
+
+TEST(Exports, TheFrameLogHasALineAFrame) {
+  StoreContents all = full_contents();
+  const std::string csv = frame_log_csv(all);
+  EXPECT_EQ(csv.substr(0, csv.find("\r\n")),
+            "Application,MsBetweenPresents,MsCPUBusy,MsGPUTime,Run,Round,Tick,MsProcessCPU,Agents,OccupiedPx");
+  EXPECT_NE(csv.find("\"crowd/representation:flat:views=64/character:mannequin + robot.glb/agents:250/occupancy:0.15/"
+                     "640x480\",1.000000,2.000000,0.000077,3,5,6,3.000000,250,46000\r\n"),
+            std::string::npos)
+      << csv;
+  all.measurements[0].samples[0].gpu_ns = std::nullopt;
+  EXPECT_NE(frame_log_csv(all).find(",2.000000,,3,5,6,"), std::string::npos) << "not available is empty";
 }
 
 }  // namespace

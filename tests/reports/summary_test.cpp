@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
+
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
@@ -50,39 +53,62 @@ TEST(Summary, AnotherMachineOrCharacterIsAnotherScene) {
   EXPECT_EQ(scenes_of(contents).size(), 3U);
 }
 
-// mesh: 0.1 ms an agent; flat: exactly 1 ms whatever the crowd. The two straight lines in log-log cross where 0.1 n
-// = 1.
-TEST(Summary, CrossoverByHand) {
+// The scene of made-up rows at 15 %, its ratios as given: by agents the ratio, its interval a factor of 0.97 and 1.04.
+std::vector<CrossoverLine> lines_with(StoreContents& contents, const std::map<uint32_t, double>& ratios) {
+  std::erase_if(contents.measurements, [&](const MeasurementRow& row) {
+    return !ratios.contains(row.key.agents) || row.key.requested_occupancy > 0.5;
+  });
+  for (RatioRow& row : contents.ratios)
+    if (row.kind == "speed" && ratios.contains(row.of.agents)) {
+      row.ratio = ratios.at(row.of.agents);
+      row.low = 0.97 * row.ratio;
+      row.high = 1.04 * row.ratio;
+    }
+  return crossovers_of(scenes_of(contents)[0], "cpu");
+}
+
+// A ratio of agents / 10: the ends of its interval pass 1 where it is 1 / 1.04 and 1 / 0.97.
+TEST(Crossovers, ByHandFromThePairedRatios) {
   StoreContents contents = made_up_contents();
-  for (MeasurementRow& row : contents.measurements)
-    if (row.key.representation == "flat" && row.cpu_ns) row.cpu_ns = spread(1e6);
-  contents.measurements.erase(std::remove_if(contents.measurements.begin(), contents.measurements.end(),
-                                             [](const MeasurementRow& row) {
-                                               return row.key.agents == 10 || row.key.requested_occupancy > 0.5;
-                                             }),
-                              contents.measurements.end());
-  const auto scenes = scenes_of(contents);
-  const auto lines = crossovers_of(scenes[0], "cpu");
+  const auto lines = lines_with(contents, {{1, 0.1}, {100, 10}});
   ASSERT_EQ(lines.size(), 1U);
   ASSERT_TRUE(lines[0].agents.has_value());
-  EXPECT_NEAR(*lines[0].agents, 10.0, 1e-9);
-  EXPECT_NEAR(lines[0].time_ns, 1e6, 1e-3);
+  EXPECT_NEAR(*lines[0].agents, 10, 1e-9);
+  EXPECT_NEAR(lines[0].agents_low, 10 / 1.04, 1e-9);
+  EXPECT_NEAR(lines[0].agents_high, 10 / 0.97, 1e-9);
+  EXPECT_NEAR(lines[0].time_ns, 1e6, 1e-3) << "0.1 ms an agent";
   EXPECT_EQ(lines[0].cheaper_below, "mesh");
   EXPECT_EQ(lines[0].cheaper_beyond, "flat");
 }
 
-TEST(Summary, NoCrossingSaysWhoWinsAndOverWhichRange) {
+// Intervals that hold 1 everywhere: medians on either side of 1 are no crossing.
+TEST(Crossovers, WhatTheIntervalsDoNotCarryIsNotSaid) {
   StoreContents contents = made_up_contents();
-  for (MeasurementRow& row : contents.measurements)
-    if (row.key.representation == "flat" && row.cpu_ns) row.cpu_ns = spread(10);
-  const auto scenes = scenes_of(contents);
-  const auto lines = crossovers_of(scenes[0], "cpu");
-  ASSERT_EQ(lines.size(), 2U);
+  const auto lines = lines_with(contents, {{100, 0.99}, {250, 1.01}, {1000, 0.98}});
+  ASSERT_EQ(lines.size(), 1U);
   EXPECT_FALSE(lines[0].agents.has_value());
-  EXPECT_EQ(lines[0].cheaper_beyond, "flat");
-  EXPECT_EQ(lines[0].from, 1U);
-  EXPECT_EQ(lines[0].to, 1000U);
-  EXPECT_EQ(lines[1].to, 250U);  // at 90 % the mesh stopped there
+  EXPECT_EQ(lines[0].cheaper_beyond, "");
+  EXPECT_EQ(crossover_text(lines[0]), "not distinguishable from 100 to 1,000 agents");
+}
+
+TEST(Crossovers, AStretchThatIsNotDistinguishableIsTheIntervalInAgents) {
+  StoreContents contents = made_up_contents();
+  const auto lines = lines_with(contents, {{1, 2}, {10, 1.01}, {100, 0.99}, {1000, 0.5}});
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].cheaper_beyond, "mesh");
+  EXPECT_LT(lines[0].agents_low, 10);
+  EXPECT_GT(lines[0].agents_high, 100);
+  EXPECT_NEAR(*lines[0].agents, std::sqrt(1000), 1) << "half way between 1.01 and 0.99";
+}
+
+TEST(Crossovers, WithoutOneItIsSaidWhoIsCheaperAndWhere) {
+  StoreContents contents = made_up_contents();
+  EXPECT_EQ(crossover_text(lines_with(contents, {{1, 5}, {10, 5}, {100, 5}, {1000, 5}})[0]),
+            "flat is the cheaper one from 1 to 1,000 agents");
+  contents = made_up_contents();
+  EXPECT_EQ(crossover_text(lines_with(contents, {{1, 1}, {10, 0.5}, {100, 0.5}, {1000, 1}})[0]),
+            "mesh is the cheaper one from 10 to 100 agents; elsewhere from 1 to 1,000 agents they are not "
+            "distinguishable");
 }
 
 TEST(Summary, ScoresByHeightByHand) {
@@ -141,9 +167,10 @@ TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   const auto sentences = answer(scenes[0]);
   ASSERT_EQ(sentences.size(), 3U);  // two occupancies and the difference
   EXPECT_EQ(sentences[0],
-            "With 1,000 agents covering 15 % of a 640 × 480 picture, flat is 50.0 times as fast as mesh (95 % interval "
-            "48.5 to 52.0, 24 interleaved pairs). No level of detail of mesh was timed beside it. From about 10 agents "
-            "on, flat is the cheaper one.");
+            "With 1,000 agents covering 15 % of a 640 × 480 picture, flat is 50.0 times as fast as mesh of 5,000 "
+            "triangles (95 % interval "
+            "48.5 to 52.0, 24 interleaved pairs). No level of detail of mesh was timed beside it. Against mesh: from "
+            "about 10 agents on (95 % interval 10 to 10), flat is the cheaper one.");
   EXPECT_TRUE(sentences[1].starts_with("With 250 agents covering 90 %")) << sentences[1];
   EXPECT_EQ(
       sentences[2],
@@ -152,6 +179,8 @@ TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   const auto glance = tiles(scenes[0]);
   ASSERT_EQ(glance.size(), 4U);
   EXPECT_EQ(glance[0].figure, "50.0×");
+  EXPECT_EQ(glance[0].meaning,
+            "the speed of mesh of 5,000 triangles, drawn by flat with 1,000 agents at 15 % occupancy");
   EXPECT_EQ(glance[1].figure, "10 agents");
   EXPECT_EQ(glance[2].figure, "0.885");
   EXPECT_EQ(glance[2].meaning, "silhouette IoU, 64 pixels tall (mean of 3 views, 1 is equal)");

@@ -33,6 +33,7 @@ TEST(Columns, EveryFieldOfARowHasOne) {
             field_count<MeasurementRow>() - held + field_count<PointKey>() - 1 + 4 * (field_count<TimeSummary>() - 1));
   EXPECT_EQ(columns(table<SampleRow>()), field_count<SampleRow>());
   EXPECT_EQ(columns(table<RatioRow>()), field_count<RatioRow>() + field_count<PointKey>() - 1);
+  EXPECT_EQ(columns(table<ControlRow>()), field_count<ControlRow>() + field_count<PointKey>() - 1);
   EXPECT_EQ(columns(table<ComparisonRow>()), field_count<ComparisonRow>() - held);
   EXPECT_EQ(columns(table<ScoreRow>()), field_count<ScoreRow>());
   EXPECT_EQ(columns(table<PictureRow>()), field_count<PictureRow>());

@@ -77,6 +77,10 @@ inline RatioRow full_ratio(int64_t run) {
   return {0, run, "floor", {"flat", "mannequin", 250, 640, 480, 0.15}, "mesh", "cpu", 12.5, 11.5, 13.5, 20};
 }
 
+inline ControlRow full_control(int64_t run) {
+  return {0, run, {"mesh", "mannequin", 251, 641, 481, 0.16}, "wall", 1.25, 0.75, 1.75, 0.5, 0.03125, 21};
+}
+
 inline ComparisonRow full_comparison(int64_t run) {
   ComparisonRow row;
   row.run = run;

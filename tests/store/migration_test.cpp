@@ -4,6 +4,7 @@
 // and tests/data/store/schema-2.sqlite by the last of schema 2:
 //   crowdbench bench --representation flat:views=hemi-4 --agents 1,2 --rounds 10 --occupancy 0.15 --size 64x48
 //     --picture-agents 1 --device software --out schema-2.sqlite
+// and tests/data/store/schema-3.sqlite by the last of schema 3 with the same command line.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
@@ -56,6 +57,7 @@ class MigrationTest : public testing::Test {
     EXPECT_TRUE(a.runs == b.runs);
     EXPECT_TRUE(a.measurements == b.measurements);
     EXPECT_TRUE(a.ratios == b.ratios);
+    EXPECT_TRUE(a.controls == b.controls);
     EXPECT_TRUE(a.comparisons == b.comparisons);
     EXPECT_TRUE(a.pictures == b.pictures);
     EXPECT_TRUE(a.curves == b.curves);
@@ -143,7 +145,7 @@ TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
   { StoreWriter store(fresh); }
   const auto wanted = statements(fresh);
   EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
-  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite"}) {
+  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite"}) {
     take(older);
     { StoreWriter store(file_); }
     EXPECT_EQ(statements(file_), wanted) << older;
@@ -176,6 +178,24 @@ TEST_F(MigrationTest, SchemaTwoGainsCurvesAndKeepsItsScores) {
   ASSERT_EQ(after.comparisons.size(), 3U);
   EXPECT_TRUE(after.comparisons[1] == before.comparisons[1]);
   EXPECT_TRUE(after.comparisons[2] == agent);
+}
+
+// Schema 3 knew no controls.
+TEST_F(MigrationTest, SchemaThreeGainsControls) {
+  take("schema-3.sqlite");
+  const StoreContents before = read_store(file_, true);
+  EXPECT_EQ(before.measurements.size(), 4U);
+  EXPECT_TRUE(before.controls.empty());
+  ControlRow control = full_control(1);
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    control.id = store.write(control);
+  }
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.controls.size(), 1U);
+  EXPECT_TRUE(after.controls[0] == control);
+  EXPECT_TRUE(after.measurements == before.measurements);
 }
 
 TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {

@@ -104,6 +104,7 @@ TEST_F(StoreTest, EveryFieldIsInTheColumnOfItsName) {
     store.write(a_measurement(run));
     store.write(full_measurement(run));
     for (int i = 0; i < 4; ++i) store.write(full_ratio(run));
+    for (int i = 0; i < 8; ++i) store.write(full_control(run));
     for (int i = 0; i < 5; ++i) store.write(full_comparison(run));
     for (int i = 0; i < 6; ++i) store.write(full_picture(run, 5));
     for (int i = 0; i < 7; ++i) store.write(full_curve(run));
@@ -212,6 +213,21 @@ TEST_F(StoreTest, EveryFieldIsInTheColumnOfItsName) {
                                                          {"ratio_low", "11.5"},
                                                          {"ratio_high", "13.5"},
                                                          {"pairs", "20"}}));
+  EXPECT_EQ(record(file_, "control WHERE id = 8"), (Record{{"id", "8"},
+                                                           {"run", "3"},
+                                                           {"representation", "'mesh'"},
+                                                           {"character", "'mannequin'"},
+                                                           {"agents", "251"},
+                                                           {"width_px", "641"},
+                                                           {"height_px", "481"},
+                                                           {"requested_occupancy", "0.16"},
+                                                           {"metric", "'wall'"},
+                                                           {"ratio", "1.25"},
+                                                           {"ratio_low", "0.75"},
+                                                           {"ratio_high", "1.75"},
+                                                           {"p", "0.5"},
+                                                           {"detectable", "0.03125"},
+                                                           {"pairs", "21"}}));
   EXPECT_EQ(record(file_, "comparison WHERE id = 5"), (Record{{"id", "5"},
                                                               {"run", "3"},
                                                               {"kind", "'agent'"},
@@ -292,6 +308,8 @@ TEST_F(StoreTest, EveryFieldComesBack) {
     for (MeasurementRow& row : wanted.measurements) row.id = store.write(row);
     wanted.ratios = {full_ratio(run)};
     wanted.ratios[0].id = store.write(wanted.ratios[0]);
+    wanted.controls = {full_control(run)};
+    wanted.controls[0].id = store.write(wanted.controls[0]);
     wanted.comparisons = {full_comparison(run), ComparisonRow()};
     wanted.comparisons[1].run = run;
     wanted.comparisons[1].kind = "crowd";
@@ -317,6 +335,7 @@ TEST_F(StoreTest, EveryFieldComesBack) {
   EXPECT_TRUE(all.runs == wanted.runs);
   EXPECT_TRUE(all.measurements == wanted.measurements);
   EXPECT_TRUE(all.ratios == wanted.ratios);
+  EXPECT_TRUE(all.controls == wanted.controls);
   EXPECT_TRUE(all.comparisons == wanted.comparisons);
   EXPECT_TRUE(all.pictures == wanted.pictures);
   EXPECT_TRUE(all.curves == wanted.curves);

@@ -40,6 +40,7 @@ const std::map<std::string, std::string> kScripts = {
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
     {"relief_tears.mjs", "ReliefTears"},
+    {"statistics_evidence.sh", "StatisticsEvidence"},
 };
 
 std::string quoted(const fs::path& path) { return shell_quoted(path.string()); }
@@ -170,6 +171,19 @@ TEST_F(ScriptsGl, ScoreCorrelations) {
   for (auto at = std::sregex_iterator(page.begin(), page.end(), link); at != std::sregex_iterator(); ++at)
     EXPECT_TRUE(fs::exists(folder_ / (*at)[1].str())) << (*at)[1].str();
   EXPECT_EQ(run("score_correlations.sh", driver_ + " scores.md --frobnicate").status, 2);
+}
+
+TEST_F(ScriptsGl, StatisticsEvidence) {
+  NEEDS(Need{"awk", "mawk"});
+  const Outcome outcome = run("statistics_evidence.sh", build_ + " statistics.md --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  const std::string page = text("statistics.md");
+  EXPECT_NE(page.find("The control of 3 runs"), std::string::npos) << page;
+  EXPECT_TRUE(std::regex_search(page, std::regex("differed in [0-3] \\(.*detectable change: [0-9]+\\.[0-9] %")))
+      << page;
+  EXPECT_EQ(run("statistics_evidence.sh", build_ + " statistics.md --frobnicate").status, 2);
+  EXPECT_EQ(run("statistics_evidence.sh", "nowhere other.md --tiny").status, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "other.md"));
 }
 
 TEST_F(ScriptsGl, ReliefTears) {

@@ -1,0 +1,232 @@
+// Based on: Mann and Whitney's test of the current values against those of the baseline moved by the least effect,
+// which asks for more than that effect and not only for any; Hodges and Lehmann's estimate for the size; Holm's or
+// Benjamini and Hochberg's correction.
+#include "bench/experiments/regress_times.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bench/experiments/point_name.h"
+#include "bench/timing/timing.h"
+#include "core/block_bootstrap.h"
+#include "core/hodges_lehmann.h"
+#include "core/probability.h"
+#include "core/rank_tests.h"
+
+namespace crowdbench::bench {
+namespace {
+
+// From so many runs a side on, runs are the values: what differs from one process to the next is then part of the
+// noise.
+constexpr size_t kRunsAsValues = 5;
+constexpr double kPower = 0.8;
+constexpr const char* kFloor = "its floor";
+
+Metric metric_of(const std::string& headline) {
+  return headline == "gpu" ? Metric::gpu : headline == "wall" ? Metric::wall : Metric::cpu;
+}
+
+const MeasurementRow* find_reference(const StoreContents& contents, const MeasurementRow& row) {
+  PointKey key = row.key;
+  key.representation = row.reference;
+  // Rows of one point are of one run and follow each other: the nearest is of the same rounds.
+  const MeasurementRow* found = nullptr;
+  for (const MeasurementRow& other : contents.measurements)
+    if (other.run == row.run && other.key == key && !other.samples.empty() &&
+        (found == nullptr || std::abs(other.id - row.id) < std::abs(found->id - row.id)))
+      found = &other;
+  return found;
+}
+
+// The largest change that a control at this place shows and does not put down to chance.
+double control_at(const StoreContents& contents, const RunRow& run, const PointKey& key) {
+  double largest = 0;
+  for (const ControlRow& control : contents.controls)
+    if (control.run == run.id && control.metric == run.headline && control.of.agents == key.agents &&
+        control.of.requested_occupancy == key.requested_occupancy && control.of.character == key.character &&
+        control.p <= 0.05)
+      largest = std::max(largest, std::abs(std::log(control.ratio)));
+  return std::expm1(largest);
+}
+
+void add_floor(TimeSeries& series, const StoreContents& contents, const RunRow& run, const PointKey& key) {
+  for (const RatioRow& row : contents.ratios) {
+    if (row.run != run.id || row.kind != "floor" || row.of != key || row.metric != run.headline || !(row.low > 0))
+      continue;
+    series.median = std::log(row.ratio);
+    series.error = std::log(row.high / row.low) / (2 * normal_quantile(0.975));
+  }
+}
+
+void add_row(TimesByKey& all, const StoreContents& contents, const RunRow& run, const MeasurementRow& row) {
+  if (row.status != Status::valid || row.samples.empty()) return;
+  TimeSeries series;
+  series.scenario = run.scenario_name;
+  series.metric = run.headline;
+  series.control = control_at(contents, run, row.key);
+  if (row.key.representation == row.reference) {
+    add_floor(series, contents, run, row.key);
+    if (!series.median) return;
+  } else {
+    const MeasurementRow* reference = find_reference(contents, row);
+    if (reference == nullptr) return;
+    std::vector<double> logarithms = ratios_by_round(row.samples, reference->samples, metric_of(run.headline));
+    if (logarithms.empty()) return;
+    for (double& value : logarithms) value = std::log(value);
+    series.runs.push_back(std::move(logarithms));
+  }
+  const auto [place, fresh] = all.try_emplace({run.scenario_hash, row.key}, series);
+  if (fresh) return;
+  TimeSeries& known = place->second;
+  known.control = std::max(known.control, series.control);
+  known.median = series.median;
+  known.error = series.error;
+  for (std::vector<double>& values : series.runs) known.runs.push_back(std::move(values));
+}
+
+std::vector<double> values_by(const TimeSeries& series, bool by_run) {
+  std::vector<double> values;
+  for (const std::vector<double>& run : series.runs) {
+    if (by_run) {
+      values.push_back(median(run));
+      continue;
+    }
+    const std::vector<double> blocks = block_medians(run);
+    values.insert(values.end(), blocks.begin(), blocks.end());
+  }
+  return values;
+}
+
+std::vector<double> moved(std::vector<double> values, double by) {
+  for (double& value : values) value += by;
+  return values;
+}
+
+double detectable_of(double error, const RegressLimits& limits, double least_effect) {
+  return std::expm1(std::log1p(least_effect) + (normal_quantile(1 - limits.level) + normal_quantile(kPower)) * error);
+}
+
+void compare_values(TimePoint& point, const std::vector<double>& baseline, const std::vector<double>& current,
+                    const RegressLimits& limits) {
+  const double step = std::log1p(point.least_effect);
+  const Shift shift = hodges_lehmann(current, baseline);
+  point.baseline = std::exp(median(baseline));
+  point.current = std::exp(median(current));
+  point.change = std::expm1(shift.estimate);
+  point.interval = {std::expm1(shift.interval.low), std::expm1(shift.interval.high)};
+  point.p_slower = mann_whitney(current, moved(baseline, step)).p_greater;
+  point.p_faster = mann_whitney(current, moved(baseline, -step)).p_less;
+  const double error = (shift.interval.high - shift.interval.low) / (2 * normal_quantile(0.975));
+  point.detectable = detectable_of(error, limits, point.least_effect);
+}
+
+// Of the stored medians and their intervals, as if these were of normal values.
+void compare_intervals(TimePoint& point, const TimeSeries& baseline, const TimeSeries& current,
+                       const RegressLimits& limits) {
+  const double error = std::max(1e-12, std::hypot(*baseline.error, *current.error));
+  const double change = *current.median - *baseline.median;
+  const double step = std::log1p(point.least_effect);
+  const double reach = normal_quantile(0.975) * error;
+  point.baseline = std::exp(*baseline.median);
+  point.current = std::exp(*current.median);
+  point.change = std::expm1(change);
+  point.interval = {std::expm1(change - reach), std::expm1(change + reach)};
+  point.p_slower = normal_cdf(-(change - step) / error);
+  point.p_faster = normal_cdf((change + step) / error);
+  point.detectable = detectable_of(error, limits, point.least_effect);
+}
+
+std::string name_of(const PointKey& key) {
+  return fmt::format("{}, {}, {}, {}, {}x{}", key.representation, key.character, agents_text(key.agents),
+                     view_name(key.requested_occupancy), key.width, key.height);
+}
+
+std::string change_text(const TimePoint& point) {
+  return fmt::format("{:+.1f} % [{:+.1f}, {:+.1f}]", 100 * point.change, 100 * point.interval.low,
+                     100 * point.interval.high);
+}
+
+void judge(TimePoint& point, const RegressLimits& limits) {
+  const bool too_few =
+      point.unit == "rounds" && std::min(point.baseline_values, point.current_values) < limits.least_rounds;
+  if (too_few) {
+    point.verdict = Verdict::unclear;
+    point.reason = fmt::format("{} and {} independent rounds, {} are needed", point.baseline_values,
+                               point.current_values, limits.least_rounds);
+  } else if (point.adjusted_slower <= limits.level) {
+    point.verdict = Verdict::worse;
+    point.reason = fmt::format("slower by {}, more than {:.2g} %", change_text(point), 100 * point.least_effect);
+  } else if (point.adjusted_faster <= limits.level) {
+    point.verdict = Verdict::better;
+    point.reason = fmt::format("faster: {}", change_text(point));
+  } else if (point.interval.high > limits.detect) {
+    point.verdict = Verdict::unclear;
+    point.reason = fmt::format("{}: a slow-down of {:.2g} % is not excluded", change_text(point), 100 * limits.detect);
+  } else {
+    point.verdict = Verdict::same;
+    point.reason = change_text(point);
+  }
+}
+
+}  // namespace
+
+TimesByKey times_of(std::span<const StoreContents> side) {
+  TimesByKey all;
+  for (const StoreContents& contents : side) {
+    std::map<int64_t, const RunRow*> runs;
+    for (const RunRow& run : contents.runs) runs[run.id] = &run;
+    for (const MeasurementRow& row : contents.measurements)
+      if (const auto run = runs.find(row.run); run != runs.end()) add_row(all, contents, *run->second, row);
+  }
+  return all;
+}
+
+TimePoint compare_times(const TimeKey& key, const TimeSeries& baseline, const TimeSeries& current,
+                        const RegressLimits& limits) {
+  TimePoint point;
+  point.scenario = current.scenario;
+  point.what = name_of(key.key);
+  point.key = key.key;
+  point.metric = current.metric;
+  point.least_effect = std::max({limits.least_effect, baseline.control, current.control});
+  if (current.median) {
+    point.yardstick = kFloor;
+    point.unit = "intervals";
+    point.baseline_values = point.current_values = 1;
+    compare_intervals(point, baseline, current, limits);
+    return point;
+  }
+  const bool by_run = std::min(baseline.runs.size(), current.runs.size()) >= kRunsAsValues;
+  const std::vector<double> before = values_by(baseline, by_run);
+  const std::vector<double> after = values_by(current, by_run);
+  point.yardstick = "the reference";
+  point.unit = by_run ? "runs" : "rounds";
+  point.baseline_values = before.size();
+  point.current_values = after.size();
+  if (before.empty() || after.empty())
+    point.detectable = std::numeric_limits<double>::infinity();
+  else
+    compare_values(point, before, after, limits);
+  return point;
+}
+
+void judge_times(std::vector<TimePoint>& points, const RegressLimits& limits) {
+  std::vector<double> slower;
+  std::vector<double> faster;
+  for (const TimePoint& point : points) {
+    slower.push_back(point.p_slower);
+    faster.push_back(point.p_faster);
+  }
+  slower = adjusted_p_values(slower, limits.correction);
+  faster = adjusted_p_values(faster, limits.correction);
+  for (size_t i = 0; i < points.size(); ++i) {
+    points[i].adjusted_slower = slower[i];
+    points[i].adjusted_faster = faster[i];
+    judge(points[i], limits);
+  }
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,267 @@
+// `regress` on simulated result files: what is unchanged passes, what is planted is found, and each output says so.
+#include "bench/experiments/regress.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include "bench/commands/regress_output.h"
+#include "bench/timing/control.h"
+#include "bench/timing/timing.h"
+#include "core/error.h"
+#include "core/image_io.h"
+#include "core/probability.h"
+#include "metrics/registry.h"
+#include "tests/bench/simulated_frames.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench::bench {
+namespace {
+
+using test::SimulatedMachine;
+
+struct Build {
+  double flat = 0.2;          // time over the reference's
+  double slower_at_1000 = 1;  // a factor on the third representation at the largest crowd
+  double ssim = 0.9;
+  int shift = 0;  // of the picture, pixels
+  int rounds = 96;
+};
+
+std::vector<uint8_t> picture(int shift) {
+  Image8 image(64, 48, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y)[c] = static_cast<uint8_t>(((x + shift) / 4 + y / 4) % 2 == 0 ? 40 : 200);
+  return encode_png(image);
+}
+
+// A result file of one run: three crowds, a reference and two others, their A/A, one comparison with its pictures.
+StoreContents simulated_file(const Build& build, uint64_t seed, const SimulatedMachine& machine = {}) {
+  StoreContents all;
+  RunRow run;
+  run.id = 1;
+  run.scenario_name = "simulated";
+  run.scenario_hash = "5cea";
+  run.gl_renderer = "simulated";
+  run.headline = "cpu";
+  all.runs = {run};
+  for (const uint32_t agents : {10U, 100U, 1000U}) {
+    // What differs from one process to the next: 0.3 % a representation.
+    const auto of_process = [&](uint64_t place) {
+      return std::exp(0.003 * test::simulated_normal(seed, agents * 8 + place, 77));
+    };
+    const double third = 0.4 * (agents == 1000 ? build.slower_at_1000 : 1);
+    const auto rounds = test::simulated_rounds({1, build.flat * of_process(1), third * of_process(2), 1}, build.rounds,
+                                               seed * 1000 + agents, machine);
+    const PointKey mesh = {"mesh", "mannequin", agents, 640, 480, 0.15};
+    for (size_t v = 0; v < 3; ++v) {
+      MeasurementRow row;
+      row.id = static_cast<int64_t>(all.measurements.size()) + 1;
+      row.run = 1;
+      row.key = mesh;
+      row.key.representation = v == 0 ? "mesh" : v == 1 ? "flat" : "relief:boxes=2";
+      row.reference = "mesh";
+      row.samples = rounds[v];
+      all.measurements.push_back(row);
+    }
+    all.ratios.push_back({1, 1, "floor", mesh, "floor=1", "cpu", 1.2, 1.19, 1.21, build.rounds});
+    const Control control = judge_ratios(ratios_by_round(rounds[3], rounds[0], Metric::cpu), 1, 1);
+    all.controls.push_back(
+        {0, 1, mesh, "cpu", control.ratio.median, 0, 0, control.p, control.detectable, build.rounds});
+  }
+  ComparisonRow comparison;
+  comparison.id = 1;
+  comparison.run = 1;
+  comparison.kind = "crowd";
+  comparison.representation = "flat";
+  comparison.reference = "mesh";
+  comparison.character = "mannequin";
+  comparison.agents = 100;
+  comparison.requested_occupancy = 0.15;
+  comparison.scores = {{std::string(metrics::scores()[0]->name), std::nullopt, "made up"}, {"ssim", build.ssim, ""}};
+  all.comparisons = {comparison};
+  all.pictures = {{1, 1, 1, "test", "", 64, 48, picture(build.shift)}};
+  return all;
+}
+
+RegressReport compare(const Build& before, const Build& after, uint64_t seed, const RegressLimits& limits = {}) {
+  const std::vector<StoreContents> baseline = {simulated_file(before, 2 * seed)};
+  const std::vector<StoreContents> current = {simulated_file(after, 2 * seed + 1)};
+  RegressReport report = regress(baseline, current, limits, metrics::scores());
+  for (PicturePoint& point : report.pictures) point.baseline = point.current = nullptr;  // of files that are gone
+  return report;
+}
+
+const TimePoint& point_of(const RegressReport& report, const std::string& representation, uint32_t agents) {
+  for (const TimePoint& point : report.times)
+    if (point.key.representation == representation && point.key.agents == agents) return point;
+  throw Error("test", "no such point", representation);
+}
+
+TEST(Regress, AnUnchangedBuildPassesFiftyTimes) {
+  for (uint64_t run = 1; run <= 50; ++run) {
+    const RegressReport report = compare({}, {}, run);
+    ASSERT_EQ(report.times.size(), 9U);
+    EXPECT_EQ(exit_status(report), 0) << run << '\n' << regress_text(report);
+  }
+}
+
+TEST(Regress, APlantedSlowDownOfThreePercentIsFoundAtItsPlaceAlone) {
+  size_t found = 0;
+  for (uint64_t run = 101; run <= 150; ++run) {
+    const RegressReport report = compare({}, {.slower_at_1000 = 1.03}, run);
+    found += exit_status(report) == 1 && point_of(report, "relief:boxes=2", 1000).verdict == Verdict::worse ? 1 : 0;
+    EXPECT_NE(point_of(report, "relief:boxes=2", 100).verdict, Verdict::worse);
+    EXPECT_NE(point_of(report, "flat", 1000).verdict, Verdict::worse);
+  }
+  EXPECT_GE(found, 48U);
+  const TimePoint point = point_of(compare({}, {.slower_at_1000 = 1.03}, 101), "relief:boxes=2", 1000);
+  EXPECT_NEAR(point.change, 0.03, 0.015);
+  EXPECT_EQ(point.unit, "rounds");
+  EXPECT_LT(point.interval.low, point.change);
+  EXPECT_LE(point.p_slower, point.adjusted_slower);
+}
+
+TEST(Regress, FasterIsSaidAndNoRegression) {
+  const RegressReport report = compare({}, {.flat = 0.17}, 7);
+  EXPECT_EQ(exit_status(report), 0) << regress_text(report);
+  EXPECT_EQ(point_of(report, "flat", 100).verdict, Verdict::better);
+}
+
+TEST(Regress, TooFewRoundsAndTooMuchNoiseAreNotEnoughData) {
+  const RegressReport few = compare({.rounds = 5}, {.rounds = 5}, 3);
+  EXPECT_EQ(exit_status(few), 3);
+  EXPECT_NE(point_of(few, "flat", 10).reason.find("9 are needed"), std::string::npos);
+  const std::vector<StoreContents> a = {simulated_file({.rounds = 24}, 1, {.noise = 0.3})};
+  const std::vector<StoreContents> b = {simulated_file({.rounds = 24}, 2, {.noise = 0.3})};
+  const RegressReport noisy = regress(a, b, {}, metrics::scores());
+  EXPECT_EQ(exit_status(noisy), 3) << regress_text(noisy);
+  EXPECT_NE(regress_text(noisy).find("NOT ENOUGH DATA"), std::string::npos);
+  const RegressReport nothing = regress(a, std::vector<StoreContents>{StoreContents{}}, {}, metrics::scores());
+  EXPECT_EQ(exit_status(nothing), 3) << "no point in common";
+}
+
+// What a control shows without any change cannot be put down to a build.
+TEST(Regress, AControlThatDiffersRaisesTheLeastEffect) {
+  StoreContents after = simulated_file({.slower_at_1000 = 1.03}, 5);
+  for (ControlRow& control : after.controls)
+    if (control.of.agents == 1000) {
+      control.ratio = 1.06;
+      control.p = 0.001;
+    }
+  const std::vector<StoreContents> baseline = {simulated_file({}, 4)};
+  const std::vector<StoreContents> current = {after};
+  const RegressReport report = regress(baseline, current, {}, metrics::scores());
+  EXPECT_NEAR(point_of(report, "relief:boxes=2", 1000).least_effect, 0.06, 1e-9);
+  EXPECT_NE(point_of(report, "relief:boxes=2", 1000).verdict, Verdict::worse);
+}
+
+TEST(Regress, FiveRunsASideAreTheValues) {
+  std::vector<StoreContents> before;
+  std::vector<StoreContents> after;
+  for (uint64_t run = 0; run < 6; ++run) {
+    before.push_back(simulated_file({.rounds = 24}, 300 + 2 * run));
+    after.push_back(simulated_file({.slower_at_1000 = 1.05, .rounds = 24}, 301 + 2 * run));
+  }
+  const RegressReport report =
+      regress(before, after, {.correction = Correction::benjamini_hochberg}, metrics::scores());
+  EXPECT_EQ(point_of(report, "flat", 10).unit, "runs");
+  EXPECT_EQ(point_of(report, "flat", 10).baseline_values, 6U);
+  EXPECT_EQ(point_of(report, "relief:boxes=2", 1000).verdict, Verdict::worse) << regress_text(report);
+}
+
+TEST(Regress, TheReferenceIsHeldAgainstItsFloor) {
+  std::vector<StoreContents> before = {simulated_file({}, 8)};
+  std::vector<StoreContents> after = {simulated_file({}, 9)};
+  for (RatioRow& row : after[0].ratios)
+    if (row.of.agents == 100) row = {1, 1, "floor", row.of, "floor=1", "cpu", 1.27, 1.26, 1.28, 96};
+  const RegressReport report = regress(before, after, {}, metrics::scores());
+  EXPECT_EQ(point_of(report, "mesh", 100).verdict, Verdict::worse) << regress_text(report);
+  EXPECT_EQ(point_of(report, "mesh", 10).verdict, Verdict::same);
+  EXPECT_EQ(point_of(report, "mesh", 100).yardstick, "its floor");
+}
+
+TEST(Regress, AScoreAndAPictureThatGotWorseAreFound) {
+  const RegressReport worse = compare({}, {.ssim = 0.89}, 11);
+  EXPECT_EQ(exit_status(worse), 1);
+  ASSERT_EQ(worse.scores.size(), 2U);
+  const RegressReport within = compare({}, {.ssim = 0.89}, 11, {.score_tolerances = {{"ssim", 0.02}}});
+  EXPECT_EQ(exit_status(within), 0) << regress_text(within);
+  EXPECT_EQ(exit_status(compare({}, {.ssim = 0.95}, 11)), 0) << "nearer to the reference";
+  const RegressReport shifted = compare({}, {.shift = 1}, 11);
+  EXPECT_EQ(exit_status(shifted), 1);
+  ASSERT_EQ(shifted.pictures.size(), 1U);
+  EXPECT_NEAR(shifted.pictures[0].share, 0.25, 0.02) << "one column in four changes its square";
+  EXPECT_EQ(shifted.pictures[0].largest, 160);
+}
+
+TEST(Regress, OutputsSayTheSame) {
+  const std::vector<StoreContents> before = {simulated_file({}, 20)};
+  std::vector<StoreContents> after = {simulated_file({.slower_at_1000 = 1.08, .shift = 1}, 21)};
+  after[0].measurements.erase(after[0].measurements.begin() + 1);  // flat, 10 agents
+  const RegressReport report = regress(before, after, {}, metrics::scores());
+  EXPECT_EQ(report.only_baseline, std::vector<std::string>{"time of flat, 10 agents, 15 %"});
+  const std::string text = regress_text(report);
+  EXPECT_NE(text.find("REGRESSION: 2 worse"), std::string::npos) << text;
+  EXPECT_NE(text.find("missing in CURRENT: time of flat, 10 agents"), std::string::npos) << text;
+  EXPECT_NE(regress_markdown(report).find("**worse**"), std::string::npos);
+  const std::string xml = regress_junit(report);
+  EXPECT_NE(xml.find("failures=\"2\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("<skipped message=\"missing in CURRENT\"/>"), std::string::npos) << xml;
+  const Json json = regress_json(report);
+  EXPECT_EQ(json.at("verdict").dump(), "\"regression\"");
+  const support::ScratchFolder folder;
+  const std::string why = regress_explanation(report, "relief:boxes=2, mannequin, 1000", {});
+  EXPECT_NE(why.find("slower by"), std::string::npos) << why;
+  const std::string pictures = regress_explanation(report, "test: flat", folder.path());
+  EXPECT_NE(pictures.find("difference.png"), std::string::npos) << pictures;
+  EXPECT_THROW(regress_explanation(report, "no such", {}), Error);
+}
+
+TEST(Regress, OtherDevicesAreNotCompared) {
+  const std::vector<StoreContents> before = {simulated_file({}, 1)};
+  std::vector<StoreContents> after = {simulated_file({}, 2)};
+  after[0].runs[0].gl_renderer = "another";
+  EXPECT_THROW(regress(before, after, {}, metrics::scores()), Error);
+}
+
+// CROWDBENCH_LONG_FORM=1: how often each size of change is called a regression, by rounds and scatter.
+TEST(Regress, PowerByRoundsAndScatter) {
+  const bool long_form = std::getenv("CROWDBENCH_LONG_FORM") != nullptr;
+  const uint64_t runs = long_form ? 400 : 10;
+  if (long_form)
+    std::cout << "| rounds | scatter of a frame | unchanged: regression | not enough data | 3 % slower: found |\n"
+                 "|--:|--:|--:|--:|--:|\n";
+  for (const int rounds : long_form ? std::vector{24, 48, 96, 200} : std::vector{200})
+    for (const double noise : long_form ? std::vector{0.01, 0.02, 0.04} : std::vector{0.01}) {
+      size_t alarms = 0;
+      size_t unclear = 0;
+      size_t found = 0;
+      for (uint64_t run = 0; run < runs; ++run) {
+        const auto file = [&](double slower, uint64_t seed) {
+          return std::vector<StoreContents>{
+              simulated_file({.slower_at_1000 = slower, .rounds = rounds}, 7000 + 3 * run + seed, {.noise = noise})};
+        };
+        const auto baseline = file(1, 0);
+        const int same = exit_status(regress(baseline, file(1, 1), {}, metrics::scores()));
+        alarms += same == 1 ? 1 : 0;
+        unclear += same == 3 ? 1 : 0;
+        found += exit_status(regress(baseline, file(1.03, 2), {}, metrics::scores())) == 1 ? 1 : 0;
+      }
+      if (long_form)
+        std::cout << "| " << rounds << " | " << 100 * noise << " % | " << alarms << " of " << runs << " | " << unclear
+                  << " | " << found << " of " << runs << " |\n"
+                  << std::flush;
+      EXPECT_LE(alarms, binomial_limits(runs, 0.05).high);
+      if (rounds == 200 && noise <= 0.02) {
+        EXPECT_GE(found, 95 * runs / 100);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace crowdbench::bench
