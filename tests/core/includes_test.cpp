@@ -58,7 +58,7 @@ const std::map<std::string, Doors>& inner_doors() {
         {"bake", {"", "gl"}},
         {"mesh", {"", "gl", "shaders", "frame"}},  // what is captured, so that impostors may know it
         {"impostor", {"", "gl", "shaders", "frame", "bake", "mesh"}}}},
-      {"studies", {{"stimuli", {}}}},
+      {"studies", {{"stimuli", {}}, {"analysis", {}}}},
       {"bench",
        {{"", {"commands"}},
         {"speed", {}},
@@ -98,8 +98,8 @@ bool may_include(const std::string& room, const std::string& from, const std::st
 }
 
 // Libraries whose headers are slow to compile or drag a platform in: in sources only.
-const Strings kHeavy = {"nlohmann/json.hpp", "CLI/",         "tiny_gltf.h", "toml.hpp", "OpenImageIO/",
-                        "libavcodec/",       "libavformat/", "GLFW/",       "EGL/",     "sqlite3.h"};
+const Strings kHeavy = {"nlohmann/json.hpp", "CLI/",  "tiny_gltf.h", "toml.hpp",  "OpenImageIO/", "libavcodec/",
+                        "libavformat/",      "GLFW/", "EGL/",        "sqlite3.h", "nlopt.h"};
 
 std::string room_of(const std::string& path) { return path.substr(0, path.find('/')); }
 // "scene/pose/pose.h" is in "pose"; "renderers/registry.cpp" in "".
