@@ -16,14 +16,23 @@ double penalty_of(Rate rate, double value) {
 
 double xlogy(uint64_t n, double p) { return n == 0 ? 0 : static_cast<double>(n) * std::log(p); }
 
-// The best of several local minima: the likelihood has more than one where lapses are fitted.
+// The best of several local minima: the likelihood has more than one where lapses are fitted, and steps between levels
+// are narrow ones.
 Minimum best_fit(const Problem& problem, const std::optional<CurveParameters>& hint) {
   const Objective objective = [&](std::span<const double> v) { return problem.penalised(problem.parameters(v)); };
   const Bounds bounds = problem.bounds();
-  std::vector<std::vector<double>> starts = problem.starts();
-  std::sort(starts.begin(), starts.end(), [&](const auto& a, const auto& b) { return objective(a) < objective(b); });
-  starts.resize(hint ? 1 : 4);
-  if (hint) starts.push_back(problem.vector_of(*hint));
+  std::vector<std::vector<double>> starts;
+  for (const double steepness : {0.003, 0.03, 0.1, 0.3}) {
+    std::vector<std::vector<double>> of_one = problem.starts(steepness);
+    const auto best = std::min_element(of_one.begin(), of_one.end(),
+                                       [&](const auto& a, const auto& b) { return objective(a) < objective(b); });
+    starts.push_back(*best);
+  }
+  if (hint) {
+    std::sort(starts.begin(), starts.end(), [&](const auto& a, const auto& b) { return objective(a) < objective(b); });
+    starts.resize(1);
+    starts.push_back(problem.vector_of(*hint));
+  }
   Minimum best{{}, std::numeric_limits<double>::infinity()};
   for (std::vector<double>& start : starts) {
     for (size_t i = 0; i < start.size(); ++i) start[i] = std::clamp(start[i], bounds.low[i], bounds.high[i]);
@@ -34,12 +43,22 @@ Minimum best_fit(const Problem& problem, const std::optional<CurveParameters>& h
   return best;
 }
 
-// Of a fit: whether it is one. The curve must differ between the ends; a step is a curve that passes within a hair.
+// Minus the log-likelihood of a level line.
+double flat_likelihood(const Problem& problem) {
+  uint64_t yes = 0;
+  uint64_t of = 0;
+  for (const Level& level : problem.levels()) {
+    yes += level.yes;
+    of += level.of;
+  }
+  const double p = static_cast<double>(yes) / static_cast<double>(of);
+  return -xlogy(yes, p) - xlogy(of - yes, 1 - p);
+}
+
+// Of a fit: whether it is one. A curve must do better than a level line; a step is a curve that passes within a hair.
 CurveState state_of_fit(const Problem& problem, const CurveFit& fit) {
   const CurveSettings& s = problem.settings();
-  const double first = psi(s.curve, s.falling, fit.at, problem.levels().front().x);
-  const double last = psi(s.curve, s.falling, fit.at, problem.levels().back().x);
-  if (std::fabs(last - first) < 1e-3) return CurveState::no_slope;
+  if (problem.likelihood(fit.at) > flat_likelihood(problem) - 1e-3) return CurveState::no_slope;
   const bool between = std::any_of(problem.levels().begin(), problem.levels().end(), [&](const Level& level) {
     const double f = base(s.curve, fit.at, level.x);
     return f > 1e-4 && f < 1 - 1e-4;
@@ -145,16 +164,20 @@ double Problem::smallest_positive() const {
   return found == levels_.end() ? 1 : found->x;
 }
 
-std::vector<std::vector<double>> Problem::starts() const {
+std::vector<std::vector<double>> Problem::starts(double steepness) const {
+  std::vector<double> places;
+  for (size_t i = 0; i < levels_.size(); ++i) {
+    places.push_back(levels_[i].x);
+    if (i > 0) places.push_back((levels_[i - 1].x + levels_[i].x) / 2);
+  }
   std::vector<std::vector<double>> out;
-  const double floor = is_weibull() ? smallest_positive() : levels_.front().x;
   CurveParameters p;
-  p.guess = std::min(0.02, settings_.most_guess / 2);
-  p.lapse = std::min(0.02, settings_.most_lapse / 2);
-  for (const double where : {0.15, 0.3, 0.45, 0.6, 0.75, 0.9})
-    for (const double steep : {0.03, 0.1, 0.3}) {
-      p.location = floor + where * (levels_.back().x - floor);
-      p.scale = is_weibull() ? 0.4 / steep : steep * spread();
+  for (const double place : places)
+    for (const double rate : {0.1, 0.5, 0.95}) {
+      p.location = is_weibull() ? std::max(place, smallest_positive()) : place;
+      p.scale = is_weibull() ? 0.4 / steepness : steepness * spread();
+      p.guess = rate * settings_.most_guess;
+      p.lapse = rate * settings_.most_lapse;
       out.push_back(vector_of(p));
     }
   return out;

@@ -39,8 +39,8 @@ class Problem {
 
   Bounds bounds() const;
   std::vector<double> steps() const;
-  // Over the range of levels, steep and shallow.
-  std::vector<std::vector<double>> starts() const;
+  // At every level and between them, of one steepness: the scale over the range of levels.
+  std::vector<std::vector<double>> starts(double steepness) const;
 
  private:
   size_t unknowns() const;

@@ -126,6 +126,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
   const std::string flat = "--representation flat:views=sphere-4x1,texels=32,frames=1";
   const std::string small = " --character mannequin:triangles=500";
   ASSERT_EQ(run("quality --representation mesh --height-px 20,24 --rows 48 --db q.sqlite" + small).status, 0);
+  write_file(work_ / "answers.csv", "answer\nyes\nno\n");
   const std::multimap<std::string, std::string> prints = {
       {"info", ""},
       {"info", "--json"},
@@ -149,6 +150,10 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"pair", "--a mesh --b mesh --agents 2 --size 48x48 --frames 2 --out c.mp4"},
       {"correlate", "q.sqlite"},
       {"correlate", "q.sqlite --json"},
+      {"study analyze", "answers.csv"},
+      {"study analyze", "answers.csv --json"},
+      {"study simulate", "--levels 1 --out simulated.csv"},
+      {"study power", "--participants 2 --simulations 2 --json"},
       {"report", "r.sqlite --csv r.csv"},
       {"demo", "--tiny --no-clip " + flat + small},
       {"schema", ""},
@@ -255,6 +260,8 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "distance --representation mesh --db a/b/r.sqlite",
       "quality --representation mesh --db a/b/r.sqlite",
       "correlate r.sqlite --markdown a/b/r.md",
+      "study analyze answers.csv --markdown a/b/r.md",
+      "study simulate --levels 1 --out a/b/simulated.csv",
       "correlate r.sqlite --pictures a/b/pictures",
       "quality --representation mesh --maps a/b/maps",
       "compare x.png y.png --maps a/b/maps",
@@ -307,7 +314,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
-        command != "correlate" && command != "compare" && command != "cache") {
+        command != "correlate" && command != "compare" && command != "cache" && !command.starts_with("study ")) {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }
