@@ -61,13 +61,23 @@ Moments moments_of(std::span<const Share> shares) {
 
 // Participants whose t tests have the power, were the truth chance itself and their shares of that spread.
 std::optional<uint64_t> participants_for(double sd, const EquivalenceSettings& s) {
-  for (uint64_t n = 2; n <= kMostParticipants; n += n < 200 ? 1 : n / 100) {
+  const auto enough = [&](uint64_t n) {
     const auto degrees = static_cast<double>(n - 1);
     const double reach = standardised(s.margin, sd * sd / static_cast<double>(n));
-    const double power = 2 * student_t_cdf(reach - student_t_quantile(1 - s.alpha, degrees), degrees) - 1;
-    if (power >= s.power) return n;
+    return 2 * student_t_cdf(reach - student_t_quantile(1 - s.alpha, degrees), degrees) - 1 >= s.power;
+  };
+  uint64_t high = 2;
+  while (!enough(high)) {
+    high *= 2;
+    if (high > kMostParticipants) return std::nullopt;
   }
-  return std::nullopt;
+  // Power grows with n.
+  uint64_t low = high / 2;
+  while (high - low > 1) {
+    const uint64_t middle = (low + high) / 2;
+    (enough(middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 void test_participants(std::span<const Share> shares, const EquivalenceSettings& s, Equivalence& out) {

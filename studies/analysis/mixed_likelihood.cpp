@@ -244,7 +244,10 @@ double Likelihood::by_quadrature(const Scales& scales, const Curvature& c) const
 double Likelihood::at(const Scales& scales, const Eigen::VectorXd& beta) {
   set_fixed(beta);
   find_mode(scales);
-  const Weights weights = settings_.integration == Integration::laplace ? Weights::expected : Weights::observed;
+  // Quadrature needs only a width that is about right, and the observed information of guessers may be negative.
+  const bool observed = settings_.integration == Integration::laplace_observed ||
+                        (settings_.integration == Integration::quadrature && settings_.guess == 0);
+  const Weights weights = observed ? Weights::observed : Weights::expected;
   Random gradient;
   Curvature c = curvature(scales, mode_, weights, gradient);
   if (!factor(c)) return -std::numeric_limits<double>::infinity();

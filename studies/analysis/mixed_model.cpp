@@ -65,6 +65,45 @@ class Unknowns {
   std::vector<double> low_;
 };
 
+// ---- units
+
+// Fixed effects in units of their own spread about their mean, and the slope's variable in units of its size: what is
+// optimised is then of about one size, whether levels are metres or pixels.
+class Units {
+ public:
+  explicit Units(std::vector<MixedRow>& rows) {
+    const auto n = static_cast<Eigen::Index>(rows.front().fixed.size());
+    back_ = Eigen::MatrixXd::Identity(n, n);
+    double count = 0;
+    double slope = 0;
+    for (const MixedRow& row : rows) {
+      count += static_cast<double>(row.of);
+      slope += static_cast<double>(row.of) * row.slope * row.slope;
+    }
+    if (slope > 0) slope_ = std::sqrt(slope / count);
+    for (MixedRow& row : rows) row.slope /= slope_;
+    for (Eigen::Index j = 1; j < n; ++j) {
+      const auto k = static_cast<size_t>(j);
+      double mean = 0;
+      double square = 0;
+      for (const MixedRow& row : rows) mean += static_cast<double>(row.of) * row.fixed[k] / count;
+      for (const MixedRow& row : rows)
+        square += static_cast<double>(row.of) * (row.fixed[k] - mean) * (row.fixed[k] - mean) / count;
+      const double unit = square > 0 ? std::sqrt(square) : 1;
+      for (MixedRow& row : rows) row.fixed[k] = (row.fixed[k] - mean) / unit;
+      back_(j, j) = 1 / unit;
+      back_(0, j) = -mean / unit;
+    }
+  }
+  // From effects in these units to those in the table's.
+  const Eigen::MatrixXd& back() const { return back_; }
+  double slope() const { return slope_; }
+
+ private:
+  Eigen::MatrixXd back_;
+  double slope_ = 1;
+};
+
 // ---- the pooled model, without anything random
 
 struct Pooled {
@@ -184,28 +223,27 @@ Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pool
   return out;
 }
 
-// The covariance of the fixed effects; empty where the curvature is not that of a maximum.
-std::optional<Matrix> fixed_covariance(Likelihood& model, const Unknowns& unknowns, const Optimum& best) {
-  const size_t scales = unknowns.scales();
-  const size_t effects = unknowns.count() - scales;
-  const Scales at = unknowns.scales_of(best.x);
-  const Eigen::VectorXd beta = unknowns.effects_of(best.x);
-  const auto given_scales = [&]() -> std::optional<Matrix> {
-    const Eigen::MatrixXd information = model.fixed_information(at, beta);
-    Matrix out(effects, std::vector<double>(effects));
-    for (size_t i = 0; i < effects; ++i)
-      for (size_t j = 0; j < effects; ++j)
-        out[i][j] = information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-    return inverse_of_positive(out);
+// The inverse; nothing where it is not that of a maximum.
+std::optional<Eigen::MatrixXd> inverse_of(const Eigen::MatrixXd& information) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(information);
+  if (!information.allFinite() || factor.info() != Eigen::Success) return std::nullopt;
+  return factor.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+}
+
+// The covariance of the fixed effects.
+std::optional<Eigen::MatrixXd> fixed_covariance(Likelihood& model, const Unknowns& unknowns, const Optimum& best) {
+  const auto effects = static_cast<Eigen::Index>(unknowns.count() - unknowns.scales());
+  const auto given_scales = [&] {
+    return inverse_of(model.fixed_information(unknowns.scales_of(best.x), unknowns.effects_of(best.x)));
   };
   if (!model.settings().full_errors) return given_scales();
   // What lies on a bound is held there.
   std::vector<size_t> moving;
-  for (size_t i = 0; i < unknowns.count(); ++i)
-    if (!best.at_zero[i]) moving.push_back(i);
   std::vector<double> x;
   std::vector<double> step;
-  for (const size_t i : moving) {
+  for (size_t i = 0; i < unknowns.count(); ++i) {
+    if (best.at_zero[i]) continue;
+    moving.push_back(i);
     x.push_back(best.x[i]);
     step.push_back(2e-3 * std::max(0.2, std::fabs(best.x[i])));
   }
@@ -214,42 +252,35 @@ std::optional<Matrix> fixed_covariance(Likelihood& model, const Unknowns& unknow
     for (size_t i = 0; i < moving.size(); ++i) all[moving[i]] = moved[i];
     return -model.at(unknowns.scales_of(all), unknowns.effects_of(all));
   };
-  const std::optional<Matrix> inverse = inverse_of_positive(hessian(objective, x, step));
+  const Matrix curvature = hessian(objective, x, step);
+  Eigen::MatrixXd information(static_cast<Eigen::Index>(x.size()), static_cast<Eigen::Index>(x.size()));
+  for (size_t i = 0; i < x.size(); ++i) information.row(static_cast<Eigen::Index>(i)) = vector_of(curvature[i]);
+  const std::optional<Eigen::MatrixXd> inverse = inverse_of(information);
   if (!inverse) return given_scales();
-  const size_t first = moving.size() - effects;
-  Matrix out(effects, std::vector<double>(effects));
-  for (size_t i = 0; i < effects; ++i)
-    for (size_t j = 0; j < effects; ++j) out[i][j] = (*inverse)[first + i][first + j];
-  return out;
+  return inverse->bottomRightCorner(effects, effects);
 }
 
-void set_effects(MixedFit& fit, const Eigen::VectorXd& beta, const std::optional<Matrix>& covariance) {
+// back: from the units of the fit to those of the table.
+void set_effects(MixedFit& fit, const Eigen::MatrixXd& back, const Eigen::VectorXd& beta,
+                 const std::optional<Eigen::MatrixXd>& covariance) {
+  const Eigen::VectorXd estimate = back * beta;
+  Eigen::MatrixXd spread;
+  if (covariance) spread = back * *covariance * back.transpose();
   for (Eigen::Index i = 0; i < beta.size(); ++i) {
-    MixedEffect effect{.estimate = beta[i], .se = std::numeric_limits<double>::quiet_NaN()};
+    MixedEffect effect{.estimate = estimate[i], .se = std::numeric_limits<double>::quiet_NaN()};
     if (covariance) {
-      const auto k = static_cast<size_t>(i);
-      effect.se = std::sqrt((*covariance)[k][k]);
+      effect.se = std::sqrt(spread(i, i));
       effect.z = effect.estimate / effect.se;
       effect.p = two_sided_normal_p(effect.z);
+      fit.covariance.emplace_back(spread.row(i).begin(), spread.row(i).end());
     }
     fit.fixed.push_back(effect);
   }
-  if (covariance) fit.covariance = *covariance;
 }
 
 double largest_eta(const Likelihood& model, const Eigen::VectorXd& beta) {
   double out = 0;
   for (const MixedRow& cell : model.cells()) out = std::max(out, std::fabs(vector_of(cell.fixed).dot(beta)));
-  return out;
-}
-
-double probability(const MixedSettings& s, double eta) {
-  return s.guess + (1 - s.guess) * (s.link == Link::logit ? logistic_cdf(eta) : normal_cdf(eta));
-}
-
-double linear(const MixedFit& fit, const std::vector<double>& fixed) {
-  double out = 0;
-  for (size_t i = 0; i < fixed.size(); ++i) out += fit.fixed[i].estimate * fixed[i];
   return out;
 }
 
@@ -275,6 +306,7 @@ MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
   MixedFit fit;
   std::erase_if(rows, [](const MixedRow& row) { return row.of == 0; });
   if (rows.empty()) return fit;
+  const Units units(rows);
   Likelihood model(std::move(rows), settings);
   for (const MixedRow& cell : model.cells()) fit.answers += cell.of;
   fit.participants = model.participants();
@@ -297,10 +329,12 @@ MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
   if (std::find(best.at_zero.begin(), best.at_zero.end(), true) != best.at_zero.end()) fit.state = MixedState::singular;
   fit.log_likelihood = -best.value;
   fit.participant_variance = scales.intercept * scales.intercept;
-  if (settings.slopes) fit.slope_variance = scales.slope * scales.slope + scales.cross * scales.cross;
-  if (settings.slopes && settings.correlated) fit.intercept_slope_covariance = scales.intercept * scales.cross;
+  if (settings.slopes)
+    fit.slope_variance = (scales.slope * scales.slope + scales.cross * scales.cross) / (units.slope() * units.slope());
+  if (settings.slopes && settings.correlated)
+    fit.intercept_slope_covariance = scales.intercept * scales.cross / units.slope();
   if (settings.clips) fit.clip_variance = scales.clip * scales.clip;
-  set_effects(fit, beta, fixed_covariance(model, unknowns, best));
+  set_effects(fit, units.back(), beta, fixed_covariance(model, unknowns, best));
   for (const Likelihood::Mode& mode : model.modes(scales, beta)) {
     fit.modes.push_back(mode.intercept);
     fit.mode_sds.push_back(mode.sd);
@@ -319,40 +353,6 @@ std::optional<LikelihoodRatio> likelihood_ratio(const std::vector<MixedRow>& row
   if (!has_fit(without)) return std::nullopt;
   const double chi_squared = std::max(0.0, 2 * (fit.log_likelihood - without.log_likelihood));
   return LikelihoodRatio{chi_squared, chi_squared_tail(chi_squared, 1)};
-}
-
-PopulationProbability population_probability(const MixedFit& fit, const MixedSettings& settings,
-                                             const std::vector<double>& fixed) {
-  assert(has_fit(fit) && fixed.size() == fit.fixed.size());
-  const double eta = linear(fit, fixed);
-  const double x = fixed.size() > 1 ? fixed[1] : 0;
-  double variance = fit.participant_variance + fit.clip_variance.value_or(0);
-  variance += 2 * x * fit.intercept_slope_covariance.value_or(0) + x * x * fit.slope_variance.value_or(0);
-  PopulationProbability out{probability(settings, eta), 0};
-  const Quadrature& rule = gauss_hermite_25();
-  for (size_t k = 0; k < rule.nodes.size(); ++k)
-    out.average += rule.weights[k] * probability(settings, eta + std::sqrt(variance) * rule.nodes[k]);
-  return out;
-}
-
-std::optional<MixedThreshold> mixed_threshold(const MixedFit& fit, const MixedSettings& settings, double level) {
-  assert(has_fit(fit) && fit.fixed.size() == 2);
-  const double f = (level - settings.guess) / (1 - settings.guess);
-  if (!(f > 0 && f < 1) || fit.fixed[1].estimate == 0) return std::nullopt;
-  const double target = settings.link == Link::logit ? std::log(f / (1 - f)) : normal_quantile(f);
-  MixedThreshold out{(target - fit.fixed[0].estimate) / fit.fixed[1].estimate, std::nullopt};
-  if (fit.covariance.empty()) return out;
-  // Fieller: all t of which b0 + b1 t - target is within z standard errors of 0.
-  const double z2 = chi_squared_quantile_1(0.95);
-  const double b0 = fit.fixed[0].estimate - target;
-  const double b1 = fit.fixed[1].estimate;
-  const double a = b1 * b1 - z2 * fit.covariance[1][1];
-  const double b = b0 * b1 - z2 * fit.covariance[0][1];
-  const double c = b0 * b0 - z2 * fit.covariance[0][0];
-  const double root = b * b - a * c;
-  if (a <= 0 || root < 0) return out;
-  out.interval = Interval{(-b - std::sqrt(root)) / a, (-b + std::sqrt(root)) / a};
-  return out;
 }
 
 }  // namespace crowdbench::studies

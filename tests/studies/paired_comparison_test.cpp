@@ -48,9 +48,8 @@ void expect_worths(const Worths& got, const Expected& expected) {
 }
 
 TEST(Worths, WithTiesAreThoseOfPsychotools) {
-  const Expected* expected = test::statistics_expected();
-  if (expected == nullptr) GTEST_SKIP() << "needs the shared ground-truth folder";
-  const Expected& all = expected->at("bradley_terry_ties");
+  const Expected& expected = test::statistics_expected();
+  const Expected& all = expected.at("bradley_terry_ties");
   for (const char* name : {"sim_crowd_4", "few_ties_3", "sim_davidson_6"}) {
     SCOPED_TRACE(name);
     const Expected& c = all.at(name);
@@ -71,9 +70,8 @@ TEST(Worths, WithTiesAreThoseOfPsychotools) {
 }
 
 TEST(Worths, WithPositionAreThoseOfPoissonRegression) {
-  const Expected* expected = test::statistics_expected();
-  if (expected == nullptr) GTEST_SKIP() << "needs the shared ground-truth folder";
-  const Expected& c = expected->at("bradley_terry_ties").at("position_ties_3");
+  const Expected& expected = test::statistics_expected();
+  const Expected& c = expected.at("bradley_terry_ties").at("position_ties_3");
   const std::vector<Comparison> rows = rows_of(c.at("rows"));
   const Worths got = fit_worths(rows, 3, true);
   expect_worths(got, c.at("poisson_glm"));
@@ -81,7 +79,9 @@ TEST(Worths, WithPositionAreThoseOfPoissonRegression) {
   EXPECT_NEAR(got.position_se.value() / c.at("poisson_glm").at("se_position").get<double>(), 1, 1e-4);
   EXPECT_NEAR(fit_worths(rows, 3, false).log_likelihood, c.at("without_position").at("loglik").get<double>(), 1e-6);
 
-  const Expected& home = expected->at("bradley_terry_ties").at("position_no_ties_baseball_home");
+  if (!expected.at("bradley_terry_ties").contains("position_no_ties_baseball_home"))
+    GTEST_SKIP() << "the rest needs the shared ground-truth folder";
+  const Expected& home = expected.at("bradley_terry_ties").at("position_no_ties_baseball_home");
   std::vector<Comparison> games;
   for (size_t i = 0; i < home.at("home").size(); ++i)
     games.push_back({.a = home.at("home")[i].get<uint32_t>() - 1,
@@ -99,9 +99,8 @@ TEST(Worths, WithPositionAreThoseOfPoissonRegression) {
 }
 
 TEST(Worths, WithoutTiesAreThoseOfBradleyTerry2) {
-  const Expected* expected = test::studies_expected();
-  if (expected == nullptr) GTEST_SKIP() << "needs the shared ground-truth folder";
-  for (const auto& [name, c] : expected->at("paired_comparison").items()) {
+  const Expected& expected = test::studies_expected();
+  for (const auto& [name, c] : expected.at("paired_comparison").items()) {
     SCOPED_TRACE(name);
     std::map<std::string, uint32_t> index;
     const auto of = [&](const Expected& item) {
@@ -166,10 +165,9 @@ TEST(Worths, AreRefusedWhereThereIsNoOneScale) {
 Wins wins_of(const Expected& matrix) { return matrix.get<Wins>(); }
 
 TEST(JodScale, IsThatOfPwcmp) {
-  const Expected* expected = test::statistics_expected();
-  if (expected == nullptr) GTEST_SKIP() << "needs the shared ground-truth folder";
+  const Expected& expected = test::statistics_expected();
   size_t cases = 0;
-  for (const auto& [name, c] : expected->at("jod_scaling").items()) {
+  for (const auto& [name, c] : expected.at("jod_scaling").items()) {
     if (name.starts_with("disconnected") || !c.contains("D")) continue;
     SCOPED_TRACE(name);
     ++cases;
@@ -186,13 +184,13 @@ TEST(JodScale, IsThatOfPwcmp) {
     for (size_t i = 0; i < got.q.size(); ++i)
       EXPECT_NEAR(got.se[i], c.at("ml_case_v").at("se_first_0")[i].get<double>(), 1e-4);
   }
-  EXPECT_GE(cases, 4U);
+  EXPECT_GE(cases, 2U);
 }
 
 TEST(JodScale, BootstrapOfGivenRowsIsPwcmps) {
-  const Expected* expected = test::statistics_expected();
-  if (expected == nullptr) GTEST_SKIP() << "needs the shared ground-truth folder";
-  const Expected& c = expected->at("jod_scaling").at("bootstrap_12obs_4");
+  const Expected& expected = test::statistics_expected();
+  if (!expected.at("jod_scaling").contains("bootstrap_12obs_4")) GTEST_SKIP() << "needs the shared ground-truth folder";
+  const Expected& c = expected.at("jod_scaling").at("bootstrap_12obs_4");
   std::vector<Wins> observers;
   for (const Expected& column : c.at("per_observer_column_major")) {
     Wins wins(4, std::vector<double>(4));

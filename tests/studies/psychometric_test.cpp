@@ -99,10 +99,9 @@ void expect_errors(const CurveFit& fit, const std::vector<Level>& levels, CurveS
 }
 
 TEST(Psychometric, MaximumLikelihoodIsThatOfOtherPrograms) {
-  const Expected* expected = test::studies_expected();
-  if (expected == nullptr) GTEST_SKIP() << "needs the shared ground-truth folder";
+  const Expected& expected = test::studies_expected();
   size_t fits = 0;
-  for (const auto& [name, c] : expected->at("psychometric").items()) {
+  for (const auto& [name, c] : expected.at("psychometric").items()) {
     const std::vector<Level> levels = levels_of(c.at("data"));
     for (const Expected& e : c.at("ml_fits")) {
       SCOPED_TRACE(name + ", " + e.at("model").get<std::string>() + ", lapse " + e.at("lambda_mode").dump());
@@ -119,7 +118,7 @@ TEST(Psychometric, MaximumLikelihoodIsThatOfOtherPrograms) {
       ++fits;
     }
   }
-  EXPECT_GE(fits, 50U);
+  EXPECT_GE(fits, 18U);
 }
 
 TEST(Psychometric, CurvesByHand) {

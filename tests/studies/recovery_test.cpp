@@ -116,7 +116,7 @@ TEST(Recovery, DifferencesOfWorthsAreCovered) {
 
 // Participants differ, and their mean lies exactly at the margin: what may be called equivalent at most once in twenty.
 TEST(Recovery, EquivalentIsNotSaidOfWhatLiesAtTheMargin) {
-  const size_t n = seeds(300);
+  const size_t n = seeds(100);
   size_t said = 0;
   size_t said_of_equal = 0;
   for (const double truth : {0.6, 0.5})
@@ -178,10 +178,9 @@ TEST(Recovery, QuestPlusNeedsFewerTrials) {
 }
 
 TEST(Recovery, PowerIsThatOfLme4) {
-  const Expected* expected = test::statistics_expected();
-  if (expected == nullptr) GTEST_SKIP() << "needs the shared ground-truth folder";
-  const size_t n = seeds(120);
-  for (const auto& [name, c] : expected->at("power_simulation").items()) {
+  const Expected& expected = test::statistics_expected();
+  const size_t n = seeds(40);
+  for (const auto& [name, c] : expected.at("power_simulation").items()) {
     const Expected& truth = c.at("truth");
     for (const Expected& row : c.at("rows")) {
       const Power got = simulate_power({.intercept = truth.at("b0").get<double>(),
