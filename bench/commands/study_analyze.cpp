@@ -17,7 +17,7 @@ namespace {
 using namespace studies;
 
 struct Options {
-  std::vector<std::string> files;
+  std::vector<std::string> files, where;
   std::string table, columns, markdown;
   std::string ties = "drop";
   std::string curve = "logistic";
@@ -93,17 +93,28 @@ AnalysisSettings settings_of(const Options& o) {
   return s;
 }
 
+Table rows_of(const std::string& file, const Options& o) {
+  Table out = read_table(file);
+  for (const std::string& condition : o.where) {
+    const size_t equals = condition.find('=');
+    if (equals == std::string::npos)
+      throw Error("--where", fmt::format("'{}' is not COLUMN=VALUE", printable(condition, 60)), "as task=trial");
+    keep_rows(out, condition.substr(0, equals), condition.substr(equals + 1));
+  }
+  return out;
+}
+
 Answers read_answers(const Options& o) {
   if (o.files.empty() && o.table.empty())
     throw Error("study analyze", "there are no answers to analyse",
                 "give files whose columns have the names of roles, or --table FILE --columns MAP");
   Answers out;
   for (const std::string& file : o.files) {
-    const Table table = read_table(file);
+    const Table table = rows_of(file, o);
     add_answers(out, table, columns_by_name(table));
   }
   if (!o.table.empty()) {
-    const Table table = read_table(o.table);
+    const Table table = rows_of(o.table, o);
     add_answers(out, table, o.columns.empty() ? columns_by_name(table) : parse_column_map(o.columns, "--columns"));
   }
   return out;
@@ -156,6 +167,10 @@ void add_options(Command& command, Options& o) {
   command.add_option("--table", o.table, "a table of any other columns")->type_name("FILE.csv");
   command.add_option("--columns", o.columns, "which column of --table plays which role, ROLE=COLUMN,ROLE=COLUMN,...")
       ->type_name("MAP");
+  command.add_option("--where", o.where, "only rows with this value in this column; may be given several times")
+      ->type_name("COLUMN=VALUE")
+      ->expected(1)
+      ->take_all();
   command.add_option("--chance", o.settings.chance, "share of yes where nothing is seen, for tests and equivalence")
       ->capture_default_str()
       ->number(0, 1);

@@ -55,15 +55,16 @@ double flat_likelihood(const Problem& problem) {
   return -xlogy(yes, p) - xlogy(of - yes, 1 - p);
 }
 
-// Of a fit: whether it is one. A curve must do better than a level line; a step is a curve that passes within a hair.
+// Of a fit: whether it is one. A curve must do better than a level line; where at most one level
+// lies on its slope, place and steepness are not told apart: any steeper curve does as well.
 CurveState state_of_fit(const Problem& problem, const CurveFit& fit) {
   const CurveSettings& s = problem.settings();
   if (problem.likelihood(fit.at) > flat_likelihood(problem) - 1e-3) return CurveState::no_slope;
-  const bool between = std::any_of(problem.levels().begin(), problem.levels().end(), [&](const Level& level) {
+  const auto between = std::count_if(problem.levels().begin(), problem.levels().end(), [&](const Level& level) {
     const double f = base(s.curve, fit.at, level.x);
     return f > 1e-4 && f < 1 - 1e-4;
   });
-  if (!between) return CurveState::step;
+  if (between < 2) return CurveState::step;
   const std::optional<double> x = x_at(s.curve, s.falling, fit.at, s.level);
   const double reach = 10 * std::max(problem.spread(), std::fabs(problem.levels().back().x));
   return x && std::fabs(*x) <= reach ? CurveState::fitted : CurveState::not_reached;

@@ -203,7 +203,8 @@ Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pool
     const double se = std::sqrt(covariance(i, i));
     step.push_back(std::isfinite(se) && se > 0 ? 2 * se : 0.1);
   }
-  const Minimum found = minimise(objective, start, unknowns.bounds(), step);
+  const double gain = model.settings().thorough ? 1e-9 : std::numeric_limits<double>::infinity();
+  const Minimum found = minimise(objective, start, unknowns.bounds(), step, gain);
   Optimum out{found.x, found.value, std::vector<bool>(unknowns.count(), false)};
   // The likelihood is flat at a variance of 0, where a minimiser without derivatives stops a little beside it.
   for (size_t i = 0; i < unknowns.scales(); ++i) {
@@ -214,7 +215,7 @@ Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pool
       if (out.at_zero[j]) bounds.high[j] = 0;
     std::vector<double> from = out.x;
     from[i] = 0;
-    const Minimum without = minimise(objective, from, bounds, step);
+    const Minimum without = minimise(objective, from, bounds, step, gain);
     if (without.value > out.value + 1e-7) continue;
     out.x = without.x;
     out.value = without.value;

@@ -39,7 +39,8 @@ Power simulate_power(const PowerSettings& s) {
   };
   std::vector<One> all(s.simulations);
   // Standard errors given the variances: they cost little, and are what the expected values were made with.
-  const MixedSettings model{.clips = s.clip_sd > 0, .integration = Integration::laplace, .full_errors = false};
+  const MixedSettings model{
+      .clips = s.clip_sd > 0, .integration = Integration::laplace, .full_errors = false, .thorough = false};
   parallel_for(s.simulations, s.threads, [&](size_t i) {
     const MixedFit fit = fit_mixed(rows_of(s, random_bits(s.seed, i, 0)), model);
     all[i].state = fit.state;

@@ -64,7 +64,7 @@ enum class CurveState {
   one_level,    // all answers at one level: nothing says how steep
   all_alike,    // every answer is the same: the threshold lies outside of what was shown
   no_slope,     // the curve is flat, or runs the other way: no threshold
-  step,         // one level is never right and the next always: the curve is a step, its place known only to be between
+  step,         // the curve rises between two levels, or two and the one between them: how steep it is is not known
   not_reached,  // psi does not reach the level within a tenfold range of what was shown
 };
 std::string_view state_text(CurveState state);

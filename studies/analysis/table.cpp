@@ -178,4 +178,17 @@ Table parse_table(std::string_view text, const std::string& source) {
 
 Table read_table(const std::filesystem::path& file) { return parse_table(read_text(file, kMostBytes), file.string()); }
 
+void keep_rows(Table& table, const std::string& column, const std::string& value) {
+  const auto found = std::find(table.columns.begin(), table.columns.end(), column);
+  if (found == table.columns.end())
+    throw Error(table.source + ":1", fmt::format("there is no column '{}'", printable(column)),
+                fmt::format("there are {}", nearest_first(column, table.columns)));
+  const auto at = static_cast<size_t>(found - table.columns.begin());
+  std::erase_if(table.rows, [&](const Table::Row& row) { return row.fields[at] != value; });
+  if (table.rows.empty())
+    throw Error(table.source,
+                fmt::format("no row has '{}' in column '{}'", printable(value, 60), printable(column, 60)),
+                "see --where");
+}
+
 }  // namespace crowdbench::studies

@@ -31,4 +31,8 @@ Table parse_table(std::string_view text, const std::string& source);
 // Of a file of at most 256 MiB.
 Table read_table(const std::filesystem::path& file);
 
+// Keeps the rows whose field in `column` is `value`: an experiment library's file holds pages of instructions beside
+// trials. Throws Error where there is no such column, or no such row.
+void keep_rows(Table& table, const std::string& column, const std::string& value);
+
 }  // namespace crowdbench::studies

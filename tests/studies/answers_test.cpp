@@ -41,6 +41,15 @@ TEST(Tables, TakeWhatSpreadsheetsWrite) {
   EXPECT_EQ(parse_table("a,b\n1,", "t.csv").rows[0].fields, (std::vector<std::string>{"1", ""}));
 }
 
+TEST(Tables, KeepWhatIsAskedFor) {
+  Table t = parse_table("kind,answer\npage,\ntrial,yes\npage,\ntrial,no\n", "t.csv");
+  keep_rows(t, "kind", "trial");
+  ASSERT_EQ(t.rows.size(), 2U);
+  EXPECT_EQ(t.rows[1].line, 5U);
+  EXPECT_THROW(keep_rows(t, "knd", "trial"), Error);
+  EXPECT_THROW(keep_rows(t, "kind", "page"), Error);
+}
+
 TEST(Tables, RefuseWithTheLine) {
   const std::pair<std::string, std::string> wrong[] = {
       {"", "t.csv:1: the file is empty"},
