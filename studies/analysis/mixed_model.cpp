@@ -216,7 +216,7 @@ Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pool
     std::vector<double> from = out.x;
     from[i] = 0;
     const Minimum without = minimise(objective, from, bounds, step, gain);
-    if (without.value > out.value + 1e-7) continue;
+    if (without.value > out.value + (model.settings().thorough ? 1e-7 : 1e-5)) continue;
     out.x = without.x;
     out.value = without.value;
     out.at_zero[i] = true;
