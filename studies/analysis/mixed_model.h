@@ -38,8 +38,10 @@ struct MixedSettings {
   bool correlated = true;  // intercept and slope of a participant may be correlated
   bool clips = false;      // random intercepts of clips
   Integration integration = Integration::laplace;
-  bool full_errors =
-      true;  // standard errors from the whole curvature; else given the variances (faster, a little smaller)
+  // Standard errors from the whole curvature; else given the variances: faster, and a little smaller.
+  bool full_errors = true;
+  // Begin the search anew until that gains nothing; else once, for many fits of simulated data.
+  bool thorough = true;
 };
 
 enum class MixedState {
