@@ -1,7 +1,8 @@
 # crowdbench_library(name DEPENDS ...): one folder is one static library of the same name, `crowdbench::name`.
 # Sources are globbed, so that a new file (or a new representation's folder) needs no edit here. Files under a
-# `module/` folder belong to a module that is loaded at first use and are left out. They use the plain precompiled
-# headers (PrecompiledHeaders.cmake).
+# `module/` folder belong to a module that is loaded at first use and are left out, and so are those of a folder below
+# that has a CMakeLists.txt, which is a library of its own. They use the plain precompiled headers
+# (PrecompiledHeaders.cmake).
 add_library(crowdbench_flags INTERFACE)
 target_compile_options(crowdbench_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
@@ -37,6 +38,11 @@ function(crowdbench_library name)
   cmake_parse_arguments(ARG "" "LIGHT;ALONE" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "(^|/)module/|(^|/)main\\.cpp$")
+  file(GLOB libraries RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*/CMakeLists.txt)
+  foreach(library IN LISTS libraries)
+    cmake_path(GET library PARENT_PATH folder)
+    list(FILTER sources EXCLUDE REGEX "^${folder}/")
+  endforeach()
   list(SORT sources)
   crowdbench_compile_together(compiled "${ARG_LIGHT}" "${ARG_ALONE}" ${sources})
   add_library(crowdbench_${name} STATIC ${compiled})

@@ -63,25 +63,36 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
+// "study analyze": the command and those that it belongs to, without the program.
+std::string full_name(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  if (parent == nullptr) return "";
+  const std::string before = full_name(*parent);
+  return before.empty() ? command.get_name() : before + " " + command.get_name();
+}
+
+// app: the program, or a command of commands.
 std::string wrong_command(const CLI::App& app, const std::string& given) {
   const std::vector<std::string> names = command_names(app);
   const std::string near = nearest_name(given, names);
-  if (!near.empty()) return fmt::format("'{}' is not a command; did you mean '{}'?", printable(given, 60), near);
-  return fmt::format("'{}' is not a command; there are {}", printable(given, 60), fmt::join(names, ", "));
+  const std::string what = app.get_parent() == nullptr ? "a command" : fmt::format("a command of {}", full_name(app));
+  if (!near.empty()) return fmt::format("'{}' is not {}; did you mean '{}'?", printable(given, 60), what, near);
+  return fmt::format("'{}' is not {}; there are {}", printable(given, 60), what, fmt::join(names, ", "));
 }
 
 // What the first argument that nobody took should have been.
 std::string unexpected(const CLI::App& app, const CLI::App* command, const std::string& given) {
   const std::string name = given.substr(0, given.find('='));
-  const std::string help = fmt::format("crowdbench {}--help", command != nullptr ? command->get_name() + " " : "");
+  const std::string help = fmt::format("crowdbench {}--help", command != nullptr ? full_name(*command) + " " : "");
   if (!name.starts_with("-") || name == "-") {
     if (command == nullptr) return wrong_command(app, given);
-    return fmt::format("'{}' is one argument too many for {}; see {}", printable(given, 60), command->get_name(), help);
+    if (!command_names(*command).empty()) return wrong_command(*command, given);
+    return fmt::format("'{}' is one argument too many for {}; see {}", printable(given, 60), full_name(*command), help);
   }
   const std::vector<std::string> names = option_names(command != nullptr ? *command : app);
-  const std::string whose = command != nullptr ? command->get_name() : "crowdbench without a command";
+  const std::string whose = command != nullptr ? full_name(*command) : "crowdbench without a command";
   if (std::find(names.begin(), names.end(), name) != names.end())
-    return fmt::format("{} belongs behind the command: crowdbench {} {} ...", name, command->get_name(), name);
+    return fmt::format("{} belongs behind the command: crowdbench {} {} ...", name, full_name(*command), name);
   const std::string near = nearest_name(name, names);
   return fmt::format("{} has no option '{}'; {}", whose, printable(name, 60),
                      near.empty() ? "see " + help : fmt::format("did you mean {}?", near));
@@ -89,12 +100,15 @@ std::string unexpected(const CLI::App& app, const CLI::App* command, const std::
 
 // What is wrong with a command line, one line without the program's name. `app` is the one whose parse() threw `error`.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<CLI::App*> chosen = app.get_subcommands();
-  const CLI::App* command = chosen.empty() ? nullptr : chosen.front();
-  const std::string help = fmt::format("see crowdbench {}--help", command != nullptr ? command->get_name() + " " : "");
+  const CLI::App* command = nullptr;  // the innermost that was chosen
+  for (std::vector<CLI::App*> chosen = app.get_subcommands(); !chosen.empty(); chosen = command->get_subcommands())
+    command = chosen.front();
+  const std::string help = fmt::format("see crowdbench {}--help", command != nullptr ? full_name(*command) + " " : "");
   const std::vector<std::string> left = app.remaining(true);
   if (!left.empty()) return unexpected(app, command, left.front());
   if (command == nullptr) return fmt::format("a command is missing; there are {}", fmt::join(command_names(app), ", "));
+  if (const std::vector<std::string> names = command_names(*command); !names.empty())
+    return fmt::format("{}: a command is missing; there are {}", full_name(*command), fmt::join(names, ", "));
   const std::string text = printable(error.what(), 1000);
   const std::string option = text.substr(0, text.find(':'));
   if (text.ends_with("flag override"))
@@ -203,6 +217,7 @@ Option* Option::excludes(const std::string& name) {
 }
 
 Command* Command::add_subcommand(const std::string& name, const std::string& description) {
+  app_.require_subcommand(1);
   return commands_.emplace_back(std::make_unique<Command>(*app_.add_subcommand(name, description))).get();
 }
 
@@ -242,7 +257,6 @@ int run_command_line(int argc, char** argv, const About& about, const std::funct
                      const std::function<int()>& run) {
   CLI::App app{about.description, about.name};
   app.set_version_flag("--version", fmt::format("{} {}", about.name, about.version));
-  app.require_subcommand(1);
   Command program(app);
   add(program);
   try {

@@ -46,6 +46,7 @@ class Command {
  public:
   explicit Command(CLI::App& app) : app_(app) {}
 
+  // A command that has commands of its own needs one of them.
   Command* add_subcommand(const std::string& name, const std::string& description);
   void footer(const std::string& text);
   void callback(std::function<void()> run);

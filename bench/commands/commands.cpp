@@ -26,6 +26,7 @@ void add_all_commands(Command& app, Run& run) {
       add_ratio,
       add_bench,
       add_pair,
+      add_study,
       add_view,
       add_correlate,
       add_regress,

@@ -34,6 +34,7 @@ void add_regress(Command& app, Run& run);
 void add_render(Command& app, Run& run);
 void add_report(Command& app, Run& run);
 void add_schema(Command& app, Run& run);
+void add_study(Command& app, Run& run);
 void add_switch_distance(Command& app, Run& run);
 void add_tune(Command& app, Run& run);
 void add_view(Command& app, Run& run);

@@ -129,6 +129,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
   run("bench " + flat + small + " --agents 2 --occupancy 0 --size 32x32 --rounds 10 --time-limit 0.1 --out f.sqlite");
   ASSERT_TRUE(fs::exists(work_ / "f.sqlite"));
   ASSERT_EQ(run("quality --representation mesh --height-px 20,24 --rows 48 --db q.sqlite" + small).status, 0);
+  write_file(work_ / "answers.csv", "answer\nyes\nno\n");
   const std::multimap<std::string, std::string> prints = {
       {"info", ""},
       {"info", "--json"},
@@ -161,6 +162,10 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"history", "f.sqlite f.sqlite"},
       {"history", "f.sqlite f.sqlite --json"},
       {"export", "r.sqlite --csv r.csv"},
+      {"study analyze", "answers.csv"},
+      {"study analyze", "answers.csv --json"},
+      {"study simulate", "--levels 1 --out simulated.csv"},
+      {"study power", "--participants 2 --simulations 2 --json"},
       {"report", "r.sqlite --csv r.csv"},
       {"demo", "--tiny --no-clip " + flat + small},
       {"schema", ""},
@@ -280,6 +285,8 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "distance --representation mesh --db a/b/r.sqlite",
       "quality --representation mesh --db a/b/r.sqlite",
       "correlate r.sqlite --markdown a/b/r.md",
+      "study analyze answers.csv --markdown a/b/r.md",
+      "study simulate --levels 1 --out a/b/simulated.csv",
       "correlate r.sqlite --pictures a/b/pictures",
       "quality --representation mesh --maps a/b/maps",
       "compare x.png y.png --maps a/b/maps",
@@ -334,6 +341,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
         command != "regress" && command != "history" && command != "export" && command != "correlate" &&
         command != "compare" && command != "cache") {
+        command != "correlate" && command != "compare" && command != "cache" && !command.starts_with("study ")) {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

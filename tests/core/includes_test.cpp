@@ -36,6 +36,12 @@ const Doors& doors() {
   return all;
 }
 
+// Folders that are libraries of their own and know less than their room does -> the other rooms that they may include.
+const Doors& narrow_doors() {
+  static const Doors all = {{"studies/analysis", {"core"}}};
+  return all;
+}
+
 // Inside the big rooms: folder -> the folders of the same room that it may include. "" is the room's own files:
 // in renderers/ the interface and the registry. CONTRIBUTING says the same in words.
 const std::map<std::string, Doors>& inner_doors() {
@@ -58,7 +64,7 @@ const std::map<std::string, Doors>& inner_doors() {
         {"bake", {"", "gl"}},
         {"mesh", {"", "gl", "shaders", "frame"}},  // what is captured, so that impostors may know it
         {"impostor", {"", "gl", "shaders", "frame", "bake", "mesh"}}}},
-      {"studies", {{"stimuli", {}}}},
+      {"studies", {{"stimuli", {}}, {"analysis", {}}}},
       {"bench",
        {{"", {"commands"}},
         {"speed", {}},
@@ -98,8 +104,8 @@ bool may_include(const std::string& room, const std::string& from, const std::st
 }
 
 // Libraries whose headers are slow to compile or drag a platform in: in sources only.
-const Strings kHeavy = {"nlohmann/json.hpp", "CLI/",         "tiny_gltf.h", "toml.hpp", "OpenImageIO/",
-                        "libavcodec/",       "libavformat/", "GLFW/",       "EGL/",     "sqlite3.h"};
+const Strings kHeavy = {"nlohmann/json.hpp", "CLI/",  "tiny_gltf.h", "toml.hpp",  "OpenImageIO/", "libavcodec/",
+                        "libavformat/",      "GLFW/", "EGL/",        "sqlite3.h", "nlopt.h"};
 
 std::string room_of(const std::string& path) { return path.substr(0, path.find('/')); }
 // "scene/pose/pose.h" is in "pose"; "renderers/registry.cpp" in "".
@@ -162,6 +168,9 @@ Strings faults_of(const std::string& path, const std::string& text) {
           fault("includes \"" + target + "\", which is not a path from the repository's root");
         } else if (to != room && !doors().at(room).contains(to)) {
           fault("includes \"" + target + "\": " + room + " may not know " + to);
+        } else if (const auto narrow = narrow_doors().find(room + "/" + folder_of(path));
+                   to != room && narrow != narrow_doors().end() && !narrow->second.contains(to)) {
+          fault("includes \"" + target + "\": " + narrow->first + " may not know " + to);
         } else if (to == room && inner_doors().contains(room)) {
           const std::string from = folder_of(path);
           const std::string into = folder_of(target);
@@ -245,6 +254,9 @@ TEST(Includes, CheckerFindsEveryKindOfFault) {
   EXPECT_EQ(faults_of("studies/a.cpp", "#include \"bench/commands/commands.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("bench/a.cpp", "#include \"reports/page/report_page.h\"\n#include \"studies/stimuli/clip.h\"\n"),
             none);
+  EXPECT_EQ(faults_of("studies/stimuli/a.cpp", "#include \"renderers/frame/capture.h\"\n"), none);
+  EXPECT_EQ(faults_of("studies/analysis/a.cpp", "#include \"core/error.h\"\n"), none);
+  EXPECT_EQ(faults_of("studies/analysis/a.cpp", "#include \"renderers/frame/capture.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("scene/a.cpp", "#include \"frame.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("scene/a.cpp", "#include \"../renderers/capture.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("scene/a.h", "#pragma once\n#include <nlohmann/json.hpp>\n").size(), 1U);

@@ -19,16 +19,21 @@ struct CommandHelp {
   std::map<std::string, OptionHelp> options;  // by name, without the dashes
 };
 
-// The commands that `crowdbench --help` lists, in its order.
-inline std::vector<std::string> driver_commands() {
-  const std::string help = run_driver("", "--help").text;
-  const size_t from = help.find("Subcommands:");
+// The commands that `crowdbench --help` lists, in its order; in place of one that has commands of its own, those:
+// "study analyze". of: such a one.
+inline std::vector<std::string> driver_commands(const std::string& of = "") {
+  const std::string help = run_driver("", of + " --help").text;
+  const size_t from = help.find("\nSubcommands:");
   std::vector<std::string> names;
   if (from == std::string::npos) return names;
   const std::regex row("\n  ([a-z-]+)  +[A-Z]");
   for (auto it = std::sregex_iterator(help.begin() + static_cast<std::ptrdiff_t>(from), help.end(), row);
-       it != std::sregex_iterator(); ++it)
-    names.push_back((*it)[1]);
+       it != std::sregex_iterator(); ++it) {
+    const std::string name = (of.empty() ? "" : of + " ") + (*it)[1].str();
+    const std::vector<std::string> own = name == "study" ? driver_commands(name) : std::vector<std::string>{};
+    if (own.empty()) names.push_back(name);
+    names.insert(names.end(), own.begin(), own.end());
+  }
   return names;
 }
 

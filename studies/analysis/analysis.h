@@ -1,0 +1,106 @@
+// The analysis of a study's answers: every question that they can answer is asked, by task and by condition, and what
+// cannot be answered says why. Numbers in, numbers out; study_output.h prints them.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "studies/analysis/answers.h"
+#include "studies/analysis/equivalence.h"
+#include "studies/analysis/mixed_model.h"
+#include "studies/analysis/paired_comparison.h"
+#include "studies/analysis/proportions.h"
+#include "studies/analysis/psychometric.h"
+
+namespace crowdbench::studies {
+
+// What "cannot tell" counts as wherever it is not modelled (the ranking models it as a tie).
+enum class TieRule {
+  drop,   // no answer
+  split,  // half for and half against; of an odd number one is dropped
+  no,     // against: a difference that was not seen
+};
+
+// What is random in the mixed model, clips (where there are any) apart.
+enum class RandomEffects { none, intercept, slope, independent_slope };
+
+struct AnalysisSettings {
+  double chance = 0.5;  // of a yes, where there is nothing to see
+  double confidence = 0.95;
+  TieRule ties = TieRule::drop;
+  std::optional<double> margin;  // of equivalence to chance; nothing: not asked
+  double alpha = 0.05;
+  double power = 0.8;  // that "how many more" is for
+  CurveSettings curve;
+  RandomEffects random = RandomEffects::intercept;
+  Link link = Link::logit;
+  std::optional<Integration> integration;  // nothing: quadrature where it can be, else Laplace
+  double catch_least = 0;                  // share of catch trials that a participant must get right
+  uint64_t seed = 1;
+  size_t resamples = 1000;  // of bootstrap intervals; 0: none
+};
+
+// The answers to one condition; of pairs, to one pair in one condition.
+struct ConditionResult {
+  std::string name;
+  uint64_t yes = 0, ties = 0, no = 0;
+  size_t participants = 0;  // 0: not known
+  // After the rule for ties: `chosen` of `decided`. Where nothing is decided, none of what follows exists.
+  uint64_t chosen = 0, decided = 0;
+  Interval exact, score;  // Clopper-Pearson and Wilson
+  BinomialTest test;      // against chance
+  double holm = 1;        // the two-sided p, corrected over the conditions of the task
+  std::optional<Equivalence> equivalence;
+  std::optional<SignalDetection> detection;  // where trials with and without a signal are known
+};
+
+struct CurveResult {
+  std::string condition;
+  CurveFit fit;
+  std::optional<CurveBootstrap> bootstrap;
+  bool by_participant = false;  // what the bootstrap draws
+};
+
+struct MixedResult {
+  std::string condition;  // empty: all together, with contrasts between conditions
+  MixedSettings settings;
+  MixedFit fit;
+  std::vector<std::string> effects;                 // names of the fixed effects
+  std::optional<LikelihoodRatio> ratio;             // of the level
+  std::optional<MixedThreshold> threshold;          // on the level
+  std::optional<PopulationProbability> population;  // where the intercept is the only fixed effect
+};
+
+struct RankingResult {
+  std::vector<std::string> items;
+  Worths worths;
+  std::optional<LikelihoodRatio> position;  // of the effect of standing first
+  Jod jod;                                  // maximum likelihood, ties as half wins
+  Jod jod_with_prior;
+  std::optional<JodIntervals> intervals;  // of the latter, by participants drawn anew
+};
+
+struct TaskResult {
+  std::string name;  // empty: the table names no tasks
+  std::vector<ConditionResult> conditions;
+  std::vector<CurveResult> curves;
+  std::vector<MixedResult> mixed;
+  std::optional<RankingResult> ranking;
+};
+
+struct Analysis {
+  std::vector<std::string> sources;
+  size_t rows = 0;  // analysed
+  size_t participants = 0;
+  size_t catch_rows = 0;  // set aside
+  std::vector<Exclusion> excluded;
+  std::vector<TaskResult> tasks;
+  AnalysisSettings settings;
+};
+
+// Throws Error where nothing is left to analyse, a level is below 0 and the curve is Weibull's, or positions are known
+// of some comparisons only.
+Analysis analyse(Answers answers, const AnalysisSettings& settings);
+
+}  // namespace crowdbench::studies

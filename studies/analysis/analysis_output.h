@@ -1,0 +1,19 @@
+// An analysis as JSON, and as Markdown for a paper's supplement.
+#pragma once
+#include <string>
+
+#include "core/json.h"
+#include "studies/analysis/analysis.h"
+
+namespace crowdbench::studies {
+
+// Every number with the name that the headers of the analysis give it; what does not exist is null or left out, and its
+// state says why.
+Json analysis_json(const Analysis& analysis);
+
+// Tables by task. Names from files are made harmless.
+std::string analysis_markdown(const Analysis& analysis);
+
+std::string_view tie_rule_text(TieRule rule);  // "drop", "split", "no"
+
+}  // namespace crowdbench::studies

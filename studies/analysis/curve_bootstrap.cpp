@@ -1,0 +1,64 @@
+// Based on: Wichmann and Hill, "The psychometric function: II. Bootstrap-based confidence intervals and sampling"
+// (2001). Differs: where participants are known, whole participants are drawn.
+#include <algorithm>
+
+#include "core/random.h"
+#include "studies/analysis/curve_problem.h"
+#include "studies/analysis/psychometric.h"
+
+namespace crowdbench::studies {
+namespace {
+
+constexpr uint64_t kCurveDraw = 0x70737963;
+
+double unit(uint64_t seed, size_t resample, size_t draw) {
+  return random_unit(mix64(seed + kCurveDraw), resample, draw);
+}
+
+uint64_t binomial_draw(uint64_t n, double p, uint64_t seed, size_t resample, size_t& draw) {
+  uint64_t out = 0;
+  for (uint64_t i = 0; i < n; ++i) out += unit(seed, resample, draw++) < p ? 1 : 0;
+  return out;
+}
+
+}  // namespace
+
+std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span<const Level> levels,
+                                                  std::span<const std::vector<Level>> groups,
+                                                  const CurveSettings& settings, uint64_t seed, size_t resamples) {
+  if (fit.state != CurveState::fitted || resamples == 0) return std::nullopt;
+  const std::vector<Level> merged = merged_levels(levels);
+  CurveBootstrap out;
+  out.resamples = resamples;
+  std::vector<double> thresholds;
+  for (size_t r = 0; r < resamples; ++r) {
+    std::vector<Level> drawn;
+    size_t draw = 0;
+    if (groups.empty()) {
+      drawn = merged;
+      for (Level& level : drawn)
+        level.yes = binomial_draw(level.of, psi(settings.curve, settings.falling, fit.at, level.x), seed, r, draw);
+    }
+    for (size_t g = 0; g < groups.size(); ++g) {
+      const auto& group = groups[static_cast<size_t>(unit(seed, r, draw++) * static_cast<double>(groups.size()))];
+      drawn.insert(drawn.end(), group.begin(), group.end());
+    }
+    drawn = merged_levels(drawn);
+    const CurveState state = curve::state_of_data(drawn);
+    std::optional<double> threshold;
+    if (state == CurveState::fitted) threshold = curve::fit_point(curve::Problem(drawn, settings), fit.at).threshold;
+    if (threshold)
+      thresholds.push_back(*threshold);
+    else
+      ++out.failed;
+  }
+  const double tail = (1 - settings.confidence) / 2;
+  out.open = thresholds.empty() || static_cast<double>(out.failed) > tail * static_cast<double>(resamples);
+  if (thresholds.empty()) return out;
+  out.threshold = {quantile(thresholds, tail), quantile(thresholds, 1 - tail)};
+  out.widened = out.threshold.low > *fit.threshold || out.threshold.high < *fit.threshold;
+  out.threshold = {std::min(out.threshold.low, *fit.threshold), std::max(out.threshold.high, *fit.threshold)};
+  return out;
+}
+
+}  // namespace crowdbench::studies

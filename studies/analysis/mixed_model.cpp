@@ -1,0 +1,359 @@
+// Based on: Bates, Maechler, Bolker and Walker, "Fitting linear mixed-effects models using lme4" (2015).
+// Differs from it: all parameters are optimised together from the start, and a variance that may as well be 0 is 0.
+#include "studies/analysis/mixed_model.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "studies/analysis/distributions.h"
+#include "studies/analysis/mixed_likelihood.h"
+#include "studies/analysis/optimise.h"
+
+namespace crowdbench::studies {
+namespace {
+
+using mixed::Likelihood;
+using mixed::Scales;
+
+// Largest |eta| that an estimate may need: beyond, every chance is 0 or 1 and the likelihood is flat.
+constexpr double kInfinite = 25;
+
+Eigen::VectorXd vector_of(std::span<const double> values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+// The unknowns of the model as one vector: the scales that there are, then the fixed effects.
+class Unknowns {
+ public:
+  Unknowns(const MixedSettings& settings, size_t effects) : effects_(effects) {
+    add(&Scales::intercept, 0);
+    if (settings.slopes && settings.correlated) add(&Scales::cross, -std::numeric_limits<double>::infinity());
+    if (settings.slopes) add(&Scales::slope, 0);
+    if (settings.clips) add(&Scales::clip, 0);
+  }
+  size_t scales() const { return members_.size(); }
+  size_t count() const { return scales() + effects_; }
+  // Whether it has a bound at 0.
+  bool bounded(size_t i) const { return i < scales() && low_[i] == 0; }
+  Scales scales_of(std::span<const double> x) const {
+    Scales out;
+    for (size_t i = 0; i < scales(); ++i) out.*members_[i] = x[i];
+    return out;
+  }
+  Eigen::VectorXd effects_of(std::span<const double> x) const { return vector_of(x.subspan(scales())); }
+  Bounds bounds() const {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    Bounds out{low_, std::vector<double>(scales(), kNone)};
+    out.low.resize(count(), -kNone);
+    out.high.resize(count(), kNone);
+    return out;
+  }
+  double start(size_t i) const { return low_[i] == 0 ? 0.5 : 0; }
+
+ private:
+  void add(double Scales::*member, double low) {
+    members_.push_back(member);
+    low_.push_back(low);
+  }
+  size_t effects_;
+  std::vector<double Scales::*> members_;
+  std::vector<double> low_;
+};
+
+// ---- units
+
+// Fixed effects in units of their own spread about their mean, and the slope's variable in units of its size: what is
+// optimised is then of about one size, whether levels are metres or pixels.
+class Units {
+ public:
+  explicit Units(std::vector<MixedRow>& rows) {
+    const auto n = static_cast<Eigen::Index>(rows.front().fixed.size());
+    back_ = Eigen::MatrixXd::Identity(n, n);
+    double count = 0;
+    double slope = 0;
+    for (const MixedRow& row : rows) {
+      count += static_cast<double>(row.of);
+      slope += static_cast<double>(row.of) * row.slope * row.slope;
+    }
+    if (slope > 0) slope_ = std::sqrt(slope / count);
+    for (MixedRow& row : rows) row.slope /= slope_;
+    for (Eigen::Index j = 1; j < n; ++j) {
+      const auto k = static_cast<size_t>(j);
+      double mean = 0;
+      double square = 0;
+      for (const MixedRow& row : rows) mean += static_cast<double>(row.of) * row.fixed[k] / count;
+      for (const MixedRow& row : rows)
+        square += static_cast<double>(row.of) * (row.fixed[k] - mean) * (row.fixed[k] - mean) / count;
+      const double unit = square > 0 ? std::sqrt(square) : 1;
+      for (MixedRow& row : rows) row.fixed[k] = (row.fixed[k] - mean) / unit;
+      back_(j, j) = 1 / unit;
+      back_(0, j) = -mean / unit;
+    }
+  }
+  // From effects in these units to those in the table's.
+  const Eigen::MatrixXd& back() const { return back_; }
+  double slope() const { return slope_; }
+
+ private:
+  Eigen::MatrixXd back_;
+  double slope_ = 1;
+};
+
+// ---- the pooled model, without anything random
+
+struct Pooled {
+  Eigen::VectorXd beta;
+  Eigen::VectorXd direction;  // of the last step
+  Eigen::MatrixXd information;
+};
+
+Pooled fit_pooled(const Likelihood& model) {
+  const auto n = static_cast<Eigen::Index>(model.effects());
+  const MixedSettings& s = model.settings();
+  Pooled out{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, n)};
+  const auto value_at = [&](const Eigen::VectorXd& beta) {
+    double sum = 0;
+    for (const MixedRow& cell : model.cells()) {
+      const mixed::Local local = mixed::local_at(s.link, s.guess, vector_of(cell.fixed).dot(beta));
+      sum += static_cast<double>(cell.yes) * local.yes + static_cast<double>(cell.of - cell.yes) * local.no;
+    }
+    return sum;
+  };
+  double value = value_at(out.beta);
+  for (int i = 0; i < 60; ++i) {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+    out.information.setZero();
+    for (const MixedRow& cell : model.cells()) {
+      const Eigen::VectorXd x = vector_of(cell.fixed);
+      const mixed::Local local = mixed::local_at(s.link, s.guess, x.dot(out.beta));
+      gradient +=
+          (static_cast<double>(cell.yes) * local.yes_1 + static_cast<double>(cell.of - cell.yes) * local.no_1) * x;
+      out.information += -static_cast<double>(cell.of) * local.yes_1 * local.no_1 * x * x.transpose();
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> factored(out.information);
+    const Eigen::VectorXd step = factored.solve(gradient);
+    if (!step.allFinite() || step.dot(gradient) < 1e-14) break;
+    double part = 1;
+    double there = value_at(out.beta + step);
+    for (int halving = 0; halving < 30 && !(there >= value); ++halving) there = value_at(out.beta + (part /= 2) * step);
+    if (!(there >= value)) break;
+    out.direction = part * step;
+    out.beta += out.direction;
+    value = there;
+    if (out.beta.cwiseAbs().maxCoeff() > 1e8) break;
+  }
+  return out;
+}
+
+// Whether a direction of the fixed effects parts all answers: then going along it never lowers the likelihood, and
+// there is no estimate. That is a proof, whoever found the direction.
+bool parts_all(const Likelihood& model, const Eigen::VectorXd& direction) {
+  double largest = 0;
+  for (const MixedRow& cell : model.cells())
+    largest = std::max(largest, std::fabs(vector_of(cell.fixed).dot(direction)));
+  const double hair = 1e-6 * largest;
+  for (const MixedRow& cell : model.cells()) {
+    const double along = vector_of(cell.fixed).dot(direction);
+    if ((cell.yes > 0 && along < -hair) || (cell.yes < cell.of && along > hair)) return false;
+  }
+  return largest > 0;
+}
+
+MixedState state_before(const Likelihood& model) {
+  uint64_t yes = 0;
+  uint64_t of = 0;
+  for (const MixedRow& cell : model.cells()) {
+    yes += cell.yes;
+    of += cell.of;
+  }
+  if (yes == 0 || yes == of) return MixedState::all_alike;
+  if (model.participants() < 2) return MixedState::one_participant;
+  Eigen::MatrixXd x(static_cast<Eigen::Index>(model.cells().size()), static_cast<Eigen::Index>(model.effects()));
+  for (Eigen::Index i = 0; i < x.rows(); ++i) x.row(i) = vector_of(model.cells()[static_cast<size_t>(i)].fixed);
+  return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(x).rank() < x.cols() ? MixedState::unidentified
+                                                                          : MixedState::fitted;
+}
+
+// ---- the fit
+
+struct Optimum {
+  std::vector<double> x;
+  double value = 0;  // minus the log-likelihood
+  std::vector<bool> at_zero;
+};
+
+Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pooled) {
+  const Objective objective = [&](std::span<const double> x) {
+    return -model.at(unknowns.scales_of(x), unknowns.effects_of(x));
+  };
+  std::vector<double> start;
+  std::vector<double> step;
+  for (size_t i = 0; i < unknowns.scales(); ++i) {
+    start.push_back(unknowns.start(i));
+    step.push_back(0.2);
+  }
+  const Eigen::MatrixXd covariance = pooled.information.inverse();
+  for (Eigen::Index i = 0; i < pooled.beta.size(); ++i) {
+    start.push_back(pooled.beta[i]);
+    const double se = std::sqrt(covariance(i, i));
+    step.push_back(std::isfinite(se) && se > 0 ? 2 * se : 0.1);
+  }
+  const double gain = model.settings().thorough ? 1e-9 : std::numeric_limits<double>::infinity();
+  const Minimum found = minimise(objective, start, unknowns.bounds(), step, gain);
+  Optimum out{found.x, found.value, std::vector<bool>(unknowns.count(), false)};
+  // The likelihood is flat at a variance of 0, where a minimiser without derivatives stops a little beside it.
+  for (size_t i = 0; i < unknowns.scales(); ++i) {
+    if (!unknowns.bounded(i) || out.x[i] > 0.1) continue;
+    Bounds bounds = unknowns.bounds();
+    bounds.high[i] = 0;
+    for (size_t j = 0; j < out.at_zero.size(); ++j)
+      if (out.at_zero[j]) bounds.high[j] = 0;
+    std::vector<double> from = out.x;
+    from[i] = 0;
+    const Minimum without = minimise(objective, from, bounds, step, gain);
+    if (without.value > out.value + (model.settings().thorough ? 1e-7 : 1e-5)) continue;
+    out.x = without.x;
+    out.value = without.value;
+    out.at_zero[i] = true;
+  }
+  return out;
+}
+
+// The inverse; nothing where it is not that of a maximum.
+std::optional<Eigen::MatrixXd> inverse_of(const Eigen::MatrixXd& information) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(information);
+  if (!information.allFinite() || factor.info() != Eigen::Success) return std::nullopt;
+  return factor.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+}
+
+// The covariance of the fixed effects.
+std::optional<Eigen::MatrixXd> fixed_covariance(Likelihood& model, const Unknowns& unknowns, const Optimum& best) {
+  const auto effects = static_cast<Eigen::Index>(unknowns.count() - unknowns.scales());
+  const auto given_scales = [&] {
+    return inverse_of(model.fixed_information(unknowns.scales_of(best.x), unknowns.effects_of(best.x)));
+  };
+  if (!model.settings().full_errors) return given_scales();
+  // What lies on a bound is held there.
+  std::vector<size_t> moving;
+  std::vector<double> x;
+  std::vector<double> step;
+  for (size_t i = 0; i < unknowns.count(); ++i) {
+    if (best.at_zero[i]) continue;
+    moving.push_back(i);
+    x.push_back(best.x[i]);
+    step.push_back(2e-3 * std::max(0.2, std::fabs(best.x[i])));
+  }
+  const Objective objective = [&](std::span<const double> moved) {
+    std::vector<double> all = best.x;
+    for (size_t i = 0; i < moving.size(); ++i) all[moving[i]] = moved[i];
+    return -model.at(unknowns.scales_of(all), unknowns.effects_of(all));
+  };
+  const Matrix curvature = hessian(objective, x, step);
+  Eigen::MatrixXd information(static_cast<Eigen::Index>(x.size()), static_cast<Eigen::Index>(x.size()));
+  for (size_t i = 0; i < x.size(); ++i) information.row(static_cast<Eigen::Index>(i)) = vector_of(curvature[i]);
+  const std::optional<Eigen::MatrixXd> inverse = inverse_of(information);
+  if (!inverse) return given_scales();
+  return inverse->bottomRightCorner(effects, effects);
+}
+
+// back: from the units of the fit to those of the table.
+void set_effects(MixedFit& fit, const Eigen::MatrixXd& back, const Eigen::VectorXd& beta,
+                 const std::optional<Eigen::MatrixXd>& covariance) {
+  const Eigen::VectorXd estimate = back * beta;
+  Eigen::MatrixXd spread;
+  if (covariance) spread = back * *covariance * back.transpose();
+  for (Eigen::Index i = 0; i < beta.size(); ++i) {
+    MixedEffect effect{.estimate = estimate[i], .se = std::numeric_limits<double>::quiet_NaN()};
+    if (covariance) {
+      effect.se = std::sqrt(spread(i, i));
+      effect.z = effect.estimate / effect.se;
+      effect.p = two_sided_normal_p(effect.z);
+      fit.covariance.emplace_back(spread.row(i).begin(), spread.row(i).end());
+    }
+    fit.fixed.push_back(effect);
+  }
+}
+
+double largest_eta(const Likelihood& model, const Eigen::VectorXd& beta) {
+  double out = 0;
+  for (const MixedRow& cell : model.cells()) out = std::max(out, std::fabs(vector_of(cell.fixed).dot(beta)));
+  return out;
+}
+
+bool has_fit(const MixedFit& fit) { return fit.state == MixedState::fitted || fit.state == MixedState::singular; }
+
+}  // namespace
+
+std::string_view state_text(MixedState state) {
+  switch (state) {
+    case MixedState::fitted: return "fitted";
+    case MixedState::singular: return "singular";
+    case MixedState::no_data: return "no data";
+    case MixedState::all_alike: return "all answers alike";
+    case MixedState::one_participant: return "one participant";
+    case MixedState::separated: return "separated";
+    case MixedState::unidentified: break;
+  }
+  return "unidentified";
+}
+
+MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
+  assert(settings.integration != Integration::quadrature || (!settings.slopes && !settings.clips));
+  MixedFit fit;
+  std::erase_if(rows, [](const MixedRow& row) { return row.of == 0; });
+  if (rows.empty()) return fit;
+  const Units units(rows);
+  Likelihood model(std::move(rows), settings);
+  for (const MixedRow& cell : model.cells()) fit.answers += cell.of;
+  fit.participants = model.participants();
+  fit.clips = model.clips();
+  fit.state = state_before(model);
+  if (fit.state != MixedState::fitted) return fit;
+  const Pooled pooled = fit_pooled(model);
+  if (parts_all(model, pooled.direction)) {
+    fit.state = MixedState::separated;
+    return fit;
+  }
+  const Unknowns unknowns(settings, model.effects());
+  const Optimum best = optimise(model, unknowns, pooled);
+  const Scales scales = unknowns.scales_of(best.x);
+  const Eigen::VectorXd beta = unknowns.effects_of(best.x);
+  if (largest_eta(model, beta) > kInfinite && largest_eta(model, pooled.beta) < kInfinite) {
+    fit.state = MixedState::separated;
+    return fit;
+  }
+  if (std::find(best.at_zero.begin(), best.at_zero.end(), true) != best.at_zero.end()) fit.state = MixedState::singular;
+  fit.log_likelihood = -best.value;
+  fit.participant_variance = scales.intercept * scales.intercept;
+  if (settings.slopes)
+    fit.slope_variance = (scales.slope * scales.slope + scales.cross * scales.cross) / (units.slope() * units.slope());
+  if (settings.slopes && settings.correlated)
+    fit.intercept_slope_covariance = scales.intercept * scales.cross / units.slope();
+  if (settings.clips) fit.clip_variance = scales.clip * scales.clip;
+  set_effects(fit, units.back(), beta, fixed_covariance(model, unknowns, best));
+  for (const Likelihood::Mode& mode : model.modes(scales, beta)) {
+    fit.modes.push_back(mode.intercept);
+    fit.mode_sds.push_back(mode.sd);
+  }
+  return fit;
+}
+
+std::optional<LikelihoodRatio> likelihood_ratio(const std::vector<MixedRow>& rows, const MixedSettings& settings,
+                                                const MixedFit& fit, size_t effect) {
+  assert(has_fit(fit) && effect < fit.fixed.size());
+  std::vector<MixedRow> smaller = rows;
+  for (MixedRow& row : smaller) row.fixed.erase(row.fixed.begin() + static_cast<std::ptrdiff_t>(effect));
+  MixedSettings quick = settings;
+  quick.full_errors = false;
+  const MixedFit without = fit_mixed(std::move(smaller), quick);
+  if (!has_fit(without)) return std::nullopt;
+  const double chi_squared = std::max(0.0, 2 * (fit.log_likelihood - without.log_likelihood));
+  return LikelihoodRatio{chi_squared, chi_squared_tail(chi_squared, 1)};
+}
+
+}  // namespace crowdbench::studies

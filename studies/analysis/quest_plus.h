@@ -1,0 +1,57 @@
+// QUEST+: chooses the next stimulus of an adaptive measurement so that the answer is expected to tell most, and keeps
+// what is known of the observer as a posterior over a grid of parameters.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace crowdbench::studies {
+
+// P(yes) = guess + (1 - guess - lapse) F:
+//   weibull_db     F = 1 - exp(-10^(slope (x - threshold) / 20)), x in decibel
+//   weibull_log10  F = 1 - exp(-10^(slope (x - threshold))), x a decadic logarithm
+//   normal         F = Phi((x - threshold) / slope): threshold is the mean and slope the standard deviation
+enum class QuestFunction { weibull_db, weibull_log10, normal };
+
+struct QuestSettings {
+  QuestFunction function = QuestFunction::normal;
+  std::vector<double> stimuli;  // what may be shown
+  // The grid: values of each parameter, one where it is known. All combinations, uniform before the first answer.
+  std::vector<double> threshold, slope, guess, lapse;
+};
+
+class QuestPlus {
+ public:
+  // All lists not empty; guess + lapse below 1.
+  explicit QuestPlus(const QuestSettings& settings);
+
+  struct Choice {
+    size_t stimulus = 0;          // of settings.stimuli; the first of equally good ones
+    double expected_entropy = 0;  // of the posterior after the answer, in nats
+  };
+  Choice next() const;
+  void answer(size_t stimulus, bool yes);
+
+  // Of threshold, slope, guess and lapse.
+  using Parameters = std::array<double, 4>;
+  Parameters mean() const;
+  Parameters sd() const;
+  Parameters mode() const;  // the grid point of the highest posterior, the first of equals
+  std::vector<double> marginal(size_t parameter) const;
+  double entropy() const;
+
+  double psi(size_t stimulus, size_t point) const { return yes_[stimulus * points_ + point]; }
+
+ private:
+  size_t index_of(size_t point, size_t parameter) const;
+
+  std::array<std::vector<double>, 4> grid_;
+  size_t points_ = 0;
+  size_t stimuli_ = 0;
+  std::vector<double> posterior_;         // by grid point, the last parameter fastest
+  std::vector<double> yes_;               // P(yes) by stimulus and grid point
+  std::vector<double> yes_log_, no_log_;  // p log p of it, and of the answer no
+};
+
+}  // namespace crowdbench::studies

@@ -1,0 +1,240 @@
+// Simulated observers, of whom everything is known, through the whole analysis: estimates come back, intervals cover as
+// often as they say, and "equivalent" is not said of what differs. A few seeds here; as many as one likes by
+//   CROWDBENCH_SEEDS=500 build/release/bin/test_studies --gtest_filter='Recovery*'
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include "core/random.h"
+#include "core/statistics.h"
+#include "studies/analysis/equivalence.h"
+#include "studies/analysis/mixed_model.h"
+#include "studies/analysis/paired_comparison.h"
+#include "studies/analysis/power.h"
+#include "studies/analysis/psychometric.h"
+#include "studies/analysis/quest_plus.h"
+#include "studies/analysis/simulated.h"
+#include "tests/studies/ground_truth.h"
+
+namespace crowdbench::studies {
+namespace {
+
+using Expected = nlohmann::json;
+
+size_t seeds(size_t normally) {
+  const char* given = std::getenv("CROWDBENCH_SEEDS");
+  return given != nullptr ? std::strtoul(given, nullptr, 10) : normally;
+}
+
+// That a share which should be p came out of n within what 99.9 of 100 honest runs give, and, with 500 seeds or more,
+// within `least` to `most`.
+void expect_share(size_t k, size_t n, double p, double least, double most, const char* what) {
+  const double share = static_cast<double>(k) / static_cast<double>(n);
+  std::cout << what << ": " << k << " of " << n << " (" << 100 * share << " %)\n";
+  const double noise = 3.3 * std::sqrt(p * (1 - p) / static_cast<double>(n));
+  if (n >= 500) {
+    EXPECT_GE(share, least) << what;
+    EXPECT_LE(share, most) << what;
+  } else {
+    EXPECT_GE(share, p - noise - 1.0 / static_cast<double>(n)) << what;
+    EXPECT_LE(share, p + noise + 1.0 / static_cast<double>(n)) << what;
+  }
+}
+
+std::vector<MixedRow> mixed_rows(const Answers& answers) {
+  std::vector<MixedRow> out;
+  for (const Answer& a : answers.rows)
+    out.push_back({.participant = *a.participant,
+                   .clip = *a.clip,
+                   .fixed = {1, *a.level},
+                   .slope = *a.level,
+                   .yes = a.yes,
+                   .of = 1});
+  return out;
+}
+
+TEST(Recovery, ThresholdOfMixedModelIsCovered) {
+  const SimulatedObservers truth{.threshold = 1.5, .slope = 1.2, .threshold_sd = 0.6};
+  const SimulatedDesign design{.participants = 24, .levels = {0, 1, 2, 3}, .clips = 1, .repeats = 8};
+  const size_t n = seeds(24);
+  size_t covered = 0;
+  double sum = 0;
+  for (size_t seed = 0; seed < n; ++seed) {
+    const MixedFit fit =
+        fit_mixed(mixed_rows(simulate_answers(truth, design, seed)), {.integration = Integration::quadrature});
+    ASSERT_TRUE(fit.state == MixedState::fitted || fit.state == MixedState::singular);
+    const auto at = mixed_threshold(fit, {}, 0.5);
+    ASSERT_TRUE(at && at->interval);
+    covered += at->interval->low <= truth.threshold && truth.threshold <= at->interval->high ? 1 : 0;
+    sum += at->at;
+  }
+  EXPECT_NEAR(sum / static_cast<double>(n), truth.threshold, 0.6 / std::sqrt(24.0 * static_cast<double>(n)) * 4);
+  expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the mixed model covered");
+}
+
+TEST(Recovery, ThresholdOfPsychometricFunctionIsCovered) {
+  const CurveParameters truth{.location = 3, .scale = 0.8, .guess = 0.5, .lapse = 0.01};
+  const size_t n = seeds(40);
+  size_t covered = 0;
+  const CurveSettings settings;
+  const double threshold = x_at(Curve::logistic, false, truth, settings.level).value();
+  for (size_t seed = 0; seed < n; ++seed) {
+    std::vector<Level> levels;
+    for (uint64_t i = 0; i < 7; ++i) {
+      Level level{static_cast<double>(i), 0, 40};
+      for (uint64_t t = 0; t < level.of; ++t)
+        level.yes += random_unit(seed, i, 100 + t) < psi(Curve::logistic, false, truth, level.x) ? 1 : 0;
+      levels.push_back(level);
+    }
+    const CurveFit fit = fit_curve(levels, settings);
+    ASSERT_EQ(fit.state, CurveState::fitted);
+    covered +=
+        fit.threshold_profile.low.value_or(-1e9) <= threshold && threshold <= fit.threshold_profile.high.value_or(1e9)
+            ? 1
+            : 0;
+  }
+  expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the psychometric function covered");
+}
+
+TEST(Recovery, DifferencesOfWorthsAreCovered) {
+  const SimulatedRanking truth{.log_worth = {0.9, 0.3, 0, -0.5}, .log_nu = -0.6, .position = 0.3};
+  const size_t n = seeds(100);
+  size_t covered = 0;
+  size_t ordered = 0;
+  for (size_t seed = 0; seed < n; ++seed) {
+    const Worths fit = fit_worths(simulate_comparisons(truth, 20, 2, seed), 4, true);
+    ASSERT_EQ(fit.state, WorthState::fitted);
+    const Difference d = difference_of(fit, 0, 3);
+    covered += std::fabs(d.value - 1.4) <= 1.959964 * d.se ? 1 : 0;
+    ordered += fit.log_worth[0] > fit.log_worth[1] && fit.log_worth[1] > fit.log_worth[3] ? 1 : 0;
+  }
+  expect_share(covered, n, 0.95, 0.93, 0.97, "difference of two worths covered");
+  EXPECT_GT(ordered, n * 9 / 10);
+}
+
+// Participants differ, and their mean lies exactly at the margin: what may be called equivalent at most once in twenty.
+TEST(Recovery, EquivalentIsNotSaidOfWhatLiesAtTheMargin) {
+  const size_t n = seeds(100);
+  size_t said = 0;
+  size_t said_of_equal = 0;
+  for (const double truth : {0.6, 0.5})
+    for (size_t seed = 0; seed < n; ++seed) {
+      std::vector<Share> shares;
+      for (uint64_t p = 0; p < 24; ++p) {
+        // Shares spread evenly by up to .1 either way: their mean is the truth.
+        const double own = truth + 0.2 * (random_unit(seed, p, 1) - 0.5);
+        Share share{0, 40};
+        for (uint64_t t = 0; t < share.of; ++t) share.chosen += random_unit(seed, p, 100 + t) < own ? 1 : 0;
+        shares.push_back(share);
+      }
+      const bool equivalent = judge_equivalence(shares, {.margin = 0.1}).verdict == Verdict::equivalent;
+      (truth == 0.5 ? said_of_equal : said) += equivalent ? 1 : 0;
+    }
+  std::cout << "false \"equivalent\": " << said << " of " << n << "; of equal ones: " << said_of_equal << "\n";
+  EXPECT_LE(static_cast<double>(said),
+            0.05 * static_cast<double>(n) + 3.3 * std::sqrt(0.05 * 0.95 * static_cast<double>(n)) * (n < 500));
+  EXPECT_GT(said_of_equal, n * 9 / 10);
+}
+
+// As wide an interval with six tenths of the trials: the spread of QUEST+'s estimates over seeds against that of
+// constant stimuli, both read as posterior means of the same grid.
+TEST(Recovery, QuestPlusNeedsFewerTrials) {
+  QuestSettings grid{.function = QuestFunction::normal,
+                     .stimuli = {},
+                     .threshold = {},
+                     .slope = {0.7, 1, 1.5, 2.2},
+                     .guess = {0.5},
+                     .lapse = {0.02}};
+  for (int i = 0; i <= 20; ++i) grid.stimuli.push_back(i);
+  for (int i = 0; i <= 40; ++i) grid.threshold.push_back(i * 0.5);
+  constexpr size_t kConstant = 100;
+  constexpr size_t kAdaptive = 60;
+  const size_t n = seeds(40);
+  std::vector<double> constant;
+  std::vector<double> adaptive;
+  for (size_t seed = 0; seed < n; ++seed) {
+    const double truth = 6 + 8 * random_unit(seed, 0, 1);
+    const auto yes = [&](double x, uint64_t trial, uint64_t purpose) {
+      return random_unit(seed, trial, purpose) < 0.5 + 0.48 * 0.5 * std::erfc(-(x - truth) / std::sqrt(2.0));
+    };
+    QuestPlus fixed(grid);
+    for (size_t t = 0; t < kConstant; ++t) {
+      const size_t stimulus = t % 5 * 3 + 4;  // 4, 7, 10, 13, 16: over all thresholds there may be
+      fixed.answer(stimulus, yes(grid.stimuli[stimulus], t, 2));
+    }
+    QuestPlus quest(grid);
+    for (size_t t = 0; t < kAdaptive; ++t) {
+      const size_t stimulus = quest.next().stimulus;
+      quest.answer(stimulus, yes(grid.stimuli[stimulus], t, 3));
+    }
+    constant.push_back(std::fabs(fixed.mean()[0] - truth));
+    adaptive.push_back(std::fabs(quest.mean()[0] - truth));
+  }
+  std::cout << "median error: " << median(constant) << " of " << kConstant << " constant, " << median(adaptive)
+            << " of " << kAdaptive << " adaptive trials\n";
+  EXPECT_LE(median(adaptive), median(constant));
+}
+
+TEST(Recovery, PowerIsThatOfLme4) {
+  const Expected& expected = test::statistics_expected();
+  const size_t n = seeds(40);
+  for (const auto& [name, c] : expected.at("power_simulation").items()) {
+    const Expected& truth = c.at("truth");
+    for (const Expected& row : c.at("rows")) {
+      const Power got = simulate_power({.intercept = truth.at("b0").get<double>(),
+                                        .effect = truth.at("b1").get<double>(),
+                                        .participant_sd = truth.at("so").get<double>(),
+                                        .clip_sd = truth.at("sc").get<double>(),
+                                        .participants = row.at("observers").get<uint32_t>(),
+                                        .clips = truth.at("nclip").get<uint32_t>(),
+                                        .simulations = n});
+      SCOPED_TRACE(name + ", " + row.at("observers").dump());
+      const auto reference = row.at("power").get<double>();
+      std::cout << name << ", " << row.at("observers") << " observers: power " << got.power << " +- " << got.power_se
+                << ", lme4 " << reference << " +- " << row.at("mc_se") << "\n";
+      const double own = std::sqrt(reference * (1 - reference) / static_cast<double>(n));
+      EXPECT_NEAR(got.power, reference, 3 * std::hypot(row.at("mc_se").get<double>(), own));
+      EXPECT_NEAR(got.mean_se / row.at("mean_se").get<double>(), 1, 0.05);
+      EXPECT_EQ(got.failed, 0U);
+    }
+  }
+}
+
+TEST(Simulated, AnswersAreReproducibleAndAsAsked) {
+  const SimulatedObservers observers{.threshold = 2, .slope = 3, .guess = 0.2, .lapse = 0.1};
+  const SimulatedDesign design{.participants = 30, .levels = {-20, 2, 20}, .clips = 5, .repeats = 10};
+  const Answers answers = simulate_answers(observers, design, 7);
+  ASSERT_EQ(answers.rows.size(), 30U * 3 * 5 * 10);
+  std::map<double, double> yes;
+  for (const Answer& a : answers.rows) yes[*a.level] += static_cast<double>(a.yes) / 1500;
+  EXPECT_NEAR(yes[-20], 0.2, 0.04);
+  EXPECT_NEAR(yes[2], 0.2 + 0.7 / 2, 0.05);
+  EXPECT_NEAR(yes[20], 0.9, 0.03);
+  EXPECT_EQ(answers_csv(answers), answers_csv(simulate_answers(observers, design, 7)));
+  EXPECT_NE(answers_csv(answers), answers_csv(simulate_answers(observers, design, 8)));
+  // The table comes in by the door through which all tables come.
+  const Table table = parse_table(answers_csv(answers), "t.csv");
+  EXPECT_EQ(table.rows[0].fields[0], "simulated");
+  Answers read;
+  add_answers(read, table, columns_by_name(table));
+  EXPECT_EQ(read.rows.size(), answers.rows.size());
+  EXPECT_EQ(read.participants[0], "simulated 1");
+  // Fewer observers are the first of more.
+  SimulatedDesign fewer = design;
+  fewer.participants = 3;
+  EXPECT_EQ(answers_csv(answers).rfind(answers_csv(simulate_answers(observers, fewer, 7)), 0), 0U);
+}
+
+TEST(Simulated, BiasAndLearningMoveAnswers) {
+  const SimulatedDesign design{.participants = 40, .levels = {0}, .clips = 1, .repeats = 40};
+  const Answers learned = simulate_answers({.learning = 4}, design, 3);
+  double early = 0;
+  double late = 0;
+  for (const Answer& a : learned.rows) (std::stoi(a.trial) <= 20 ? early : late) += static_cast<double>(a.yes);
+  EXPECT_GT(late, 1.5 * early);
+}
+
+}  // namespace
+}  // namespace crowdbench::studies
