@@ -24,6 +24,8 @@ void add_all_commands(Command& app, Run& run) {
       add_distance,
       add_ratio,
       add_bench,
+      add_sweep,
+      add_merge,
       add_pair,
       add_view,
       add_correlate,

@@ -22,6 +22,7 @@ void add_demo(Command& app, Run& run);
 void add_distance(Command& app, Run& run);
 void add_info(Command& app, Run& run);
 void add_inspect(Command& app, Run& run);
+void add_merge(Command& app, Run& run);
 void add_pair(Command& app, Run& run);
 void add_quality(Command& app, Run& run);
 void add_popmap(Command& app, Run& run);
@@ -31,6 +32,7 @@ void add_ratio(Command& app, Run& run);
 void add_render(Command& app, Run& run);
 void add_report(Command& app, Run& run);
 void add_schema(Command& app, Run& run);
+void add_sweep(Command& app, Run& run);
 void add_switch_distance(Command& app, Run& run);
 void add_view(Command& app, Run& run);
 

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "scene/scenario/scenario_keys.h"
+#include "scene/scenario/scenario_changes.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -160,10 +160,6 @@ class Parser {
     if (camera != nullptr && camera->find("key") != nullptr && camera->table.size() > 1)
       throw Error(at_line(where_, *camera), "`camera` has keys of its own and a path of [[camera.key]]",
                   "keep one of them");
-    check_scenario(scenario_, [&](const char* name) {
-      const TomlNode* const given = document.find(name);
-      return at_line(where_, given != nullptr ? *given : document);
-    });
   }
 
  private:
@@ -295,6 +291,10 @@ Scenario parse_scenario(const std::string& toml, const std::string& where, KeyPl
   TomlNode document = parse_toml(toml, where);
   document.line = 1;
   change_scenario(scenario, document, where, places);
+  check_scenario(scenario, [&](const char* name) {
+    const TomlNode* const given = document.find(name);
+    return at_line(where, given != nullptr ? *given : document);
+  });
   return scenario;
 }
 

@@ -126,6 +126,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
   const std::string flat = "--representation flat:views=sphere-4x1,texels=32,frames=1";
   const std::string small = " --character mannequin:triangles=500";
   ASSERT_EQ(run("quality --representation mesh --height-px 20,24 --rows 48 --db q.sqlite" + small).status, 0);
+  write_file(work_ / "s.toml", "[scenario]\nwidth = 32\nheight = 32\n[axes]\ncrowd.agents = [2]\n");
+  ASSERT_EQ(run("sweep s.toml").status, 0);
   const std::multimap<std::string, std::string> prints = {
       {"info", ""},
       {"info", "--json"},
@@ -146,6 +148,11 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"ratio", "--of mesh --to mesh --agents 2 --size 32x32 --pairs 20 --json" + small},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite --json"},
+      {"sweep", "s.toml --dry-run"},
+      {"sweep", "s.toml --out s.sqlite"},
+      {"sweep", "s.toml --out s.sqlite --json"},
+      {"merge", "m.sqlite s.sqlite"},
+      {"merge", "m.sqlite s.sqlite --json"},
       {"pair", "--a mesh --b mesh --agents 2 --size 48x48 --frames 2 --out c.mp4"},
       {"correlate", "q.sqlite"},
       {"correlate", "q.sqlite --json"},
@@ -239,6 +246,9 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "render --depth a/b/x.exr",
       "inspect mannequin --out a/b/m.glb",
       "bench --out a/b/r.sqlite",
+      "sweep s.toml --out a/b/r.sqlite",
+      "sweep s.toml --markdown a/b/r.md",
+      "merge a/b/r.sqlite r.sqlite",
       "pair --a mesh --b mesh --out a/b/c.mp4",
       "view --frames 1 --screenshot a/b/x.png",
       "report r.sqlite --out a/b/r.html",
@@ -307,7 +317,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     EXPECT_TRUE(by_command[command].count("character")) << command;
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
-        command != "correlate" && command != "compare" && command != "cache") {
+        command != "correlate" && command != "compare" && command != "cache" && command != "merge") {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

@@ -4,6 +4,7 @@
 // and tests/data/store/schema-2.sqlite by the last of schema 2:
 //   crowdbench bench --representation flat:views=hemi-4 --agents 1,2 --rounds 10 --occupancy 0.15 --size 64x48
 //     --picture-agents 1 --device software --out schema-2.sqlite
+// and tests/data/store/schema-3.sqlite by the last of schema 3, by the same command.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
@@ -143,7 +144,7 @@ TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
   { StoreWriter store(fresh); }
   const auto wanted = statements(fresh);
   EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
-  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite"}) {
+  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite"}) {
     take(older);
     { StoreWriter store(file_); }
     EXPECT_EQ(statements(file_), wanted) << older;
@@ -176,6 +177,32 @@ TEST_F(MigrationTest, SchemaTwoGainsCurvesAndKeepsItsScores) {
   ASSERT_EQ(after.comparisons.size(), 3U);
   EXPECT_TRUE(after.comparisons[1] == before.comparisons[1]);
   EXPECT_TRUE(after.comparisons[2] == agent);
+}
+
+// Schema 3 knew no sweeps.
+TEST_F(MigrationTest, SchemaThreeGainsSweepsAndKeepsItsRows) {
+  take("schema-3.sqlite");
+  const StoreContents before = read_store(file_, true);
+  ASSERT_EQ(before.measurements.size(), 4U);
+  ASSERT_EQ(before.comparisons.size(), 2U);
+  EXPECT_TRUE(before.comparisons[0].display.has_value());
+  EXPECT_TRUE(before.sweeps.empty());
+  SweepRow sweep = full_sweep();
+  SweepPointRow point = full_sweep_point(1, 1, 2, 1);
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    sweep.id = store.write(sweep);
+    point.id = store.write(point);
+  }
+  EXPECT_EQ(schema(file_), std::to_string(kStoreSchemaVersion));
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.sweeps.size(), 1U);
+  EXPECT_TRUE(after.sweeps[0] == sweep);
+  ASSERT_EQ(after.sweep_points.size(), 1U);
+  EXPECT_TRUE(after.sweep_points[0] == point);
+  EXPECT_TRUE(after.measurements == before.measurements);
+  EXPECT_TRUE(after.pictures == before.pictures);
 }
 
 TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {
