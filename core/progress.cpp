@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/files.h"
+#include "core/term_waits.h"
 
 namespace crowdbench {
 namespace {
@@ -34,7 +35,14 @@ sem_t stop_wanted;
 std::mutex kept_mutex;
 std::string kept_text = "nothing was left half-written";
 
+volatile std::sig_atomic_t term_waits = 0;
+volatile std::sig_atomic_t term_came = 0;
+
 void on_signal(int signal_number) {
+  if (signal_number == SIGTERM && term_waits != 0 && term_came == 0) {
+    term_came = 1;
+    return;
+  }
   stop_requested = signal_number;
   std::signal(signal_number, SIG_DFL);
   sem_post(&stop_wanted);
@@ -246,6 +254,13 @@ void throw_if_interrupted() {
 }
 
 int interrupt_status() { return stop_requested == 0 ? 0 : 128 + stop_requested; }
+
+TermWaits::TermWaits() {
+  term_came = 0;
+  term_waits = 1;
+}
+TermWaits::~TermWaits() { term_waits = 0; }
+bool TermWaits::came() const { return term_came != 0; }
 
 void say_when_interrupted(const std::string& kept) {
   const std::scoped_lock lock(kept_mutex);

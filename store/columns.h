@@ -83,8 +83,8 @@ struct Table {
 template <typename... Rows>
 struct RowTypes {};
 // Every table, in the order in which they are made and read: what a table references comes before it.
-using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow,
-                             PictureRow, CurveRow, CurveBinRow, ThresholdRow>;
+using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow,
+                             SweepPointRow, PictureRow, CurveRow, CurveBinRow, ThresholdRow>;
 
 // The table whose rows these are.
 template <typename Row>
@@ -103,6 +103,10 @@ template <>
 const Table<ComparisonRow>& table();
 template <>
 const Table<ScoreRow>& table();
+template <>
+const Table<SweepRow>& table();
+template <>
+const Table<SweepPointRow>& table();
 template <>
 const Table<PictureRow>& table();
 template <>

@@ -169,6 +169,41 @@ struct ComparisonRow {
   bool operator==(const ComparisonRow&) const = default;
 };
 
+// A plan of a sweep, as one shard of it was measured into this file.
+struct SweepRow {
+  int64_t id = 0;
+  std::string plan_name;
+  std::string plan_hash;
+  std::string plan;
+  uint32_t conditions = 0;
+  uint32_t repetitions = 1;
+  uint64_t points = 0;
+  uint32_t shard = 1;
+  uint32_t shards = 1;
+  std::string revision;
+  std::string gl_renderer, gl_version;
+  bool operator==(const SweepRow&) const = default;
+};
+
+// One representation at one condition of a sweep, or what stands beside it: the reference, its A/A twin.
+struct SweepPointRow {
+  int64_t id = 0;
+  int64_t sweep = 0;
+  int64_t run = 0;
+  uint32_t condition = 0;
+  uint32_t repetition = 0;
+  std::string role;  // "point", "reference" or "aa"
+  std::string point_key;
+  std::string representation;
+  std::string settings;
+  std::string state;  // "done", "invalid", "unreachable" or "failed"
+  std::string reason;
+  std::optional<int64_t> measurement, comparison;
+  std::optional<double> ratio, ratio_low, ratio_high;
+  double seconds = 0;
+  bool operator==(const SweepPointRow&) const = default;
+};
+
 // A PNG.
 struct PictureRow {
   int64_t id = 0;
@@ -227,6 +262,8 @@ struct StoreContents {
   std::vector<RatioRow> ratios;
   std::vector<ControlRow> controls;
   std::vector<ComparisonRow> comparisons;
+  std::vector<SweepRow> sweeps;
+  std::vector<SweepPointRow> sweep_points;
   std::vector<PictureRow> pictures;
   std::vector<CurveRow> curves;
   std::vector<ThresholdRow> thresholds;

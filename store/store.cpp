@@ -239,6 +239,8 @@ template int64_t StoreWriter::write(const MeasurementRow&);
 template int64_t StoreWriter::write(const RatioRow&);
 template int64_t StoreWriter::write(const ControlRow&);
 template int64_t StoreWriter::write(const ComparisonRow&);
+template int64_t StoreWriter::write(const SweepRow&);
+template int64_t StoreWriter::write(const SweepPointRow&);
 template int64_t StoreWriter::write(const PictureRow&);
 template int64_t StoreWriter::write(const CurveRow&);
 template int64_t StoreWriter::write(const ThresholdRow&);

@@ -25,6 +25,8 @@ void add_all_commands(Command& app, Run& run) {
       add_tune,
       add_ratio,
       add_bench,
+      add_sweep,
+      add_merge,
       add_pair,
       add_study,
       add_view,

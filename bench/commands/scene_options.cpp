@@ -68,40 +68,6 @@ void change_in_folder(CharacterOptions options, const std::filesystem::path& fol
   options.change(entry);
 }
 
-// The keys of [display] that are given, under ColorVideoVDP's names, as metrics/display.h reads them.
-Json display_keys(const scene::DisplaySettings& settings) {
-  Json given = Json::object();
-  scene::Scenario holder;
-  holder.display = settings;
-  const Json all = scene::table_json(holder, "display");
-  for (const scene::Key& key : scene::scenario_keys())
-    if (key.table == "display" && !std::holds_alternative<std::monostate>(key.get(holder, 0)))
-      given[key.name] = all.at(key.name);
-  return given;
-}
-
-metrics::ChosenDisplay display_of_scenario(const ChosenScenario& chosen) {
-  const scene::DisplaySettings& settings = chosen.scenario.display;
-  if (settings == scene::DisplaySettings{}) return {};
-  std::map<std::string, std::string> places;
-  std::string first;
-  for (const auto& [key, place] : chosen.places) {
-    constexpr std::string_view kTable = "display.";
-    if (!key.starts_with(kTable)) continue;
-    places[key.substr(kTable.size())] = fmt::format("{}: `{}`", place, key);
-    if (first.empty()) first = place + ": `display`";
-  }
-  if (!settings.model)
-    return {metrics::parse_displays(display_keys(settings).dump(), first, "scenario", places).front(), true};
-  scene::DisplaySettings alone;
-  alone.model = settings.model;
-  if (settings != alone)
-    throw Error(places["model"], "a model and keys of a display of its own are both given", "keep one of them");
-  const bool file = settings.model->find(".json") != std::string::npos;
-  return {metrics::display_of(file ? (chosen.folder / *settings.model).string() : *settings.model, places["model"]),
-          true};
-}
-
 }  // namespace
 
 metrics::ChosenDisplay display_of_option(const std::string& text) {
@@ -117,7 +83,7 @@ ChosenScenario read_scenario(const SceneOptions& options) {
       chosen.representation_from = place->second + ": `representation`";
     chosen.folder = std::filesystem::path(options.file).parent_path();
   }
-  chosen.display = display_of_scenario(chosen);
+  chosen.display = display_of_scenario(chosen.scenario, chosen.folder, chosen.places);
   scene::Scenario& scenario = chosen.scenario;
   if (!options.display.empty()) {
     chosen.display = display_of_option(options.display);

@@ -314,7 +314,7 @@ class Sweep {
       ++summary_.invalid;
       remark(fmt::format("{}: {}: invalid: {}", at.name(), row.key.representation, row.reason));
     }
-    put_footprint(row, timed(seen.spec));
+    timed(seen.spec).put_footprint(row);
     row.vertices_shaded = seen.counts.vertex_invocations;
     row.primitives = seen.counts.clipping_output;
     row.fragments = seen.counts.fragment_invocations;
@@ -337,24 +337,6 @@ class Sweep {
     const int64_t id = store_.write(row);
     if (keep_pictures)
       write_pictures(store_, run_.id, id, reference.colour, test.colour, row.reference, row.representation);
-  }
-
-  static void put_footprint(MeasurementRow& row, TimedRepresentation& timed) {
-    const renderers::Footprint footprint = timed.representation().footprint();
-    row.texture_bytes = footprint.texture_bytes;
-    row.buffer_bytes = footprint.buffer_bytes;
-    row.upload_bytes_per_frame = footprint.upload_bytes_per_frame;
-    const renderers::BakeInfo bake = timed.representation().bake_info();
-    if (!bake.cache_key.empty()) {
-      row.disk_bytes = footprint.disk_bytes;
-      row.bake_seconds = bake.seconds;
-      row.bake_cached = bake.cached;
-    }
-    row.shared_bytes = timed.stage().renderer().shared_bytes();
-    uint64_t triangles = 0;
-    for (size_t c = 0; c < timed.stage().cast().characters.size(); ++c)
-      triangles = std::max(triangles, timed.representation().triangles(c));
-    row.triangles_per_agent = triangles;
   }
 
   // Baked at first use and kept for the whole sweep.
@@ -426,16 +408,27 @@ std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::Chos
   return score_rows(metrics::score_pictures(table, input, shared));
 }
 
+std::vector<PictureRow> comparison_pictures(const Image8& reference, const Image8& test,
+                                            const std::string& reference_name, const std::string& test_name, bool bar) {
+  std::vector<PictureRow> rows;
+  const auto add = [&](const char* role, const std::string& caption, const Image8& image) {
+    rows.push_back(PictureRow{0, 0, std::nullopt, role, caption, image.width, image.height, encode_png(image)});
+  };
+  add("reference", reference_name, without_alpha(reference));
+  add("test", test_name, without_alpha(test));
+  const Image8 difference = metrics::pseudocolour(metrics::error_levels(reference, test));
+  add("difference", fmt::format("absolute difference of {} and {}", reference_name, test_name),
+      bar ? metrics::with_colour_bar(difference, "mean absolute difference, code values") : difference);
+  return rows;
+}
+
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,
                     const std::string& reference_name, const std::string& test_name, bool bar) {
-  const auto write = [&](const char* role, const std::string& caption, const Image8& image) {
-    store.write(PictureRow{0, run, comparison, role, caption, image.width, image.height, encode_png(image)});
-  };
-  write("reference", reference_name, without_alpha(reference));
-  write("test", test_name, without_alpha(test));
-  const Image8 difference = metrics::pseudocolour(metrics::error_levels(reference, test));
-  write("difference", fmt::format("absolute difference of {} and {}", reference_name, test_name),
-        bar ? metrics::with_colour_bar(difference, "mean absolute difference, code values") : difference);
+  for (PictureRow row : comparison_pictures(reference, test, reference_name, test_name, bar)) {
+    row.run = run;
+    row.comparison = comparison;
+    store.write(row);
+  }
 }
 
 }  // namespace crowdbench::bench

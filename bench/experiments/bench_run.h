@@ -64,7 +64,11 @@ SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const Timi
 // colours, ids and depths have.
 std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::ChosenDisplay& display,
                                   const renderers::Capture& reference, const renderers::Capture& test);
-// The pictures of one comparison: reference, test, pseudocolour difference, with its colour bar where `bar`.
+// The pictures of one comparison: reference, test, pseudocolour difference, with its colour bar where `bar`; of no run.
+std::vector<PictureRow> comparison_pictures(const Image8& reference, const Image8& test,
+                                            const std::string& reference_name, const std::string& test_name,
+                                            bool bar = true);
+// The same, written.
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,
                     const std::string& reference_name, const std::string& test_name, bool bar = true);
 

@@ -42,4 +42,22 @@ gl::PipelineCounts TimedRepresentation::count(uint64_t tick) {
   return counter.result();
 }
 
+void TimedRepresentation::put_footprint(MeasurementRow& row) const {
+  const renderers::Footprint footprint = representation_->footprint();
+  row.texture_bytes = footprint.texture_bytes;
+  row.buffer_bytes = footprint.buffer_bytes;
+  row.upload_bytes_per_frame = footprint.upload_bytes_per_frame;
+  const renderers::BakeInfo bake = representation_->bake_info();
+  if (!bake.cache_key.empty()) {
+    row.disk_bytes = footprint.disk_bytes;
+    row.bake_seconds = bake.seconds;
+    row.bake_cached = bake.cached;
+  }
+  row.shared_bytes = stage_.renderer().shared_bytes();
+  uint64_t triangles = 0;
+  for (size_t c = 0; c < stage_.cast().characters.size(); ++c)
+    triangles = std::max(triangles, representation_->triangles(c));
+  row.triangles_per_agent = triangles;
+}
+
 }  // namespace crowdbench::bench

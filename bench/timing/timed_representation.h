@@ -29,6 +29,8 @@ class TimedRepresentation {
   uint64_t touched_px(uint64_t tick);
   // Pipeline statistics of one untimed frame.
   gl::PipelineCounts count(uint64_t tick);
+  // Fills in its bytes, its bake and its triangles.
+  void put_footprint(MeasurementRow& row) const;
 
  private:
   Stage& stage_;

@@ -277,6 +277,26 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          }
          EXPECT_EQ(text("r.sqlite").substr(0, 13), "SQLite format");
        }},
+      {"sweep",
+       [&] {
+         write_file(work_ / "s.toml",
+                    "[scenario]\nwidth = 64\nheight = 48\nrepresentation = \"" + impostor +
+                        "\"\n[[scenario.character]]\nsource = \"mannequin:triangles=500\"\n[axes]\ncrowd.agents = [2, "
+                        "5]\n[measure]\nrounds = 10\ntime_limit_s = 0.1\n");
+         EXPECT_NE(run("sweep s.toml --dry-run").text.find("s: 2 points in 2 conditions"), std::string::npos);
+         const json j = facts("sweep s.toml --json");
+         ASSERT_EQ(j.at("sweep_points").size(), 6U);  // with the reference and its twin
+         EXPECT_EQ(j.at("sweep_points")[0].at("state"), "done");
+         EXPECT_EQ(j.at("measurements").size(), 4U);
+         const Outcome tables = run("sweep s.toml --markdown s.md");
+         EXPECT_EQ(tables.status, 0);
+         EXPECT_NE(text("s.md").find("| crowd.agents | representation |"), std::string::npos) << text("s.md");
+       }},
+      {"merge",
+       [&] {
+         const json j = facts("merge merged.sqlite s.sqlite --json");
+         EXPECT_EQ(j.at("sweep_points").size(), 6U);
+       }},
       {"correlate",
        [&] {
          const std::string views = "quality --height-px 24,40 --azimuth-deg 0,90 --rows 64 --db q.sqlite --json" +

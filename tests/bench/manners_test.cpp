@@ -130,6 +130,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
   ASSERT_TRUE(fs::exists(work_ / "f.sqlite"));
   ASSERT_EQ(run("quality --representation mesh --height-px 20,24 --rows 48 --db q.sqlite" + small).status, 0);
   write_file(work_ / "answers.csv", "answer\nyes\nno\n");
+  write_file(work_ / "s.toml", "[scenario]\nwidth = 32\nheight = 32\n[axes]\ncrowd.agents = [2]\n");
+  ASSERT_EQ(run("sweep s.toml").status, 0);
   const std::multimap<std::string, std::string> prints = {
       {"info", ""},
       {"info", "--json"},
@@ -154,6 +156,11 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"ratio", "--of mesh --to mesh --agents 2 --size 32x32 --pairs 20 --json" + small},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite --json"},
+      {"sweep", "s.toml --dry-run"},
+      {"sweep", "s.toml --out s.sqlite"},
+      {"sweep", "s.toml --out s.sqlite --json"},
+      {"merge", "m.sqlite s.sqlite"},
+      {"merge", "m.sqlite s.sqlite --json"},
       {"pair", "--a mesh --b mesh --agents 2 --size 48x48 --frames 2 --out c.mp4"},
       {"correlate", "q.sqlite"},
       {"correlate", "q.sqlite --json"},
@@ -262,6 +269,9 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "render --depth a/b/x.exr",
       "inspect mannequin --out a/b/m.glb",
       "bench --out a/b/r.sqlite",
+      "sweep s.toml --out a/b/r.sqlite",
+      "sweep s.toml --markdown a/b/r.md",
+      "merge a/b/r.sqlite r.sqlite",
       "pair --a mesh --b mesh --out a/b/c.mp4",
       "view --frames 1 --screenshot a/b/x.png",
       "regress r.sqlite r.sqlite --markdown a/b/r.md",
@@ -342,6 +352,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
         command != "regress" && command != "history" && command != "export" && command != "correlate" &&
         command != "compare" && command != "cache") {
         command != "correlate" && command != "compare" && command != "cache" && !command.starts_with("study ")) {
+        command != "correlate" && command != "compare" && command != "cache" && command != "merge") {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

@@ -71,7 +71,8 @@ const std::map<std::string, Doors>& inner_doors() {
         {"stage", {}},
         {"timing", {"stage"}},
         {"experiments", {"stage", "timing"}},
-        {"commands", {"stage", "timing", "experiments"}}}},
+        {"sweep", {"stage", "timing", "experiments"}},
+        {"commands", {"stage", "timing", "experiments", "sweep"}}}},
       {"reports", {{"model", {}}, {"charts", {"model"}}, {"exports", {"model"}}, {"page", {"model", "charts"}}}},
   };
   return all;

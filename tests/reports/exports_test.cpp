@@ -83,6 +83,10 @@ StoreContents full_contents() {
   all.controls[0].id = 9;
   all.comparisons = {full_comparison(3)};
   all.comparisons[0].id = 6;
+  all.sweeps = {full_sweep()};
+  all.sweeps[0].id = 9;
+  all.sweep_points = {full_sweep_point(9, 3, 4, 6)};
+  all.sweep_points[0].id = 10;
   all.pictures = {full_picture(3, 6)};
   all.curves = {full_curve(3)};
   all.curves[0].id = 7;
@@ -114,7 +118,7 @@ const char* const kFullMeasurement = R"({"id": 4, "run": 3, "representation": "f
 // Columns in this order, which spreadsheets and scripts of others have come to know.
 TEST(Exports, JsonHasEveryColumnUnderItsName) {
   const auto all = nlohmann::ordered_json::parse(results_json(full_contents()));
-  ASSERT_EQ(all.size(), 6U) << all;
+  ASSERT_EQ(all.size(), 8U) << all;
   const auto wanted = [](const char* text) { return nlohmann::ordered_json::parse(text); };
   EXPECT_EQ(all.at("runs").at(0).dump(), wanted(kFullRun).dump());
   auto measurement = all.at("measurements").at(0);
@@ -144,6 +148,15 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
   EXPECT_EQ(all.at("thresholds").dump(), wanted(R"([{"id": 8, "run": 3, "curve": 7, "value": 0.125,
     "status": "reached", "x": 20.5, "x_low": 18.5, "x_high": 22.5}])")
                                              .dump());
+  EXPECT_EQ(all.at("sweeps").dump(), wanted(R"([{"id": 9, "plan_name": "textures", "plan_hash": "0123456789abcdef",
+    "plan": "[axes]\nseed = [1]\n", "conditions": 31, "repetitions": 3, "points": 60129542144, "shard": 5,
+    "shards": 8, "revision": "abc123", "gl_renderer": "llvmpipe", "gl_version": "4.5"}])")
+                                         .dump());
+  EXPECT_EQ(all.at("sweep_points").dump(), wanted(R"([{"id": 10, "sweep": 9, "run": 3, "condition": 12, "repetition": 2,
+    "role": "point", "point_key": "fedcba9876543210", "representation": "flat:texels=64",
+    "settings": "{\"seed\":\"1\"}", "state": "invalid", "reason": "nothing moved", "measurement": 4, "comparison": 6,
+    "ratio": 1.25, "ratio_low": 1.125, "ratio_high": 1.5, "condition_s": 2.75}])")
+                                               .dump());
   EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
     "reference": "mesh", "character": "mannequin", "agents": 9, "requested_occupancy": 0.25, "tick": 11,
     "height_px": 64.5, "azimuth_deg": 45.5, "elevation_deg": 15.5, "clip": "walk", "time_s": 0.75,

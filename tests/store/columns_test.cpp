@@ -36,6 +36,8 @@ TEST(Columns, EveryFieldOfARowHasOne) {
   EXPECT_EQ(columns(table<ControlRow>()), field_count<ControlRow>() + field_count<PointKey>() - 1);
   EXPECT_EQ(columns(table<ComparisonRow>()), field_count<ComparisonRow>() - held);
   EXPECT_EQ(columns(table<ScoreRow>()), field_count<ScoreRow>());
+  EXPECT_EQ(columns(table<SweepRow>()), field_count<SweepRow>());
+  EXPECT_EQ(columns(table<SweepPointRow>()), field_count<SweepPointRow>());
   EXPECT_EQ(columns(table<PictureRow>()), field_count<PictureRow>());
   EXPECT_EQ(columns(table<CurveRow>()), field_count<CurveRow>() - held);
   EXPECT_EQ(columns(table<CurveBinRow>()), field_count<CurveBinRow>());

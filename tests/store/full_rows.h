@@ -131,6 +131,43 @@ inline ThresholdRow full_threshold(int64_t run, int64_t curve) {
   return {0, run, curve, 0.125, "reached", 20.5, 18.5, 22.5};
 }
 
+inline SweepRow full_sweep() {
+  SweepRow row;
+  row.plan_name = "textures";
+  row.plan_hash = "0123456789abcdef";
+  row.plan = "[axes]\nseed = [1]\n";
+  row.conditions = 31;
+  row.repetitions = 3;
+  row.points = uint64_t{7} << 33;
+  row.shard = 5;
+  row.shards = 8;
+  row.revision = "abc123";
+  row.gl_renderer = "llvmpipe";
+  row.gl_version = "4.5";
+  return row;
+}
+
+inline SweepPointRow full_sweep_point(int64_t sweep, int64_t run, int64_t measurement, int64_t comparison) {
+  SweepPointRow row;
+  row.sweep = sweep;
+  row.run = run;
+  row.condition = 12;
+  row.repetition = 2;
+  row.role = "point";
+  row.point_key = "fedcba9876543210";
+  row.representation = "flat:texels=64";
+  row.settings = R"({"seed":"1"})";
+  row.state = "invalid";
+  row.reason = "nothing moved";
+  row.measurement = measurement;
+  row.comparison = comparison;
+  row.ratio = 1.25;
+  row.ratio_low = 1.125;
+  row.ratio_high = 1.5;
+  row.seconds = 2.75;
+  return row;
+}
+
 inline PictureRow full_picture(int64_t run, int64_t comparison) {
   return {0, run, comparison, "difference", "a caption", 12, 13, {0, 1, 2, 255}};
 }

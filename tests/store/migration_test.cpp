@@ -198,6 +198,32 @@ TEST_F(MigrationTest, SchemaThreeGainsControls) {
   EXPECT_TRUE(after.measurements == before.measurements);
 }
 
+// Schema 3 knew no sweeps.
+TEST_F(MigrationTest, SchemaThreeGainsSweepsAndKeepsItsRows) {
+  take("schema-3.sqlite");
+  const StoreContents before = read_store(file_, true);
+  ASSERT_EQ(before.measurements.size(), 4U);
+  ASSERT_EQ(before.comparisons.size(), 2U);
+  EXPECT_TRUE(before.comparisons[0].display.has_value());
+  EXPECT_TRUE(before.sweeps.empty());
+  SweepRow sweep = full_sweep();
+  SweepPointRow point = full_sweep_point(1, 1, 2, 1);
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    sweep.id = store.write(sweep);
+    point.id = store.write(point);
+  }
+  EXPECT_EQ(schema(file_), std::to_string(kStoreSchemaVersion));
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.sweeps.size(), 1U);
+  EXPECT_TRUE(after.sweeps[0] == sweep);
+  ASSERT_EQ(after.sweep_points.size(), 1U);
+  EXPECT_TRUE(after.sweep_points[0] == point);
+  EXPECT_TRUE(after.measurements == before.measurements);
+  EXPECT_TRUE(after.pictures == before.pictures);
+}
+
 TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {
   rows(file_, "UPDATE run SET cpu_model = 'unknown processor' WHERE id = 1");
   const StoreContents before = read_store(file_);

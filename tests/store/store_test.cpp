@@ -314,6 +314,14 @@ TEST_F(StoreTest, EveryFieldComesBack) {
     wanted.comparisons[1].run = run;
     wanted.comparisons[1].kind = "crowd";
     for (ComparisonRow& row : wanted.comparisons) row.id = store.write(row);
+    wanted.sweeps = {full_sweep()};
+    wanted.sweeps[0].id = store.write(full_sweep());
+    wanted.sweep_points = {full_sweep_point(1, run, 2, 1), SweepPointRow()};
+    wanted.sweep_points[1].sweep = 1;
+    wanted.sweep_points[1].run = run;
+    wanted.sweep_points[1].role = "aa";
+    wanted.sweep_points[1].state = "done";
+    for (SweepPointRow& row : wanted.sweep_points) row.id = store.write(row);
     wanted.pictures = {full_picture(run, 2), full_picture(run, 1)};
     wanted.pictures[1].comparison = std::nullopt;
     for (PictureRow& row : wanted.pictures) row.id = store.write(row);
@@ -337,6 +345,8 @@ TEST_F(StoreTest, EveryFieldComesBack) {
   EXPECT_TRUE(all.ratios == wanted.ratios);
   EXPECT_TRUE(all.controls == wanted.controls);
   EXPECT_TRUE(all.comparisons == wanted.comparisons);
+  EXPECT_TRUE(all.sweeps == wanted.sweeps);
+  EXPECT_TRUE(all.sweep_points == wanted.sweep_points);
   EXPECT_TRUE(all.pictures == wanted.pictures);
   EXPECT_TRUE(all.curves == wanted.curves);
   EXPECT_TRUE(all.thresholds == wanted.thresholds);

@@ -39,6 +39,7 @@ const std::map<std::string, std::string> kScripts = {
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
+    {"sweep_kill.mjs", "SweepKill"},
     {"relief_tears.mjs", "ReliefTears"},
     {"statistics_evidence.sh", "StatisticsEvidence"},
 };
@@ -193,6 +194,15 @@ TEST_F(ScriptsGl, ReliefTears) {
   expect_tables("\n" + outcome.text, 1);
   EXPECT_EQ(outcome.text.find("NaN"), std::string::npos) << outcome.text;
   EXPECT_EQ(run("relief_tears.mjs", "").status, 2);
+}
+
+// Four moments here; `node tools/sweep_kill.mjs build/release/bin/crowdbench FOLDER` tries two hundred.
+TEST_F(ScriptsGl, SweepKill) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("sweep_kill.mjs", driver_ + " kill 4");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_TRUE(std::regex_search(outcome.text, std::regex("4 kills, [0-9]+ sweeps ended, 0 of them"))) << outcome.text;
+  EXPECT_EQ(run("sweep_kill.mjs", "").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {

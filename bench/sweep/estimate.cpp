@@ -1,0 +1,97 @@
+#include "bench/sweep/estimate.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "core/progress.h"
+#include "core/statistics.h"
+
+namespace crowdbench::bench::sweep {
+namespace {
+
+// Beside the timed rounds, seconds: solving and looking, a condition; baking, a representation at its first use. Rough.
+constexpr double kConditionOverhead = 4;
+constexpr double kBake = 5;
+// Bytes in the file, as measured: a run's text and the rows of a condition, a point with its ratios, a sample, a score.
+constexpr double kConditionBytes = 5000;
+constexpr double kPointBytes = 1600;
+constexpr double kSampleBytes = 34;
+constexpr double kScoreBytes = 40;
+// Of a picture's three PNGs, bytes a pixel.
+constexpr double kPictureBytes = 1.5;
+
+double bytes_of(const Plan& plan, const Condition& condition) {
+  const auto points = static_cast<double>(condition.points.size());
+  const double drawn = points + 1;
+  double bytes = kConditionBytes + drawn * kPointBytes;
+  if (plan.measures.times) bytes += drawn * plan.measures.rounds * kSampleBytes;
+  bytes += points * static_cast<double>(plan.measures.scores.size()) * kScoreBytes;
+  if (plan.measures.pictures)
+    bytes += points * kPictureBytes * static_cast<double>(condition.scenario.width) * condition.scenario.height;
+  return bytes;
+}
+
+// Seconds that the conditions in the file took, each once.
+std::vector<double> seconds_of(const StoreContents& contents) {
+  std::vector<double> seconds;
+  std::set<std::pair<uint32_t, uint32_t>> seen;
+  for (const SweepPointRow& row : contents.sweep_points)
+    if (seen.emplace(row.condition, row.repetition).second) seconds.push_back(row.seconds);
+  return seconds;
+}
+
+}  // namespace
+
+Estimate estimate(const Plan& plan, const Shard& shard, const std::filesystem::path& out) {
+  Estimate result;
+  result.repetitions = static_cast<size_t>(plan.repetitions);
+  std::set<std::string> representations;
+  for (size_t c = 0; c < plan.conditions.size(); ++c) {
+    if (!shard.holds(c)) continue;
+    ++result.conditions;
+    result.points += plan.conditions[c].points.size() * result.repetitions;
+    result.bytes += static_cast<uint64_t>(bytes_of(plan, plan.conditions[c])) * result.repetitions;
+    for (const PlannedPoint& point : plan.conditions[c].points) representations.insert(point.representation);
+  }
+  const size_t cells = result.conditions * result.repetitions;
+  std::vector<double> before;
+  std::error_code failed;
+  if (is_finished(out, plan, shard)) {
+    result.held = cells;
+  } else if (std::filesystem::exists(partial_file(out), failed)) {
+    before = seconds_of(read_store(partial_file(out), false, false));
+    result.held = before.size();
+  }
+  const auto left = static_cast<double>(cells - std::min(cells, result.held));
+  result.measured = !before.empty();
+  const double timed = plan.measures.times ? 2 * plan.measures.time_limit_s : 0;
+  result.seconds = result.measured ? left * median(before)
+                                   : left * (timed + kConditionOverhead) +
+                                         (left > 0 ? kBake * static_cast<double>(representations.size()) : 0);
+  return result;
+}
+
+std::string dry_run_text(const Plan& plan, const Shard& shard, const Estimate& estimate) {
+  std::string out;
+  for (size_t c = 0; c < plan.conditions.size(); ++c) {
+    if (!shard.holds(c)) continue;
+    for (const PlannedPoint& point : plan.conditions[c].points) {
+      std::string settings;
+      for (const Setting& setting : point.settings)
+        if (setting.axis != "representation") settings += fmt::format("{} = {}, ", setting.axis, setting.text);
+      out += fmt::format("condition {}: {}representation = {}\n", c + 1, settings, point.representation);
+    }
+  }
+  out += fmt::format("{}: {} points in {} conditions", plan.name, estimate.points, estimate.conditions);
+  if (estimate.repetitions > 1) out += fmt::format(", {} times each", estimate.repetitions);
+  if (estimate.held > 0) out += fmt::format("; {} done already", estimate.held);
+  const bool nothing = estimate.held >= estimate.conditions * estimate.repetitions;
+  if (!nothing)
+    out += fmt::format("; about {} {}", duration_text(estimate.seconds),
+                       estimate.measured ? "left, as the ones before took" : "at most");
+  out += fmt::format("; a file of about {:.1f} MB\n", static_cast<double>(estimate.bytes) / 1e6);
+  return out;
+}
+
+}  // namespace crowdbench::bench::sweep

@@ -1,0 +1,309 @@
+// Plans of sweeps: what they span, and what is said of those that are wrong.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "bench/sweep/axes.h"
+#include "bench/sweep/expression.h"
+#include "bench/sweep/plan.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "test_paths.h"
+#include "tests/support/scratch_folder.h"
+
+namespace crowdbench::bench::sweep {
+namespace {
+
+Plan plan_of(const std::string& toml, const std::filesystem::path& folder = {}) {
+  return parse_plan(toml, "p.toml", folder);
+}
+
+// "12=flat" for each point: the agents of its condition, the representation.
+std::vector<std::string> points_of(const Plan& plan) {
+  std::vector<std::string> out;
+  for (const Condition& condition : plan.conditions)
+    for (const PlannedPoint& point : condition.points)
+      out.push_back(fmt::format("{}={}", condition.scenario.crowd.agents, point.representation));
+  return out;
+}
+
+std::string fault_of(const std::string& toml) {
+  try {
+    plan_of(toml);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "it is taken";
+}
+
+using Strings = std::vector<std::string>;
+
+TEST(SweepPlan, AxesSpanAGridAndRepresentationsShareACondition) {
+  const Plan plan = plan_of(R"(
+[axes]
+crowd.agents = [1, 10]
+representation = ["flat", "mesh"]
+occupancy = [0.15]
+)");
+  EXPECT_EQ(plan.name, "p");
+  EXPECT_EQ(plan.axes, (Strings{"crowd.agents", "representation", "occupancy"}));
+  EXPECT_EQ(points_of(plan), (Strings{"1=flat", "1=mesh", "10=flat", "10=mesh"}));
+  ASSERT_EQ(plan.conditions.size(), 2U);
+  EXPECT_EQ(plan.conditions[1].scenario.occupancy, 0.15);
+  EXPECT_EQ(plan.points(), 4U);
+  const std::vector<Setting>& settings = plan.conditions[1].points[0].settings;
+  ASSERT_EQ(settings.size(), 3U);
+  EXPECT_EQ(settings[0].axis, "crowd.agents");
+  EXPECT_EQ(settings[0].text, "10");
+  EXPECT_EQ(settings[0].number, 10);
+  EXPECT_EQ(settings[1].number, std::nullopt);
+}
+
+TEST(SweepPlan, RangesStepEvenlyOrByFactors) {
+  EXPECT_EQ(points_of(plan_of("[axes]\ncrowd.agents = { from = 1, to = 9, steps = 3 }\n")),
+            (Strings{"1=mesh", "5=mesh", "9=mesh"}));
+  EXPECT_EQ(points_of(plan_of("[axes]\ncrowd.agents = { from = 1, to = 10000, steps = 5, scale = \"log\" }\n")),
+            (Strings{"1=mesh", "10=mesh", "100=mesh", "1000=mesh", "10000=mesh"}));
+  // Whole numbers that fall together are one.
+  EXPECT_EQ(points_of(plan_of("[axes]\ncrowd.agents = { from = 1, to = 3, steps = 9 }\n")).size(), 3U);
+}
+
+TEST(SweepPlan, OptionsConcernTheRepresentationsThatHaveThem) {
+  const Plan plan = plan_of(R"(
+[axes]
+representation = ["mesh", "hybrid(mesh,relief)", "relief:rule=any"]
+relief.map = [32, 64]
+)");
+  EXPECT_EQ(points_of(plan),
+            (Strings{"100=mesh", "100=hybrid(mesh,relief:map=32)", "100=hybrid(mesh,relief:map=64)",
+                     "100=relief:map=32,rule=any", "100=relief:map=64,rule=any"}));
+  EXPECT_EQ(plan.conditions.size(), 1U);
+  EXPECT_EQ(plan.conditions[0].points[0].settings.size(), 1U);  // the mesh has no map
+  EXPECT_EQ(plan.conditions[0].points[1].settings.size(), 2U);
+}
+
+TEST(SweepPlan, ManyPointsOfOneScenarioMakeSeveralConditions) {
+  const Plan plan = plan_of(
+      "[axes]\nflat.frames = [1, 2, 3, 4, 5]\n[scenario]\nrepresentation = \"flat\"\n[measure]\n"
+      "together = 2\n");
+  ASSERT_EQ(plan.conditions.size(), 3U);
+  EXPECT_EQ(plan.conditions[0].points.size(), 2U);
+  EXPECT_EQ(plan.conditions[2].points.size(), 1U);
+  EXPECT_EQ(plan.points(), 5U);
+}
+
+TEST(SweepPlan, NamedSettingsChangeManyKeysAtOnce) {
+  support::ScratchFolder folder;
+  std::filesystem::create_directories(folder / "scenes");
+  write_file(folder / "scenes" / "two.toml",
+             "[[character]]\nsource = \"a.glb\"\n[[character]]\nsource = \"mannequin\"\n");
+  const Plan plan = plan_of(R"(
+[scenario]
+width = 320
+[axes]
+crowd.agents = [5]
+[[axes.types]]
+label = "one"
+[[axes.types]]
+label = "two"
+base = "scenes/two.toml"
+crowd.outfits = 3
+)",
+                            folder.path());
+  ASSERT_EQ(plan.conditions.size(), 2U);
+  EXPECT_EQ(plan.conditions[0].scenario.characters.size(), 1U);
+  const scene::Scenario& two = plan.conditions[1].scenario;
+  ASSERT_EQ(two.characters.size(), 2U);
+  EXPECT_EQ(two.characters[0].source, "scenes/a.glb") << "seen from the plan's folder";
+  EXPECT_EQ(two.characters[1].source, "mannequin");
+  EXPECT_EQ(two.crowd.outfits, 3U);
+  EXPECT_EQ(two.width, 320) << "what the settings do not say stays";
+}
+
+TEST(SweepPlan, ConditionsLeavePointsOutAndListsAddSome) {
+  const Plan plan = plan_of(R"(
+[axes]
+crowd.agents = [1, 10, 100]
+representation = ["mesh", "relief"]
+relief.map = [32, 256]
+[points]
+where = ["crowd.agents < 100 or representation == 'mesh'", "relief.map * crowd.agents <= 320"]
+[[points.also]]
+crowd.agents = 7
+representation = "flat"
+seed = 3
+)");
+  EXPECT_EQ(points_of(plan), (Strings{"1=mesh", "1=relief:map=32", "1=relief:map=256", "10=mesh", "10=relief:map=32",
+                                      "100=mesh", "7=flat"}));
+  EXPECT_EQ(plan.conditions.back().scenario.seed, 3U);
+  EXPECT_EQ(plan.axes.back(), "seed");
+}
+
+TEST(SweepPlan, SampledAxesAreDrawnTogetherAndFillTheirRanges) {
+  const std::string axes =
+      "[axes]\ncrowd.agents = { from = 10, to = 1000, scale = \"log\" }\noccupancy = { from = 0.1, to = 0.9 }\n";
+  const Plan halton_plan = plan_of(axes + "[points]\nsample = { method = \"halton\", count = 64, seed = 5 }\n");
+  ASSERT_EQ(halton_plan.conditions.size(), 64U);
+  // Each eighth of either range holds eight of 64, give or take one or two: that is what low discrepancy means.
+  std::array<int, 8> by_occupancy{};
+  std::array<int, 8> by_agents{};
+  for (const Condition& c : halton_plan.conditions) {
+    ++by_occupancy.at(static_cast<size_t>((*c.scenario.occupancy - 0.1) / 0.8 * 8));
+    ++by_agents.at(std::min<size_t>(7, static_cast<size_t>(std::log10(c.scenario.crowd.agents / 10.0) / 2 * 8)));
+  }
+  for (const int count : by_occupancy) EXPECT_NEAR(count, 8, 2);
+  for (const int count : by_agents) EXPECT_NEAR(count, 8, 2);
+  const Plan again = plan_of(axes + "[points]\nsample = { count = 64, seed = 5 }\n");
+  EXPECT_EQ(again.hash, halton_plan.hash);
+  EXPECT_NE(plan_of(axes + "[points]\nsample = { count = 64, seed = 6 }\n").hash, halton_plan.hash);
+  EXPECT_NE(plan_of(axes + "[points]\nsample = { method = \"random\", count = 64, seed = 5 }\n").hash,
+            halton_plan.hash);
+}
+
+// van der Corput in bases 2 and 3, before the shift: 1/2, 1/4, 3/4 and 1/3, 2/3, 1/9.
+TEST(SweepPlan, HaltonIsShiftedByItsSeedAlone) {
+  for (const auto& [dimension, values] : {std::pair<size_t, std::array<double, 3>>{0, {0.5, 0.25, 0.75}},
+                                          std::pair<size_t, std::array<double, 3>>{1, {1. / 3, 2. / 3, 1. / 9}}})
+    for (const uint64_t seed : {1U, 2U})
+      for (size_t i = 1; i < 3; ++i) {
+        const double moved = halton(seed, i, dimension) - halton(seed, 0, dimension);
+        const double wanted = values.at(i) - values[0];
+        EXPECT_NEAR(moved - std::round(moved - wanted), wanted, 1e-12);
+      }
+}
+
+TEST(SweepPlan, KeysSayWhatIsShownAndNothingElse) {
+  const auto keys = [](const std::string& toml) {
+    const Plan plan = plan_of(toml);
+    std::set<std::string> out;
+    for (const Condition& condition : plan.conditions)
+      for (const PlannedPoint& point : condition.points) out.insert(plan.key(condition, point, 0));
+    return out;
+  };
+  const std::string axes = "crowd.agents = [1, 2]\nrepresentation = [\"mesh\", \"flat\"]\n";
+  const std::set<std::string> wanted = keys("[axes]\n" + axes);
+  EXPECT_EQ(wanted.size(), 4U);
+  EXPECT_EQ(keys("# a comment\nname = \"other\"\nlook_for = \"it\"\n[axes]\nrepresentation = [\"flat\", \"mesh\"]\n"
+                 "crowd.agents = [2, 1]\n"),
+            wanted);
+  EXPECT_EQ(keys("[axes]\n" + axes + "[measure]\nscores = []\n").count(*wanted.begin()), 0U);
+  EXPECT_EQ(keys("[axes]\n" + axes + "[scenario]\nseed = 2\n").count(*wanted.begin()), 0U);
+  EXPECT_EQ(plan_of("[axes]\n" + axes).hash, plan_of("#\n[axes]\n" + axes).hash);
+  EXPECT_NE(plan_of("[axes]\n" + axes).hash, plan_of("[axes]\n" + axes + "[points]\nrepetitions = 2\n").hash);
+}
+
+// What is wrong, where, and what would be right.
+TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
+  const std::vector<std::pair<std::string, std::string>> faults = {
+      {"", "p.toml: nothing varies"},
+      {"[axis]\n", "p.toml:1: unknown key `axis`; did you mean `axes`?"},
+      {"[axes]\n\ncrowd.agent = [1]\n", "p.toml:3: the axis `crowd.agent` is neither"},
+      {"[axes]\ncrowd.agent = [1]\n", "did you mean `crowd.agents`?"},
+      {"[axes]\nagents = [1]\n", "did you mean `crowd.agents`?"},
+      {"[axes]\nflat.texel = [64]\n", "p.toml:2: flat has no option 'texel'; did you mean `texels`?"},
+      {"[axes]\nflat.texels = [\"64,views=9\"]\n", "which is no option's value"},
+      {"[axes]\ncrowd.agents = 5\n", "p.toml:2: the axis `crowd.agents` is an integer; give a list"},
+      {"[axes]\ncrowd.agents = []\n", "has 0 values"},
+      {"[axes]\ncrowd.agents = [1,\n 1]\n", "p.toml:3: the axis `crowd.agents` has 1 twice"},
+      {"[axes]\ncrowd.agents = [1,\n 1.5]\n", "p.toml:3: `crowd.agents` is a number; give an integer"},
+      {"[axes]\ncrowd.agents = [-1]\n", "it must lie between 0 and 1000000"},
+      {"[axes]\ncrowd.agents = { from = 1, to = 5 }\n", "p.toml:2: the range of `crowd.agents` has no `steps`"},
+      {"[axes]\ncrowd.agents = { from = 1, stop = 5, steps = 2 }\n", "unknown key `stop` of a range"},
+      {"[axes]\ncrowd.agents = { from = 9, to = 5, steps = 2 }\n", "goes from 9 to 5"},
+      {"[axes]\nocc = { from = 0, to = 1, steps = 2, scale = \"log\" }\n", "the axis `occ` is neither"},
+      {"[axes]\noccupancy = { from = 0.1, to = inf, steps = 2 }\n", "has no number as `to`"},
+      {"[axes]\nrepresentation = [\"mesh\",\n \"flta\"]\n",
+       "p.toml:3: `representation`: there is no representation 'flta'"},
+      {"[axes]\ncamera.key.time = [1]\n", "is of a camera's path"},
+      {"[axes]\ncamera = [1]\n", "is neither a key of a scenario nor an option"},
+      {"[[axes.types]]\ncrowd.agents = 1\n", "p.toml:1: an entry of `types` has no label"},
+      {"[[axes.types]]\nlabel = \"a\"\ncrowd.agnts = 1\n",
+       "p.toml:3: unknown key `crowd.agnts`; did you mean `agents`?"},
+      {"[[axes.types]]\nlabel = \"a\"\n[[axes.types]]\nlabel = \"a\"\n", "the label 'a' is given twice"},
+      {"[scenario]\nbase = \"nowhere.toml\"\n", "p.toml:2: `base`: there is no file 'nowhere.toml'"},
+      {"[scenario]\nwidht = 3\n[axes]\nseed = [1]\n", "p.toml:2: unknown key `widht`; did you mean `width`?"},
+      {"[axes]\nsamples = [1,3]\n", "the point samples = 3: `samples` is 3"},
+      {"[axes]\nseed = [1]\n[points]\nwhere = [\"sed > 1\"]\n",
+       "p.toml:4: `sed > 1` names `sed`, which is not an axis; did"},
+      {"[axes]\nseed = [1]\n[points]\nwhere = [\"seed >\"]\n", "it ends too early"},
+      {"[axes]\nseed = [1]\n[points]\nwhere = [\"seed = 1\"]\n", "equality is written =="},
+      {"[axes]\nseed = [1]\n[points]\nwhere = [\"seed\"]\n", "a number or a text stands where a comparison is wanted"},
+      {"[axes]\nseed = [1]\n[points]\nwhere = [\"seed > 1\"]\n", "p.toml:3: the conditions leave no point"},
+      {"[axes]\nseed = [1]\n[points]\nsample = { count = 3 }\n", "no axis is left for `sample`"},
+      {"[axes]\nseed = [1]\n[points]\nrepetitions = 0\n", "`repetitions` is not a whole number from 1 to 1000"},
+      {"[axes]\nseed = [1]\n[measure]\nscores = [\"flipp\"]\n",
+       "p.toml:4: there is no score 'flipp'; did you mean `flip`?"},
+      {"[axes]\nseed = [1]\n[measure]\nrounds = 3\n", "`rounds` is not a whole number from 10"},
+      {"[axes]\nseed = [1]\n[measure]\ntimes = false\nscores = []\n", "neither times nor scores are wanted"},
+      {"[axes]\nseed = [1]\n[measure]\nreference = \"msh\"\n",
+       "p.toml:4: `reference`: there is no representation 'msh'"},
+      {"[axes]\nseed = [1]\n[[table]]\nrows = \"sede\"\nvalue = \"speed\"\n", "`rows`: there is no axis 'sede'"},
+      {"[axes]\nseed = [1]\n[[table]]\nrows = \"seed\"\nvalue = \"sped\"\n", "did you mean `speed`?"},
+      {"[axes]\nseed = [1]\n[[table]]\nrows = \"seed\"\nvalue = \"cvvdp\"\n", "is not measured"},
+      {"[axes]\nseed = [1]\n[[table]]\nrows = \"seed\"\nvalue = \"agents_at_ms\"\n", "belong together"},
+      {"name = 3\n[axes]\nseed = [1]\n", "p.toml:1: `name` is not a text"},
+      {"[axes]\nseed = [1]\nlook_for = \"x\"\n", "the axis `look_for` is neither"},
+      {"[axes\n", "p.toml:1: "},
+      {"axes = 3\n", "`axes` is an integer"},
+  };
+  for (const auto& [toml, wanted] : faults)
+    EXPECT_NE(fault_of(toml).find(wanted), std::string::npos) << toml << fault_of(toml) << "\n  wanted: " << wanted;
+}
+
+TEST(SweepPlan, HostileTextIsRefusedAtOnce) {
+  std::string axes = "[axes]\n";
+  for (const char* key : {"seed", "width", "height", "crowd.agents", "crowd.outfits", "tick_rate"})
+    axes += fmt::format("{} = [{}]\n", key, "1, 2, 3, 4, 5, 6, 7, 8, 9, 10");
+  EXPECT_NE(fault_of(axes).find("the axes span more than 100000 points"), std::string::npos) << fault_of(axes);
+  EXPECT_NE(fault_of("[axes]\nseed = " + std::string(100, '[')).find("brackets nest deeper"), std::string::npos);
+  EXPECT_NE(fault_of("[axes]\nseed = { from = 0, to = 9e18, steps = 1000000000 }\n").find("`steps`"),
+            std::string::npos);
+  const auto condition = [](const std::string& text) {
+    return fault_of("[axes]\nseed = [1]\n[points]\nwhere = [\"" + text + "\"]\n");
+  };
+  EXPECT_NE(condition(std::string(500, '(')).find("it nests too deeply"), std::string::npos);
+  EXPECT_NE(condition(std::string(500, '-') + "1 < 2").find("it nests too deeply"), std::string::npos);
+  EXPECT_NE(condition(std::string(2000, '1')).find("make several of it"), std::string::npos);
+  EXPECT_NE(condition("seed == 'a").find("a text has no end"), std::string::npos);
+  EXPECT_NE(condition("seed $ 1").find("`$` is not expected"), std::string::npos);
+  EXPECT_NE(condition("1e999 < seed").find("is not a number"), std::string::npos);
+  EXPECT_EQ(condition("seed / 0 > 5"), "it is taken");  // infinity is more
+}
+
+TEST(SweepExpression, FollowsTheUsualPrecedence) {
+  const std::map<std::string, AxisNumberOrText> values = {{"a", 6.0}, {"b.c", 3.0}, {"t", std::string("x y")}};
+  const auto holds = [&](const std::string& text) { return Expression(text, "w", {"a", "b.c", "t"}).holds(values); };
+  EXPECT_TRUE(holds("a + b.c * 2 == 12"));
+  EXPECT_TRUE(holds("(a + b.c) * 2 == 18"));
+  EXPECT_TRUE(holds("a - b.c - 1 == 2 and a / b.c / 2 == 1"));
+  EXPECT_TRUE(holds("-a < 1e-3 and t == 'x y'"));
+  EXPECT_TRUE(holds("a < 1 and a < 2 or b.c >= 3"));
+  EXPECT_FALSE(holds("not a > 5 or t != \"x y\""));
+  EXPECT_TRUE(holds("not (a > 5 and b.c > 5)"));
+  EXPECT_FALSE(holds("t == a"));
+  EXPECT_THROW(holds("t < 3"), Error);
+  EXPECT_THROW(holds("a + (b.c > 1) > 0"), Error);
+  EXPECT_THROW(holds("a < 1 < 2"), Error);
+}
+
+// Every plan that ships is one, and says what to look for.
+TEST(SweepPlan, ThoseThatShipAreRead) {
+  size_t plans = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CROWDBENCH_SOURCE_DIR "/bench/plans")) {
+    if (entry.path().extension() != ".toml") continue;
+    SCOPED_TRACE(entry.path().filename().string());
+    const Plan plan = read_plan(entry.path());
+    EXPECT_FALSE(plan.look_for.empty());
+    EXPECT_FALSE(plan.tables.empty());
+    EXPECT_EQ(plan.name, entry.path().stem());
+    EXPECT_GT(plan.points(), 1U);
+    ++plans;
+  }
+  EXPECT_GE(plans, 11U);
+}
+
+}  // namespace
+}  // namespace crowdbench::bench::sweep
