@@ -426,7 +426,7 @@ PolypostorBakeOptions bake_options(const Spec& spec) {
   options.frames = read_frame_count(reader);
   options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
   options.corners = static_cast<int>(reader.integer("vertices", 4, 32));
-  options.key = static_cast<KeyChoice>(reader.choice("key", {"first", "most_visible", "two_keys"}));
+  options.key = static_cast<KeyChoice>(reader.choice("key", {"first", "most_visible", "two_keys", "enough"}));
   options.cuts = reader.text("parts");
   return options;
 }
@@ -443,9 +443,9 @@ const RepresentationType polypostor_type = {
          fps_option(),
          {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
          {"vertices", "4..32", "8", "corners of a part's polygon, at most; small figures have four"},
-         {"key", "first|most_visible|two_keys", "most_visible",
-          "the frame whose image of a part is kept: the first that shows it, the one that shows most of all frames, or "
-          "two"},
+         {"key", "first|most_visible|two_keys|enough", "enough",
+          "the frame whose image of a part is kept: the first that shows it, the one that shows most of all frames, "
+          "two, or as many as it takes that no outline is torn"},
          {"parts", "auto|J+J+...", "auto",
           "found from the skeleton, or the joints that begin a part, by name or index"},
          {"debug", "none|wire|lines|parts|stretch", "none",

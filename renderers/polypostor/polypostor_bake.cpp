@@ -18,7 +18,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 17;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 18;  // raised whenever the same inputs give other bytes
 
 uint32_t pack_position(const glm::dvec2& p, double z, double quantum, double unit_z) {
   const auto code = [](double v, double zero, double most) {
@@ -41,15 +41,22 @@ size_t corners_of(const ViewParts& view) {
   return corners;
 }
 
-// Every frame's block of words.
+// Where the plan's eye has to see a corner of a part's plane, so that it lies at p on the plane through the centre:
+// texels, and metres towards the eye.
+glm::dvec3 on_plane(const PolypostorPlan& plan, const TilePlane& plane, const glm::dvec2& p) {
+  const double rise = plane.slope_x * p.x + plane.slope_y * p.y;
+  const double k = std::clamp((plan.eye - plane.height / plan.texel) / std::max(plan.eye + rise, 1.0), 0.5, 2.0);
+  return {k * p.x, k * p.y, k * rise * plan.texel + plane.height};
+}
+
+// Every pose's block of words.
 void store_words(const PolypostorPlan& plan, const ViewParts& view, PolypostorBake& bake) {
   for (size_t f = 0; f < plan.frames.clips[view.clip].frames; ++f) {
     for (const auto& sheets : view.sheets)
       for (const Sheet& sheet : sheets)
         for (const glm::dvec2& p : sheet.fit.poses[f]) {
-          const TilePlane& plane = sheet.planes[f];
-          const double z = (plane.slope_x * p.x + plane.slope_y * p.y) * plan.texel + plane.height;
-          bake.words.push_back(pack_position(p, z, plan.quantum, static_cast<double>(bake.unit_z)));
+          const glm::dvec3 corner = on_plane(plan, sheet.planes[f], p);
+          bake.words.push_back(pack_position(corner, corner.z, plan.quantum, static_cast<double>(bake.unit_z)));
         }
     for (const auto& sheets : view.sheets)
       for (const Sheet& sheet : sheets) bake.words.push_back(pack_turn(sheet.fit.turns[f]));
@@ -177,11 +184,12 @@ ViewSampling sample_polypostors(const scene::Character& character, const std::sh
   const PolypostorPlan plan = plan_polypostors(character, bank, options);
   ViewSampling out;
   out.grid = options.grid;
-  out.frames = most_frames(plan.frames);
+  const StoredFrames frames = stored_frames(character, bank, options.frames);
+  out.frames = most_frames(frames);
   out.texel = plan.texel;
   out.centre = plan.sphere.centre;
   out.lies = ViewLies::by_part;
-  set_pose_steps(out, pose_steps(plan.frames, plan.frames.positions(character.mesh)));
+  set_pose_steps(out, pose_steps(frames, frames.positions(character.mesh)));
   double bytes = 0;
   for (const PolypostorTier& tier : plan.tiers)
     for (int v = 0; v < options.grid.size(); ++v) {
@@ -244,7 +252,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
   bake.frames = static_cast<uint32_t>(plan.frames.size());
   bake.views = static_cast<uint32_t>(grid_views);
   bake.levels = plan.tiers.back().first_level + plan.tiers.back().levels;
-  bake.ranges_by_frame = options.key == KeyChoice::two_keys ? 1 : 0;
+  bake.ranges_by_frame = options.key == KeyChoice::two_keys || options.key == KeyChoice::enough ? 1 : 0;
   bake.clips = plan.frames.clips;
   bake.emission_peak = plan.emission_peak;
   const std::vector<PackPlace> places = pack_images(tiles, bake);

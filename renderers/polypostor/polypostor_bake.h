@@ -22,14 +22,15 @@ class Context;
 
 namespace crowdbench::renderers {
 
-enum class KeyChoice : uint8_t { first, most_visible, two_keys };
+// enough: the one that is most visible, and further ones while what is shown is torn.
+enum class KeyChoice : uint8_t { first, most_visible, two_keys, enough };
 
 struct PolypostorBakeOptions {
   ViewGrid grid;
   FrameCount frames;
   int texels = 128;  // across the enclosing sphere: the texel size is its diameter over this
   int corners = 8;   // of a part's polygon, 4..32
-  KeyChoice key = KeyChoice::most_visible;
+  KeyChoice key = KeyChoice::enough;
   std::string cuts = "auto";  // cut_parts
   unsigned threads = 0;       // 0: as many as there are cores, 8 at most; the bytes do not depend on it
 };
