@@ -80,6 +80,8 @@ struct PolypostorBake {
   // Of the fine polygons, for people: parts; parts seen in a view and their corners, means; the mean distance in texels
   // between moved outlines and the frames' own; frames of parts whose polygon had to be made more alike to its key.
   double parts = 0, parts_seen = 0, corners_seen = 0, outline_error = 0, repaired = 0;
+  // How torn outlines are (torn_area), per mille of the silhouette: the mean over views and poses, and the most of any.
+  double torn = 0, torn_most = 0;
   uint64_t texture_bytes() const { return albedo.size() + normals.size() + materials.size() + emission.size(); }
 };
 

@@ -581,7 +581,7 @@ Fit fit_part(const Polyline& image, std::span<const Polyline> contours, size_t k
   if (fit.triangles.empty()) {
     // A corner pressed flat by rounding: the box never is.
     if (options.corners > 4 && has_extent(image))
-      return fit_part(image, contours, key, carry, {4, options.margin, options.room, options.quantum, options.texel});
+      return fit_part(image, contours, key, carry, {4, options.margin, options.room, options.quantum});
     Fit empty;
     empty.key = key;
     return empty;

@@ -1,5 +1,5 @@
 // How the polygon around a part's key image moves through a clip: which point of each frame's outline each corner goes
-// to, and a triangulation that never folds. All in texels of level 0, y up; polygons counter-clockwise.
+// to, and a triangulation that never folds. All in texels, y up; polygons counter-clockwise.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -57,7 +57,6 @@ struct FitOptions {
   double margin = 0.7;  // texels around the key outline
   double room = 1;      // texels beyond its bounding box
   double quantum = 0;   // positions are whole multiples of it; 0: as they are
-  double texel = 1;     // of the finest level that is drawn
 };
 
 // One key image's polygon through all frames.

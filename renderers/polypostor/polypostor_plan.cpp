@@ -19,7 +19,11 @@ constexpr double kRoom = 0.5;
 // 900 / p of its heights away; what perspective does to it in pixels is p times the difference of inverse distances.
 // That is nowhere more from 240 pixels down than it is here at 240, a quarter of what it would be of parallel rays.
 constexpr double kEyeHeights = 5;
-constexpr double kEyeRadii = 3;  // of the sphere, at least
+constexpr double kEyeRadii = 3;   // of the sphere, at least
+constexpr double kTallest = 240;  // pixels of a figure that outlines are to hold for
+// Texels: masks of three samples a texel tell no less, and what is drawn of level 0 shows half of one.
+constexpr double kLeastSlack = 0.3;
+constexpr double kMostSlack = 0.5;
 
 double height_of(const std::vector<std::vector<glm::vec3>>& positions) {
   float low = INFINITY;
@@ -74,7 +78,9 @@ PolypostorPlan plan_polypostors(const scene::Character& character, const std::sh
   const auto positions = plan.frames.positions(character.mesh);
   plan.sphere = capture_sphere(character, positions);
   plan.texel = 2 * plan.sphere.radius / options.texels;
-  plan.eye = std::max(kEyeHeights * height_of(positions), kEyeRadii * plan.sphere.radius) / plan.texel;
+  const double height = height_of(positions) / plan.texel;
+  plan.eye = std::max(kEyeHeights * height, kEyeRadii * plan.sphere.radius / plan.texel);
+  plan.slack = std::clamp(height / kTallest, kLeastSlack, kMostSlack);
   plan.quantum = kPolypostorReach * options.texels / 4094.0;
   plan.emission_peak = emission_peak(character);
 
@@ -91,8 +97,8 @@ PolypostorPlan plan_polypostors(const scene::Character& character, const std::sh
     tier.cut = cut_at_parts(character, map);
     tier.first_level = first_level;
     tier.levels = count;
-    const double room = kRoom * std::exp2(first_level);
-    tier.fit = {corners, room, room, plan.quantum, std::exp2(first_level)};
+    tier.texel = std::exp2(first_level);
+    tier.fit = {.corners = corners, .room = kRoom, .quantum = plan.quantum / tier.texel};
     const scene::Mesh& mesh = tier.cut.character->mesh;
     tier.tones = vertex_tones(*tier.cut.character);
     for (const auto& palette : plan.palettes) {

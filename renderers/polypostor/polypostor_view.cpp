@@ -12,10 +12,10 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr double kSeen = 1;       // texels: a part that shows less is not worth an image
+constexpr double kSeen = 1;       // texels of level 0: a part that shows less is not worth an image
 constexpr double kSmooth = 0.15;  // texels: what outlines may leave of their masks' samples' steps
-constexpr double kSlack = 0.5;    // texels beside an outline where nothing is torn yet
 constexpr double kTorn = 0.5;     // square texels of one part in both poses of a step: worth a key more
+constexpr int kMostCorners = 32;  // of a polygon
 constexpr size_t kMostKeys = 6;   // of a part
 
 // Poses from a stored frame to the next.
@@ -23,14 +23,15 @@ size_t pose_step(size_t poses) { return poses > 1 ? size_t{kPosesAFrame} : 1; }
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-// Texels in a view's axes, from the capture centre; z towards the eye.
-glm::dvec3 in_view(const PolypostorPlan& plan, const ViewBasis& basis, const glm::dvec3& p) {
-  const glm::dvec3 d = (p - plan.sphere.centre) / plan.texel;
+// The tier's texels in a view's axes, from the capture centre; z towards the eye.
+glm::dvec3 in_view(const PolypostorPlan& plan, const PolypostorTier& tier, const ViewBasis& basis,
+                   const glm::dvec3& p) {
+  const glm::dvec3 d = (p - plan.sphere.centre) / (plan.texel * tier.texel);
   return {glm::dot(d, basis.right), glm::dot(d, basis.up), glm::dot(d, basis.to_eye)};
 }
 // Where the plan's eye sees such a point on the plane through the centre; z stays.
-glm::dvec3 from_eye(const PolypostorPlan& plan, const glm::dvec3& p) {
-  const double k = plan.eye / (plan.eye - p.z);
+glm::dvec3 from_eye(const PolypostorPlan& plan, const PolypostorTier& tier, const glm::dvec3& p) {
+  const double k = plan.eye / (plan.eye - p.z * tier.texel);
   return {k * p.x, k * p.y, p.z};
 }
 
@@ -72,14 +73,14 @@ class Carrier {
       along = t;
       height = a.z + (b.z - a.z) * t;
     }
-    const glm::dvec3 point =
-        plan_.sphere.centre + plan_.texel * (p.x * basis_.right + p.y * basis_.up + height * basis_.to_eye);
+    const glm::dvec3 point = plan_.sphere.centre + plan_.texel * tier_.texel *
+                                                       (p.x * basis_.right + p.y * basis_.up + height * basis_.to_eye);
     const std::array<glm::dvec3, 2> bound = {unposed(edge[0], point), unposed(edge[1], point)};
     Polyline out;
     for (size_t f = first_; f < first_ + frames_; ++f) {
       const glm::dvec3 there = glm::mix(glm::dvec3(skin(edge[0], f) * glm::dvec4(bound[0], 1)),
                                         glm::dvec3(skin(edge[1], f) * glm::dvec4(bound[1], 1)), along);
-      out.emplace_back(from_eye(plan_, in_view(plan_, basis_, there)));
+      out.emplace_back(from_eye(plan_, tier_, in_view(plan_, tier_, basis_, there)));
     }
     return out;
   }
@@ -112,22 +113,23 @@ class Carrier {
   size_t first_, frames_, key_;
 };
 
-TileRect rect_around(const Polyline& contour) {
+// scale: of the rectangle's texels.
+TileRect rect_around(const Polyline& contour, double scale) {
   glm::dvec2 low(INFINITY);
   glm::dvec2 high(-INFINITY);
   for (const glm::dvec2& p : contour) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  const glm::ivec2 first(glm::floor(low));
-  const glm::ivec2 last(glm::ceil(high));
+  const glm::ivec2 first(glm::floor(scale * low));
+  const glm::ivec2 last(glm::ceil(scale * high));
   return {first.x, first.y, last.x - first.x, last.y - first.y};
 }
 
 // What a view sees of one part through a clip.
 struct SeenPart {
   std::vector<Polyline> contours;           // by pose
-  std::vector<double> areas;                // by pose, texels
+  std::vector<double> areas;                // by pose, texels of level 0
   std::vector<std::vector<double>> errors;  // by key and pose: look_error; empty where the key does not show the part
 };
 struct SeenView {
@@ -177,8 +179,8 @@ SeenView see_parts(const PolypostorPlan& plan, const PolypostorTier& tier, const
     auto& points = out.positions.emplace_back();
     auto& parallel = out.parallel.emplace_back();
     for (const glm::vec3& p : tier.positions[clip.first_frame + f]) {
-      const glm::dvec3 q = in_view(plan, basis, glm::dvec3(p));
-      points.push_back(from_eye(plan, q));
+      const glm::dvec3 q = in_view(plan, tier, basis, glm::dvec3(p));
+      points.push_back(from_eye(plan, tier, q));
       if (f % pose_step(clip.frames) == 0) parallel.push_back(q);
     }
     auto& turned = normals.emplace_back();
@@ -194,7 +196,7 @@ SeenView see_parts(const PolypostorPlan& plan, const PolypostorTier& tier, const
       for (const uint32_t v : tier.corners[c]) flat.emplace_back(out.positions[f][v]);
       face_the_eye(tier.two_sided[c], flat);
       masks[c] = rasterise(flat);
-      part.areas.push_back(facing_area(masks[c]));
+      part.areas.push_back(facing_area(masks[c]) * tier.texel * tier.texel);
       part.contours.push_back(part.areas.back() > 0 ? simplify(trace_contour(masks[c]), kSmooth) : Polyline{});
     }
     out.figures.push_back(unite(masks));
@@ -212,7 +214,7 @@ struct KeyFit {
   Fit fit;
   TileRect rect;              // of the image
   std::vector<double> costs;  // by its looks, and by the texels between its outline and the pose's own
-  std::vector<double> torn;   // torn_area, square texels of the tier's finest level
+  std::vector<double> torn;   // torn_area
 };
 
 // Which of them costs least from pose f to the next.
@@ -226,12 +228,14 @@ size_t cheapest(const Costly& fits, size_t f, size_t poses) {
 
 class KeyFitter {
  public:
-  // fit(key): its image and polygon.
-  KeyFitter(const SeenPart& part, std::span<const PartMask> figures, double texel, std::function<KeyFit(size_t)> fit)
-      : part_(part), figures_(figures), texel_(texel), fit_(std::move(fit)) {}
+  // fit(key, finely): its image and polygon, of more corners where it is to be fine. slack: texels.
+  KeyFitter(const SeenPart& part, std::span<const PartMask> figures, double slack,
+            std::function<KeyFit(size_t, bool)> fit)
+      : part_(part), figures_(figures), slack_(slack), fit_(std::move(fit)) {}
 
   // The fits whose images of the part are kept: none, one, or several.
-  std::vector<KeyFit> run(KeyChoice choice) const {
+  std::vector<KeyFit> run(KeyChoice choice) {
+    refines_ = choice == KeyChoice::enough;
     std::vector<size_t> keys;
     for (size_t k = 0; k < part_.areas.size(); k += pose_step(part_.areas.size()))
       if (part_.areas[k] >= kSeen) keys.push_back(k);
@@ -241,29 +245,38 @@ class KeyFitter {
     // By their looks first; of the best of those, by what their polygons make of them.
     std::stable_sort(keys.begin(), keys.end(),
                      [&](size_t a, size_t b) { return sum(part_.errors[a]) < sum(part_.errors[b]); });
-    std::vector<KeyFit> out = best_of(keys, choice == KeyChoice::enough ? 2 : 6);
+    std::vector<KeyFit> out = best_of(keys, choice == KeyChoice::enough ? 1 : 6);
     if (choice == KeyChoice::enough && !out.empty()) mend(keys, out);
     return out;
   }
 
  private:
   std::vector<KeyFit> fitted(std::span<const size_t> keys) const {
-    constexpr double kOutline = 3;  // square texel between the outlines
     std::vector<KeyFit> out;
     for (const size_t k : keys) {
-      KeyFit one = fit_(k);
+      KeyFit one = judged(k, false);
       if (one.fit.polygon.empty()) continue;
-      one.costs = part_.errors[k];
-      one.costs.resize(part_.areas.size());
-      for (size_t f = 0; f < part_.areas.size(); ++f) {
-        one.torn.push_back(torn_area(one.fit.outlines[f], part_.contours[f], figures_[f], kSlack * texel_) /
-                           (texel_ * texel_));
-        one.costs[f] += kOutline * (one.fit.errors[f] * perimeter(part_.contours[f]) + one.torn[f] * texel_ * texel_);
+      if (refines_ && one.torn[k] > kTorn / 2) {  // in its own frame, too
+        KeyFit fine = judged(k, true);
+        if (!fine.fit.polygon.empty() && sum(fine.torn) < sum(one.torn)) one = std::move(fine);
       }
-      one.fit.outlines.clear();
       out.push_back(std::move(one));
     }
     return out;
+  }
+
+  KeyFit judged(size_t key, bool finely) const {
+    constexpr double kOutline = 3;  // square texel between the outlines
+    KeyFit one = fit_(key, finely);
+    if (one.fit.polygon.empty()) return one;
+    one.costs = part_.errors[key];
+    one.costs.resize(part_.areas.size());
+    for (size_t f = 0; f < part_.areas.size(); ++f) {
+      one.torn.push_back(torn_area(one.fit.outlines[f], part_.contours[f], figures_[f], slack_));
+      one.costs[f] += kOutline * (one.fit.errors[f] * perimeter(part_.contours[f]) + one.torn[f]);
+    }
+    one.fit.outlines.clear();
+    return one;
   }
   std::vector<KeyFit> fitted(std::initializer_list<size_t> keys) const {
     return fitted(std::span<const size_t>(keys.begin(), keys.size()));
@@ -333,25 +346,41 @@ class KeyFitter {
 
   const SeenPart& part_;
   std::span<const PartMask> figures_;
-  double texel_;
-  std::function<KeyFit(size_t)> fit_;
+  double slack_;
+  bool refines_ = false;  // polygons, where they need more corners
+  std::function<KeyFit(size_t, bool)> fit_;
 };
+
+// To texels of level 0.
+void enlarge(Fit& fit, double texel) {
+  for (glm::dvec2& p : fit.polygon) p *= texel;
+  for (Polyline& pose : fit.poses)
+    for (glm::dvec2& p : pose) p *= texel;
+  for (double& error : fit.errors) error *= texel;
+}
 
 }  // namespace
 
-std::vector<std::vector<Sheet>> fit_view(const PolypostorPlan& plan, const PolypostorTier& tier, const StoredClip& clip,
-                                         const ViewBasis& basis, KeyChoice choice) {
+void fit_view(const PolypostorPlan& plan, const ViewBasis& basis, KeyChoice choice, ViewParts& view) {
+  const PolypostorTier& tier = plan.tiers[view.tier];
+  const StoredClip& clip = plan.frames.clips[view.clip];
   const SeenView seen = see_parts(plan, tier, clip, basis, choice != KeyChoice::first);
-  std::vector<std::vector<Sheet>> out(seen.parts.size());
+  for (const PartMask& figure : seen.figures) view.areas.push_back(covered_area(figure));
+  view.sheets.resize(seen.parts.size());
   for (size_t part = 0; part < seen.parts.size(); ++part) {
     const SeenPart& of = seen.parts[part];
-    const KeyFitter fitter(of, seen.figures, tier.fit.texel, [&](size_t key) {
+    const double slack = tier.texel > 1 ? 0.5 : plan.slack;
+    KeyFitter fitter(of, seen.figures, slack, [&](size_t key, bool finely) {
       std::vector<glm::dvec2> corners;
       for (const uint32_t v : tier.corners[part]) corners.emplace_back(seen.parallel[key][v]);
       const Polyline image = trace_contour(rasterise(corners));
       const Carrier carrier(plan, tier, basis, clip, part, key, seen.parallel[key]);
-      return KeyFit{
-          fit_part(simplify(image, kSmooth), of.contours, key, carrier, tier.fit), rect_around(image), {}, {}};
+      FitOptions options = tier.fit;
+      if (finely) options.corners = std::min(2 * options.corners, kMostCorners);
+      return KeyFit{fit_part(simplify(image, kSmooth), of.contours, key, carrier, options),
+                    rect_around(image, tier.texel),
+                    {},
+                    {}};
     });
     std::vector<KeyFit> fits = fitter.run(choice);
     for (KeyFit& one : fits) {
@@ -360,12 +389,12 @@ std::vector<std::vector<Sheet>> fit_view(const PolypostorPlan& plan, const Polyp
       if (fits.size() > 1) sheet.costs = std::move(one.costs);
       sheet.torn = std::move(one.torn);
       sheet.fit = std::move(one.fit);
+      enlarge(sheet.fit, tier.texel);
       for (uint32_t f = 0; f < clip.frames; ++f)
         sheet.planes.push_back(fit_plane(tier.moments[part][clip.first_frame + f], plan.sphere.centre, basis));
-      out[part].push_back(std::move(sheet));
+      view.sheets[part].push_back(std::move(sheet));
     }
   }
-  return out;
 }
 
 size_t sheet_for(std::span<const Sheet> sheets, size_t f, size_t frames) {

@@ -25,11 +25,12 @@ struct Sheet {
 struct ViewParts {
   size_t tier = 0, clip = 0, view = 0;
   std::vector<std::vector<Sheet>> sheets;  // by part: none, one, or one a key; empty: nobody sees this view
+  std::vector<double> areas;               // by pose: what the figure covers, square texels of the tier's finest level
 };
 
-// Of each part the sheets whose keys are chosen as `choice` says: none where the part shows less than a texel.
-std::vector<std::vector<Sheet>> fit_view(const PolypostorPlan& plan, const PolypostorTier& tier, const StoredClip& clip,
-                                         const ViewBasis& basis, KeyChoice choice);
+// Gives a view its areas, and of each part the sheets whose keys are chosen as `choice` says: none where the part shows
+// less than a texel.
+void fit_view(const PolypostorPlan& plan, const ViewBasis& basis, KeyChoice choice, ViewParts& view);
 
 // Which of a part's sheets (at least one) shows the way from pose f to the next.
 size_t sheet_for(std::span<const Sheet> sheets, size_t f, size_t frames);
