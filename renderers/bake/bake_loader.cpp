@@ -1,6 +1,7 @@
 #include "renderers/bake/bake_loader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -28,6 +29,17 @@ uint64_t disk_bytes_of(std::span<const BakeRecord> records) {
   uint64_t bytes = 0;
   for (const BakeRecord& r : records) bytes += r.disk_bytes;
   return bytes;
+}
+
+std::string budget_advice(const std::string& fits, const std::string& otherwise, uint64_t needed, uint64_t left) {
+  constexpr uint64_t kMiB = uint64_t{1} << 20;
+  return fmt::format("{}{}, or raise --bake-budget by {} MiB", fits.empty() ? "" : fits + " would fit: ", otherwise,
+                     (needed - left + kMiB - 1) / kMiB);
+}
+
+int fitting_size(int size, int least, uint64_t needed, uint64_t left) {
+  const auto fits = static_cast<int>(size * std::sqrt(static_cast<double>(left) / static_cast<double>(needed)));
+  return fits < least ? 0 : fits;
 }
 
 BakeLoader::BakeLoader(const MakeContext& make, BakeMessages messages)

@@ -25,6 +25,12 @@ struct BakeRecord {
 BakeInfo bake_info_of(std::span<const BakeRecord> records);
 uint64_t disk_bytes_of(std::span<const BakeRecord> records);
 
+// What helps a bake of `needed` bytes where `left` are left. fits: the option that would fit, as "texels=64"; empty
+// where none does. otherwise: what else there is to lower.
+std::string budget_advice(const std::string& fits, const std::string& otherwise, uint64_t needed, uint64_t left);
+// Of a bake whose bytes grow with the square of a size from `least` on: about the largest that fits; 0: none.
+int fitting_size(int size, int least, uint64_t needed, uint64_t left);
+
 class BakeLoader {
  public:
   struct BakeMessages {

@@ -15,6 +15,7 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "renderers/bake/bake_cache.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/bake/emission.h"
 #include "renderers/gl/objects.h"
 #include "renderers/impostor/tiles/block_compression.h"
@@ -339,6 +340,24 @@ FlatForecast forecast_flat(const scene::Character& character, const std::shared_
   return out;
 }
 
+namespace {
+
+// The option that a budget holds, as budget_advice takes it.
+std::string fitting_texels(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                           FlatBakeOptions options, uint64_t needed, uint64_t budget) {
+  constexpr int kLeastTexels = 16;
+  constexpr int kTries = 8;
+  options.texels = fitting_size(options.texels, kLeastTexels, needed, budget);
+  for (int i = 0; i < kTries && options.texels >= kLeastTexels; ++i) {
+    if (forecast_flat(character, bank, options).sampling.texture_bytes <= budget)
+      return fmt::format("texels={}", options.texels);
+    options.texels -= 1 + options.texels / 20;  // gutters and the packing's leftovers do not shrink as tiles do
+  }
+  return {};
+}
+
+}  // namespace
+
 NominalFrame nominal_frame(const ViewGrid& grid, int texels) {
   int views = 0;
   for (int v = 0; v < grid.size(); ++v) views += grid.reachable(v) ? 1 : 0;
@@ -402,7 +421,8 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
                 fmt::format("{} clip{}, {} frames, {} views and {} texels need {:.0f} MiB, the budget is {:.0f}",
                             plan.frames.clips.size(), plan.frames.clips.size() == 1 ? "" : "s", plan.frames.size(),
                             options.grid.size(), options.texels, mib(needed), mib(budget)),
-                "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget");
+                budget_advice(fitting_texels(*character, bank, options, needed, budget),
+                              "lower texels, frames or views, use fewer clips or characters", needed, budget));
   }
 
   FlatBake bake;

@@ -145,6 +145,17 @@ void check_limits(const gl::Context& context, const PolypostorBake& bake, const 
         fmt::format("{} corners in all frames are more than this driver's {}", bake.words.size(), limits.texel_buffer));
 }
 
+// What to say of a bake whose outlines are torn by more than they should be; empty where they are not.
+std::string torn_text(const std::string& character, const PolypostorBake& bake, const PolypostorBakeOptions& options) {
+  constexpr double kTorn = 5;  // per mille of the silhouette, the mean over views and poses
+  if (bake.torn <= kTorn) return {};
+  return fmt::format(
+      "{}: outlines leave {:.1f} per mille of the silhouette torn, {:.0f} at worst, more than {:g}; {} mends more",
+      printable(character), bake.torn, bake.torn_most, kTorn,
+      options.key != KeyChoice::enough ? std::string("key=enough")
+                                       : fmt::format("vertices={}", std::min(2 * options.corners, 32)));
+}
+
 class PolypostorRepresentation : public Representation {
  public:
   PolypostorRepresentation(const MakeContext& make, const PolypostorBakeOptions& options, Debug debug, bool floor)
@@ -165,6 +176,7 @@ class PolypostorRepresentation : public Representation {
           character->name, key, deserialise_polypostor, [&](uint64_t left, const BakeProgress& progress) {
             return bake_polypostor(context_, character, bank, options, left, progress);
           });
+      loader.warn(torn_text(character->name, bake, options));
       if (make.required_by) {
         const std::vector<uint8_t> needed =
             needed_views(bake, options.grid, [&](const auto& see) { make.required_by(c, see); });
@@ -254,7 +266,9 @@ class PolypostorRepresentation : public Representation {
                     {"parts_seen", bake.parts_seen},
                     {"corners_a_part", bake.corners_seen},
                     {"outline_error", bake.outline_error},
-                    {"repaired", bake.repaired}};
+                    {"repaired", bake.repaired},
+                    {"torn", bake.torn},
+                    {"torn_most", bake.torn_most}};
       for (auto& fact : view_error_facts(grid_)) info.facts.push_back(std::move(fact));
     }
     if (kept_.whole > 0) info.kept.push_back(kept_);
@@ -426,7 +440,7 @@ PolypostorBakeOptions bake_options(const Spec& spec) {
   options.frames = read_frame_count(reader);
   options.texels = static_cast<int>(reader.integer("texels", 16, 1024));
   options.corners = static_cast<int>(reader.integer("vertices", 4, 32));
-  options.key = static_cast<KeyChoice>(reader.choice("key", {"first", "most_visible", "two_keys"}));
+  options.key = static_cast<KeyChoice>(reader.choice("key", {"first", "most_visible", "two_keys", "enough"}));
   options.cuts = reader.text("parts");
   return options;
 }
@@ -442,10 +456,11 @@ const RepresentationType polypostor_type = {
          frames_option("stored frames a clip; between them corners move along lines"),
          fps_option(),
          {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
-         {"vertices", "4..32", "8", "corners of a part's polygon, at most; small figures have four"},
-         {"key", "first|most_visible|two_keys", "most_visible",
-          "the frame whose image of a part is kept: the first that shows it, the one that shows most of all frames, or "
-          "two"},
+         {"vertices", "4..32", "8",
+          "corners of a part's polygon, at most, twice as many where key=enough needs them; small figures have four"},
+         {"key", "first|most_visible|two_keys|enough", "enough",
+          "the frame whose image of a part is kept: the first that shows it, the one that shows most of all frames, "
+          "two, or as many as it takes that no outline is torn"},
          {"parts", "auto|J+J+...", "auto",
           "found from the skeleton, or the joints that begin a part, by name or index"},
          {"debug", "none|wire|lines|parts|stretch", "none",

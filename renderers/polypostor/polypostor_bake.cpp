@@ -11,6 +11,7 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "renderers/bake/bake_cache.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/polypostor/polypostor_images.h"
 #include "renderers/polypostor/polypostor_plan.h"
 #include "renderers/polypostor/polypostor_view.h"
@@ -18,7 +19,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 17;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 20;  // raised whenever the same inputs give other bytes
 
 uint32_t pack_position(const glm::dvec2& p, double z, double quantum, double unit_z) {
   const auto code = [](double v, double zero, double most) {
@@ -41,15 +42,22 @@ size_t corners_of(const ViewParts& view) {
   return corners;
 }
 
-// Every frame's block of words.
+// Where the plan's eye has to see a corner of a part's plane, so that it lies at p on the plane through the centre:
+// texels, and metres towards the eye.
+glm::dvec3 on_plane(const PolypostorPlan& plan, const TilePlane& plane, const glm::dvec2& p) {
+  const double rise = plane.slope_x * p.x + plane.slope_y * p.y;
+  const double k = std::clamp((plan.eye - plane.height / plan.texel) / std::max(plan.eye + rise, 1.0), 0.5, 2.0);
+  return {k * p.x, k * p.y, k * rise * plan.texel + plane.height};
+}
+
+// Every pose's block of words.
 void store_words(const PolypostorPlan& plan, const ViewParts& view, PolypostorBake& bake) {
   for (size_t f = 0; f < plan.frames.clips[view.clip].frames; ++f) {
     for (const auto& sheets : view.sheets)
       for (const Sheet& sheet : sheets)
         for (const glm::dvec2& p : sheet.fit.poses[f]) {
-          const TilePlane& plane = sheet.planes[f];
-          const double z = (plane.slope_x * p.x + plane.slope_y * p.y) * plan.texel + plane.height;
-          bake.words.push_back(pack_position(p, z, plan.quantum, static_cast<double>(bake.unit_z)));
+          const glm::dvec3 corner = on_plane(plan, sheet.planes[f], p);
+          bake.words.push_back(pack_position(corner, corner.z, plan.quantum, static_cast<double>(bake.unit_z)));
         }
     for (const auto& sheets : view.sheets)
       for (const Sheet& sheet : sheets) bake.words.push_back(pack_turn(sheet.fit.turns[f]));
@@ -142,9 +150,19 @@ void summarise(const PolypostorPlan& plan, std::span<const ViewParts> views, Pol
   double corners = 0;
   double errors = 0;
   double fine_views = 0;
+  double poses = 0;
   for (const ViewParts& view : views) {
     if (view.tier != 0) continue;
     ++fine_views;
+    for (size_t f = 0; f < view.areas.size(); ++f) {
+      if (view.areas[f] <= 0) continue;
+      double torn = 0;
+      for (const auto& sheets : view.sheets)
+        if (!sheets.empty()) torn += sheets[sheet_for(sheets, f, view.areas.size())].torn[f];
+      bake.torn += 1000 * torn / view.areas[f];
+      bake.torn_most = std::max(bake.torn_most, 1000 * torn / view.areas[f]);
+      ++poses;
+    }
     for (const auto& sheets : view.sheets)
       for (const Sheet& sheet : sheets) {
         ++seen;
@@ -157,6 +175,7 @@ void summarise(const PolypostorPlan& plan, std::span<const ViewParts> views, Pol
   bake.parts_seen = seen / fine_views;
   bake.corners_seen = corners / std::max(seen, 1.0);
   bake.outline_error = errors / std::max(seen, 1.0);
+  bake.torn /= std::max(poses, 1.0);
 }
 
 }  // namespace
@@ -177,11 +196,12 @@ ViewSampling sample_polypostors(const scene::Character& character, const std::sh
   const PolypostorPlan plan = plan_polypostors(character, bank, options);
   ViewSampling out;
   out.grid = options.grid;
-  out.frames = most_frames(plan.frames);
+  const StoredFrames frames = stored_frames(character, bank, options.frames);
+  out.frames = most_frames(frames);
   out.texel = plan.texel;
   out.centre = plan.sphere.centre;
   out.lies = ViewLies::by_part;
-  set_pose_steps(out, pose_steps(plan.frames, plan.frames.positions(character.mesh)));
+  set_pose_steps(out, pose_steps(frames, frames.positions(character.mesh)));
   double bytes = 0;
   for (const PolypostorTier& tier : plan.tiers)
     for (int v = 0; v < options.grid.size(); ++v) {
@@ -207,7 +227,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
   std::vector<ViewParts> views;
   for (size_t t = 0; t < plan.tiers.size(); ++t)
     for (size_t c = 0; c < clips; ++c)
-      for (size_t v = 0; v < grid_views; ++v) views.push_back({t, c, v, {}});
+      for (size_t v = 0; v < grid_views; ++v) views.push_back({t, c, v, {}, {}});
   const size_t image_steps = views.size() / 4;  // images take about a fifth of the time
   const size_t total = views.size() + image_steps + 1;
   const auto advance = [&](size_t done) {
@@ -219,17 +239,22 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
       [&](size_t i) {
         ViewParts& view = views[i];
         if (options.grid.reachable(static_cast<int>(view.view)))
-          view.sheets = fit_view(plan, plan.tiers[view.tier], plan.frames.clips[view.clip],
-                                 options.grid.basis(static_cast<int>(view.view)), options.key);
+          fit_view(plan, options.grid.basis(static_cast<int>(view.view)), options.key, view);
       },
       advance);
 
-  if (const uint64_t bytes = image_bytes(plan, views); bytes > budget)
+  if (const uint64_t bytes = image_bytes(plan, views); bytes > budget) {
+    constexpr int kLeastTexels = 16;
+    constexpr double kSafe = 0.95;  // gutters do not shrink as images do
+    const int texels =
+        fitting_size(options.texels, kLeastTexels, bytes, static_cast<uint64_t>(kSafe * static_cast<double>(budget)));
     throw Error(fmt::format("polypostor bake of {}", character->name),
                 fmt::format("{} clip{}, {} views and {} texels need about {:.0f} MiB, the budget is {:.0f}", clips,
                             clips == 1 ? "" : "s", grid_views, options.texels, static_cast<double>(bytes) / (1 << 20),
                             static_cast<double>(budget) / (1 << 20)),
-                "lower texels or views, use fewer clips or characters, or raise --bake-budget");
+                budget_advice(texels == 0 ? "" : fmt::format("texels={}", texels),
+                              "lower texels or views, use fewer clips or characters", bytes, budget));
+  }
   const std::vector<Tile> tiles = capture_images(context, plan, options.grid, views, options.threads, [&](double done) {
     advance(views.size() + static_cast<size_t>(done * static_cast<double>(image_steps)));
   });
@@ -244,7 +269,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
   bake.frames = static_cast<uint32_t>(plan.frames.size());
   bake.views = static_cast<uint32_t>(grid_views);
   bake.levels = plan.tiers.back().first_level + plan.tiers.back().levels;
-  bake.ranges_by_frame = options.key == KeyChoice::two_keys ? 1 : 0;
+  bake.ranges_by_frame = options.key == KeyChoice::two_keys || options.key == KeyChoice::enough ? 1 : 0;
   bake.clips = plan.frames.clips;
   bake.emission_peak = plan.emission_peak;
   const std::vector<PackPlace> places = pack_images(tiles, bake);
@@ -262,7 +287,8 @@ std::vector<uint8_t> serialise(const PolypostorBake& bake) {
   for (const float v : {bake.radius, bake.texel, bake.unit, bake.unit_z}) out.value(v);
   for (const uint32_t v : {bake.frames, bake.views, bake.levels, bake.ranges_by_frame}) out.value(v);
   for (const int v : {bake.width, bake.height, bake.layers}) out.value(v);
-  for (const double v : {bake.parts, bake.parts_seen, bake.corners_seen, bake.outline_error, bake.repaired})
+  for (const double v :
+       {bake.parts, bake.parts_seen, bake.corners_seen, bake.outline_error, bake.repaired, bake.torn, bake.torn_most})
     out.value(v);
   out.values(bake.clips);
   out.values(bake.albedo);
@@ -285,7 +311,8 @@ std::optional<PolypostorBake> deserialise_polypostor(std::span<const uint8_t> by
   for (float* v : {&bake.radius, &bake.texel, &bake.unit, &bake.unit_z}) *v = in.value<float>();
   for (uint32_t* v : {&bake.frames, &bake.views, &bake.levels, &bake.ranges_by_frame}) *v = in.value<uint32_t>();
   for (int* v : {&bake.width, &bake.height, &bake.layers}) *v = in.value<int>();
-  for (double* v : {&bake.parts, &bake.parts_seen, &bake.corners_seen, &bake.outline_error, &bake.repaired})
+  for (double* v : {&bake.parts, &bake.parts_seen, &bake.corners_seen, &bake.outline_error, &bake.repaired, &bake.torn,
+                    &bake.torn_most})
     *v = in.value<double>();
   bake.clips = in.values<StoredClip>();
   bake.albedo = in.values<uint8_t>();

@@ -22,14 +22,15 @@ class Context;
 
 namespace crowdbench::renderers {
 
-enum class KeyChoice : uint8_t { first, most_visible, two_keys };
+// enough: the one that is most visible, and further ones while what is shown is torn.
+enum class KeyChoice : uint8_t { first, most_visible, two_keys, enough };
 
 struct PolypostorBakeOptions {
   ViewGrid grid;
   FrameCount frames;
   int texels = 128;  // across the enclosing sphere: the texel size is its diameter over this
   int corners = 8;   // of a part's polygon, 4..32
-  KeyChoice key = KeyChoice::most_visible;
+  KeyChoice key = KeyChoice::enough;
   std::string cuts = "auto";  // cut_parts
   unsigned threads = 0;       // 0: as many as there are cores, 8 at most; the bytes do not depend on it
 };
@@ -79,6 +80,8 @@ struct PolypostorBake {
   // Of the fine polygons, for people: parts; parts seen in a view and their corners, means; the mean distance in texels
   // between moved outlines and the frames' own; frames of parts whose polygon had to be made more alike to its key.
   double parts = 0, parts_seen = 0, corners_seen = 0, outline_error = 0, repaired = 0;
+  // How torn outlines are (torn_area), per mille of the silhouette: the mean over views and poses, and the most of any.
+  double torn = 0, torn_most = 0;
   uint64_t texture_bytes() const { return albedo.size() + normals.size() + materials.size() + emission.size(); }
 };
 

@@ -356,6 +356,111 @@ bool is_simple(const Polyline& polygon) {
   return true;
 }
 
+Polyline simplify(const Polyline& closed, double tolerance) {
+  const size_t n = closed.size();
+  if (n < 5) return closed;
+  size_t far = 0;
+  for (size_t i = 1; i < n; ++i)
+    if (glm::distance(closed[i], closed[0]) > glm::distance(closed[far], closed[0])) far = i;
+  std::vector<uint8_t> kept(n, 0);
+  kept[0] = kept[far] = 1;
+  std::vector<std::array<size_t, 2>> open{{0, far}, {far, n}};
+  while (!open.empty()) {
+    const auto [first, last] = open.back();
+    open.pop_back();
+    const glm::dvec2& a = closed[first];
+    const glm::dvec2 ab = closed[last % n] - a;
+    const double square = glm::dot(ab, ab);
+    double most = tolerance * tolerance;
+    size_t at = first;
+    for (size_t i = first + 1; i < last; ++i) {
+      const glm::dvec2 ap = closed[i] - a;
+      const double t = square > 0 ? std::clamp(glm::dot(ap, ab) / square, 0.0, 1.0) : 0.0;
+      const glm::dvec2 off = ap - ab * t;
+      if (glm::dot(off, off) <= most) continue;
+      most = glm::dot(off, off);
+      at = i;
+    }
+    if (at == first) continue;
+    kept[at] = 1;
+    open.push_back({first, at});
+    open.push_back({at, last});
+  }
+  Polyline out;
+  for (size_t i = 0; i < n; ++i)
+    if (kept[i] != 0) out.push_back(closed[i]);
+  return out;
+}
+
+PartMask unite(std::span<const PartMask> masks) {
+  PartMask out;
+  bool any = false;
+  for (const PartMask& m : masks) {
+    if (m.on.empty()) continue;
+    const int right = any ? std::max(out.x + out.width, m.x + m.width) : m.x + m.width;
+    const int top = any ? std::max(out.y + out.height, m.y + m.height) : m.y + m.height;
+    out.x = any ? std::min(out.x, m.x) : m.x;
+    out.y = any ? std::min(out.y, m.y) : m.y;
+    out.width = right - out.x;
+    out.height = top - out.y;
+    any = true;
+  }
+  out.on.assign(static_cast<size_t>(out.width) * static_cast<size_t>(out.height), 0);
+  for (const PartMask& m : masks)
+    for (int row = 0; row < m.height; ++row)
+      for (int column = 0; column < m.width; ++column)
+        out.on[static_cast<size_t>(m.y + row - out.y) * static_cast<size_t>(out.width) +
+               static_cast<size_t>(m.x + column - out.x)] |=
+            m.on[static_cast<size_t>(row) * static_cast<size_t>(m.width) + static_cast<size_t>(column)];
+  return out;
+}
+
+namespace {
+
+// Whether a point lies within a distance of a closed line. edge: of the line, tried first; becomes the one found.
+bool lies_within(const Polyline& closed, const glm::dvec2& p, double distance, size_t& edge) {
+  const size_t n = closed.size();
+  for (size_t k = 0; k < n; ++k, edge = edge + 1 < n ? edge + 1 : 0) {
+    const glm::dvec2& a = closed[edge];
+    const glm::dvec2 ab = closed[edge + 1 < n ? edge + 1 : 0] - a;
+    const glm::dvec2 ap = p - a;
+    const double square = glm::dot(ab, ab);
+    const double t = square > 0 ? std::clamp(glm::dot(ap, ab) / square, 0.0, 1.0) : 0.0;
+    const glm::dvec2 off = ap - ab * t;
+    if (glm::dot(off, off) <= distance * distance) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double torn_area(const Polyline& shown, const Polyline& wanted, const PartMask& figure, double slack) {
+  constexpr size_t kPoints = 96;
+  if (shown.empty() || wanted.empty()) return 0;
+  // How many of the places `reach` to the left, right, above and below of a point the figure covers.
+  const auto covered = [&](const glm::dvec2& p, double reach) {
+    int count = 0;
+    for (const glm::dvec2& side :
+         {glm::dvec2(reach, 0), glm::dvec2(-reach, 0), glm::dvec2(0, reach), glm::dvec2(0, -reach)}) {
+      const glm::dvec2 q = (p + side) * double{kMaskSamples};
+      count +=
+          figure.at(static_cast<int>(std::floor(q.x)) - figure.x, static_cast<int>(std::floor(q.y)) - figure.y) ? 1 : 0;
+    }
+    return count;
+  };
+  const auto beyond = [&](const Polyline& line, const Polyline& other, const auto& seen) {
+    double area = 0;
+    size_t edge = 0;
+    for (const glm::dvec2& p : resample(line, kPoints)) {
+      if (lies_within(other, p, slack, edge) || contains(other, p) || !seen(p)) continue;
+      area += nearest_point(other, p).distance - slack;
+    }
+    return area * perimeter(line) / kPoints;
+  };
+  return beyond(shown, wanted, [&](const glm::dvec2& p) { return covered(p, slack) == 0; }) +
+         beyond(wanted, shown, [&](const glm::dvec2& p) { return covered(p, 1) < 4; });
+}
+
 Polyline resample(const Polyline& closed, size_t count) {
   Polyline out;
   if (closed.empty()) return out;

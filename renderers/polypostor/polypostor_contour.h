@@ -35,6 +35,12 @@ double facing_area(const PartMask& mask);
 // an empty mask; four points for a single sample.
 Polyline trace_contour(PartMask mask);
 
+// A closed line of fewer points: none of the line's own lies farther than `tolerance` from it.
+Polyline simplify(const Polyline& closed, double tolerance);
+
+// What any of the masks covers.
+PartMask unite(std::span<const PartMask> masks);
+
 // Twice the signed area of the triangle (0, a, b): positive where b is counter-clockwise of a.
 inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
@@ -55,6 +61,11 @@ struct NearestPoint {
   double along = 0;
 };
 NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p);
+
+// How torn a figure is where an outline that is shown stands for the one that is wanted: the area, square texels, that
+// lies between the two farther than `slack` from one of them, in so far as it is seen. What is shown too much is not
+// seen in front of the figure, and what is missing is not where the figure goes on beyond the outline.
+double torn_area(const Polyline& shown, const Polyline& wanted, const PartMask& figure, double slack);
 
 // A simple polygon of at most `corners` (4..32) that holds every point of the contour, `margin` texels wider than it
 // need be, and reaches at most `room` texels beyond the contour's bounding box. Corners go where that adds the least

@@ -414,16 +414,18 @@ struct Carried {
   }
 };
 
-// A frame's outline, and where the anchors went on it; of the key and where the part is not seen, nothing but that.
+// A frame's outline, and where the anchors went on it; where the part is not seen, nothing but that.
 struct Followed {
   bool seen = false;
-  Polyline samples;
+  const Polyline* contour = nullptr;
+  Polyline samples;          // of it, evenly spaced
   std::vector<size_t> at;    // by anchor, of the samples
   std::vector<double> arcs;  // by anchor, on the samples as Anchors::arcs on the key contour
 };
 
 void follow(const Polyline& contour, const Polyline& predicted, Followed& out) {
   const size_t samples = std::max<size_t>(64, 4 * predicted.size());
+  out.contour = &contour;
   out.samples = resample(contour, samples);
   out.at = correspond(out.samples, predicted).at;
   const double step = perimeter(out.samples) / static_cast<double>(samples);
@@ -510,7 +512,7 @@ void unfold(std::span<const Followed> followed, double quantum, Fit& fit) {
   std::vector<int> steps(frames, 0);
   const std::vector<Polyline> refined = fit.poses;
   const auto step_back = [&](size_t f) {
-    if (!followed[f].seen || f == fit.key || steps[f] >= kSteps) return false;
+    if (!followed[f].seen || steps[f] >= kSteps) return false;
     ++steps[f];
     const Similarity similar = fit_similarity(fit.polygon, refined[f]);
     const double shrink = std::hypot(similar.a, similar.b);
@@ -545,31 +547,32 @@ void judge(std::span<const Followed> followed, const Outline& outline, Fit& fit)
     const double scale = std::hypot(similar.a, similar.b);
     fit.turns.push_back(followed[f].seen && scale > 1e-6 ? glm::dvec2(similar.a, similar.b) / scale : glm::dvec2(1, 0));
     double error = 0;
-    if (followed[f].seen && f != fit.key)
-      for (size_t k = 0; k < outline.weights.size(); ++k)
-        error += nearest_point(followed[f].samples, outline.moved(k, fit.poses[f])).distance / points;
+    Polyline& moved = fit.outlines.emplace_back();
+    if (followed[f].seen)
+      for (size_t k = 0; k < outline.weights.size(); ++k) {
+        moved.push_back(outline.moved(k, fit.poses[f]));
+        error += nearest_point(*followed[f].contour, moved.back()).distance / points;
+      }
     fit.errors.push_back(error);
   }
 }
 
 }  // namespace
 
-Fit fit_part(std::span<const Polyline> contours, size_t key, const std::function<Polyline(const glm::dvec2& p)>& carry,
-             const FitOptions& options) {
-  Fit fit = start_fit(contours[key], key, options);
+Fit fit_part(const Polyline& image, std::span<const Polyline> contours, size_t key,
+             const std::function<Polyline(const glm::dvec2& p)>& carry, const FitOptions& options) {
+  Fit fit = start_fit(image, key, options);
   if (fit.polygon.size() < 3) return fit;
-  const Anchors anchors(contours[key], fit.polygon);
+  const Anchors anchors(image, fit.polygon);
   const Carried carried(anchors, fit.polygon, carry, contours.size());
   std::vector<Followed> followed(contours.size());
   for (size_t f = 0; f < contours.size(); ++f) {
-    fit.poses.push_back(f == key ? fit.polygon : Polyline{});
-    followed[f].seen = f == key || !contours[f].empty();
-    if (f == key) continue;
+    followed[f].seen = !contours[f].empty();
     if (followed[f].seen) {
       follow(contours[f], carried.anchors[f], followed[f]);
-      fit.poses[f] = corners_beside(fit.polygon, anchors, followed[f]);
+      fit.poses.push_back(corners_beside(fit.polygon, anchors, followed[f]));
     } else {
-      fit.poses[f] = gathered(carried.anchors[f]);
+      fit.poses.push_back(gathered(carried.anchors[f]));
     }
     quantise(fit.poses[f], options.quantum);
   }
@@ -577,20 +580,20 @@ Fit fit_part(std::span<const Polyline> contours, size_t key, const std::function
   fit.triangles = triangulate(fit.polygon, poses_to_judge(fit, followed));
   if (fit.triangles.empty()) {
     // A corner pressed flat by rounding: the box never is.
-    if (options.corners > 4 && has_extent(contours[key]))
-      return fit_part(contours, key, carry, {4, options.margin, options.room, options.quantum});
+    if (options.corners > 4 && has_extent(image))
+      return fit_part(image, contours, key, carry, {4, options.margin, options.room, options.quantum});
     Fit empty;
     empty.key = key;
     return empty;
   }
 
-  const Outline outline = outline_of(contours[key], anchors, fit);
+  const Outline outline = outline_of(image, anchors, fit);
   for (size_t f = 0; f < contours.size(); ++f) {
-    if (!followed[f].seen || f == key) continue;
+    if (!followed[f].seen) continue;
     const Polyline& there = carried.polygon[f];
-    fit.poses[f] = explains(outline, followed[f].samples, there) && inverted_triangles(there, fit.triangles) == 0
+    fit.poses[f] = explains(outline, contours[f], there) && inverted_triangles(there, fit.triangles) == 0
                        ? there
-                       : refine(outline, followed[f].samples, fit.poses[f], targets_of(outline, anchors, followed[f]));
+                       : refine(outline, contours[f], fit.poses[f], targets_of(outline, anchors, followed[f]));
     quantise(fit.poses[f], options.quantum);
   }
   unfold(followed, options.quantum, fit);

@@ -1,5 +1,5 @@
 // How the polygon around a part's key image moves through a clip: which point of each frame's outline each corner goes
-// to, and a triangulation that never folds. All in texels of level 0, y up; polygons counter-clockwise.
+// to, and a triangulation that never folds. All in texels, y up; polygons counter-clockwise.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -62,19 +62,21 @@ struct FitOptions {
 // One key image's polygon through all frames.
 struct Fit {
   size_t key = 0;    // frame
-  Polyline polygon;  // at the key; empty: the part is never seen
+  Polyline polygon;  // around the key's image; empty: the part is never seen
   std::vector<Triangle> triangles;
-  std::vector<Polyline> poses;    // one a frame; where the part is not seen all corners are one point
-  std::vector<glm::dvec2> turns;  // cos and sin of the part's turn in the plane since the key, one a frame
-  std::vector<double> errors;     // texels, one a frame: mean distance between the moved outline and the frame's own
-  size_t repaired = 0;            // frames in which triangles would have been inverted
+  std::vector<Polyline> poses;     // one a frame; where the part is not seen all corners are one point
+  std::vector<glm::dvec2> turns;   // cos and sin of the part's turn in the plane since the key, one a frame
+  std::vector<double> errors;      // texels, one a frame: mean distance between the moved outline and the frame's own
+  std::vector<Polyline> outlines;  // the key's, moved to every frame; empty where the part is not seen
+  size_t repaired = 0;             // frames in which triangles would have been inverted
 };
 
-// contours: one a frame, empty where the part is not seen. carry(p): where the part's own motion takes a point beside
-// the key outline, one point a frame. Where that motion alone explains a frame's outline it is taken as it is. No
-// triangle is inverted in any frame, nor half-way between two in which it is seen (where that can be had by making the
-// two more alike to the key; `repaired` counts). A part that no contour shows gives an empty polygon.
-Fit fit_part(std::span<const Polyline> contours, size_t key, const std::function<Polyline(const glm::dvec2& p)>& carry,
-             const FitOptions& options);
+// image: the outline of the key's image. contours: where outlines are to be, one a frame, empty where the part is not
+// seen; the key's is the image's own where both are seen alike. carry(p): where the part's own motion takes a point
+// beside the image's outline, one point a frame. Where that motion alone explains a frame's outline it is taken as it
+// is. No triangle is inverted in any frame, nor half-way between two in which it is seen (where that can be had by
+// making the two more alike to the image; `repaired` counts). An image without outline gives an empty polygon.
+Fit fit_part(const Polyline& image, std::span<const Polyline> contours, size_t key,
+             const std::function<Polyline(const glm::dvec2& p)>& carry, const FitOptions& options);
 
 }  // namespace crowdbench::renderers

@@ -15,6 +15,27 @@ constexpr int kCoarseCorners = 4;
 // Texels of a tier's finest level around an image: bilinear filtering then reads one gutter.
 constexpr double kRoom = 0.5;
 
+// How far away the eye is that outlines are fitted for. A figure of p pixels in a picture of 480 rows of 30 degrees is
+// 900 / p of its heights away; what perspective does to it in pixels is p times the difference of inverse distances.
+// That is nowhere more from 240 pixels down than it is here at 240, a quarter of what it would be of parallel rays.
+constexpr double kEyeHeights = 5;
+constexpr double kEyeRadii = 3;   // of the sphere, at least
+constexpr double kTallest = 240;  // pixels of a figure that outlines are to hold for
+// Texels: masks of three samples a texel tell no less, and what is drawn of level 0 shows half of one.
+constexpr double kLeastSlack = 0.3;
+constexpr double kMostSlack = 0.5;
+
+double height_of(const std::vector<std::vector<glm::vec3>>& positions) {
+  float low = INFINITY;
+  float high = -INFINITY;
+  for (const auto& frame : positions)
+    for (const glm::vec3& p : frame) {
+      low = std::min(low, p.y);
+      high = std::max(high, p.y);
+    }
+  return static_cast<double>(high) - static_cast<double>(low);
+}
+
 // Rotated as the positions are: joints scale little.
 std::vector<glm::vec3> posed_normals(const scene::Mesh& mesh, const std::vector<scene::Mat3x4>& palette) {
   std::vector<glm::vec3> normals(mesh.normals.size());
@@ -50,10 +71,16 @@ std::vector<Sides> sides_of(const scene::Character& character) {
 PolypostorPlan plan_polypostors(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
                                 const PolypostorBakeOptions& options) {
   PolypostorPlan plan;
-  plan.frames = stored_frames(character, bank, options.frames);
+  FrameCount poses = options.frames;
+  poses.poses = kPosesAFrame;
+  plan.frames = stored_frames(character, bank, poses);
   for (size_t f = 0; f < plan.frames.size(); ++f) plan.palettes.push_back(plan.frames.palette(f));
-  plan.sphere = capture_sphere(character, plan.frames.positions(character.mesh));
+  const auto positions = plan.frames.positions(character.mesh);
+  plan.sphere = capture_sphere(character, positions);
   plan.texel = 2 * plan.sphere.radius / options.texels;
+  const double height = height_of(positions) / plan.texel;
+  plan.eye = std::max(kEyeHeights * height, kEyeRadii * plan.sphere.radius / plan.texel);
+  plan.slack = std::clamp(height / kTallest, kLeastSlack, kMostSlack);
   plan.quantum = kPolypostorReach * options.texels / 4094.0;
   plan.emission_peak = emission_peak(character);
 
@@ -70,8 +97,8 @@ PolypostorPlan plan_polypostors(const scene::Character& character, const std::sh
     tier.cut = cut_at_parts(character, map);
     tier.first_level = first_level;
     tier.levels = count;
-    const double room = kRoom * std::exp2(first_level);
-    tier.fit = {corners, room, room, plan.quantum};
+    tier.texel = std::exp2(first_level);
+    tier.fit = {.corners = corners, .room = kRoom, .quantum = plan.quantum / tier.texel};
     const scene::Mesh& mesh = tier.cut.character->mesh;
     tier.tones = vertex_tones(*tier.cut.character);
     for (const auto& palette : plan.palettes) {

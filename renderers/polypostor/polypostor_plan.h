@@ -23,15 +23,21 @@ struct PolypostorTier {
   std::vector<glm::vec3> tones;                      // vertex_tones
   std::vector<std::vector<SurfaceMoments>> moments;  // by part and frame
   uint32_t first_level = 0, levels = 0;
+  double texel = 1;  // of its finest level, in texels of level 0: what outlines are traced and fitted in
   FitOptions fit;
 };
 
+// Poses of polygons a stored frame: at it, and half-way to the next. Images are of stored frames only.
+inline constexpr int kPosesAFrame = 2;
+
 struct PolypostorPlan {
-  StoredFrames frames;
+  StoredFrames frames;  // with the poses between them
   CaptureSphere sphere;
-  double texel = 0;                                  // metres, of level 0
-  double quantum = 0;                                // texels: the unit of stored positions
-  float emission_peak = 0;                           // of the whole character (renderers/bake/emission.h)
+  double texel = 0;         // metres, of level 0
+  double eye = 0;           // texels in front of the centre: from there outlines are what perspective makes of them
+  double slack = 0;         // texels beside an outline where nothing is torn yet: a pixel of a tall figure
+  double quantum = 0;       // texels: the unit of stored positions
+  float emission_peak = 0;  // of the whole character (renderers/bake/emission.h)
   std::vector<std::vector<scene::Mat3x4>> palettes;  // by frame
   std::vector<PolypostorTier> tiers;
 };

@@ -81,6 +81,8 @@ PolypostorBake only_views(const PolypostorBake& whole, const std::vector<uint8_t
   out.corners_seen = whole.corners_seen;
   out.outline_error = whole.outline_error;
   out.repaired = whole.repaired;
+  out.torn = whole.torn;
+  out.torn_most = whole.torn_most;
 
   // What views that were left out draw: nothing, in any frame.
   uint32_t most_frames = 1;

@@ -15,8 +15,9 @@ namespace crowdbench::renderers {
 struct Sheet {
   Fit fit;
   TileRect rect;                  // of the image, texels of level 0
-  std::vector<double> costs;      // one a frame: how wrong it looks; where one of two sheets is chosen
-  std::vector<TilePlane> planes;  // one a frame
+  std::vector<double> costs;      // one a pose: how wrong it looks; where one of several sheets is chosen
+  std::vector<double> torn;       // one a pose: torn_area, square texels of the tier's finest level
+  std::vector<TilePlane> planes;  // one a pose
   size_t first_tile = 0;          // of the bake's tiles: the tier's finest level; coarser ones follow
 };
 
@@ -24,13 +25,14 @@ struct Sheet {
 struct ViewParts {
   size_t tier = 0, clip = 0, view = 0;
   std::vector<std::vector<Sheet>> sheets;  // by part: none, one, or one a key; empty: nobody sees this view
+  std::vector<double> areas;               // by pose: what the figure covers, square texels of the tier's finest level
 };
 
-// Of each part the sheets whose keys are chosen as `choice` says: none where the part shows less than a texel.
-std::vector<std::vector<Sheet>> fit_view(const PolypostorPlan& plan, const PolypostorTier& tier, const StoredClip& clip,
-                                         const ViewBasis& basis, KeyChoice choice);
+// Gives a view its areas, and of each part the sheets whose keys are chosen as `choice` says: none where the part shows
+// less than a texel.
+void fit_view(const PolypostorPlan& plan, const ViewBasis& basis, KeyChoice choice, ViewParts& view);
 
-// Which of a part's sheets (at least one) shows the way from frame f to the next.
+// Which of a part's sheets (at least one) shows the way from pose f to the next.
 size_t sheet_for(std::span<const Sheet> sheets, size_t f, size_t frames);
 
 }  // namespace crowdbench::renderers

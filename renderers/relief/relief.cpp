@@ -33,6 +33,8 @@ constexpr double kPart = 0.27;  // of the height: one of 128 texels is then at m
 
 // Of the silhouette, what rigid boxes may miss over the clips (CaptureScore) before it is said.
 constexpr double kTornSilhouette = 0.01;
+// Of the skin's area, what may be in boxes that do not follow it before it is said.
+constexpr double kLooseSkin = 0.05;
 
 struct Options {
   ReliefTierOptions bake;
@@ -100,6 +102,7 @@ struct Baked {
   CaptureScore capture;
   double texel = 0;      // metres, tier 0, the largest
   double deviation = 0;  // ReliefTiers::deviation
+  double loose = 0;      // ReliefTiers::loose
 };
 
 struct BoxRecord {
@@ -192,6 +195,7 @@ class Relief final : public Representation {
       info.facts.emplace_back("level_bytes", bytes(full - full * baked_[0].full_texels / nearest.texels()));
       info.facts.emplace_back("texel_mm", 1000 * baked_[0].texel);
       info.facts.emplace_back("skin_deviation_px", baked_[0].deviation / baked_[0].height * kBendPixels);
+      info.facts.emplace_back("skin_loose", baked_[0].loose);
       info.facts.emplace_back("capture_clip", baked_[0].capture.pose.clip);
       info.facts.emplace_back("capture_phase", baked_[0].capture.pose.phase);
       if (baked_[0].capture.box_volume > 0)
@@ -229,6 +233,12 @@ class Relief final : public Representation {
                  "crowdbench: warning: relief: rigid boxes miss {:.1f} % of the silhouette of {} over its clips, more "
                  "than {:.0f} %; bend=1 follows its skin\n",
                  100 * bake->capture.silhouette_error, printable(character.name), 100 * kTornSilhouette);
+    if (bake->loose > kLooseSkin)
+      fmt::print(stderr,
+                 "crowdbench: warning: relief: {:.0f} % of the skin of {} deviate from their boxes by more than {:g} "
+                 "pixels of a figure {:g} tall, more than {:.0f} %; cells={} holds more of it\n",
+                 100 * bake->loose, printable(character.name), options_.bake.bend, kBendPixels, 100 * kLooseSkin,
+                 std::min(2 * options_.bake.cells, 1024));
     Baked& baked = baked_.emplace_back();
     baked.key = key;
     baked.cached = cached;
@@ -236,6 +246,7 @@ class Relief final : public Representation {
     baked.nominal_bytes = relief_nominal_bytes(character.skeleton.joints.size(), options_.bake.maps.map_size);
     baked.capture = bake->capture;
     baked.deviation = bake->deviation;
+    baked.loose = bake->loose;
     baked.height = relief_height(character);
     baked.pixels = bake->tier_pixels;
     for (const ReliefBox& box : bake->models[0].boxes)
@@ -463,6 +474,7 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   options.level_bias = read.number("bias", -4.0, 4.0);
   options.hull = read.choice("proxy", {"hull", "box"}) == 0;
   options.bake.merge = read.text("merge") == "auto" ? (options.hull ? 0.25 : 0.0) : read.number("merge", 0.0, 16.0);
+  options.bake.cells = static_cast<int>(read.integer("cells", 16, 1024));
   options.bake.bend = read.text("bend") == "rigid" ? 0.0 : read.number("bend", 0.05, 64.0);
   options.bake.part_auto = read.text("part") == "auto" && options.bake.merge > 0;
   options.bake.part = options.bake.part_auto        ? kPart
@@ -502,6 +514,7 @@ const RepresentationType relief_type = {
          {"bend", "rigid|0.05..64", "1",
           "pixels, of a character 240 tall, that skin may deviate from boxes that bend with it before it is cut into "
           "more; rigid: one stiff box a joint, as the source has them"},
+         {"cells", "16..1024", "256", "boxes that skin may be cut into, at most"},
          {"part", "auto|0..4", "auto",
           "longest box, in heights of the character: longer ones are captured in parts; 0: whole; auto: 0.27 "
           "with merge "

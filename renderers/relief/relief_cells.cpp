@@ -481,7 +481,12 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
     if (cells.size() == before) break;
   }
   Cells out;
+  double whole = 0;
   for (size_t i = 0; i < cells.size(); ++i) {
+    double area = 0;
+    for (const uint32_t t : cells[i].triangles) area += skin.area(t);
+    whole += area;
+    if (cells[i].fit.worst > options.tolerance) out.loose += area;
     Piece& piece = out.pieces.emplace_back();
     piece.shares = skin.frugal_fit(cells[i].triangles, options.tolerance).shares;
     piece.skirts = skirts_of(character.mesh, skin, all, cells[i].triangles, options.skirt);
@@ -489,6 +494,7 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
     piece.texel = is_cut[i] != 0 ? options.texel : 0.0;
     out.deviation = std::max(out.deviation, cells[i].fit.worst);
   }
+  out.loose /= std::max(whole, 1e-30);
   return out;
 }
 

@@ -18,6 +18,7 @@ struct CellOptions {
 
 struct Cells {
   std::vector<Piece> pieces;
+  double loose = 0;      // of the skin's area: in cells of which a corner deviates by more than the tolerance
   double deviation = 0;  // metres: the farthest that a corner is from where the skin puts it, in the poses looked at
 };
 

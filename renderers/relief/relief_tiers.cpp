@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake/bake_cache.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/bake/emission.h"
 #include "renderers/relief/relief_atlas.h"
 #include "renderers/relief/relief_cells.h"
@@ -21,7 +22,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 13;
+constexpr uint32_t kBakeVersion = 14;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -165,8 +166,10 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
     what.carriers = merger.merged(options.merge * pixel);
     what.texel = std::max(nearest.texel, kTiers[tier].texel * pixel);
     if (bends) {
-      const CellOptions cells{
-          .tolerance = kFarBend * pixel, .skirt = kSkirt * what.texel, .texel = kCutTexel * what.texel};
+      const CellOptions cells{.tolerance = kFarBend * pixel,
+                              .skirt = kSkirt * what.texel,
+                              .texel = kCutTexel * what.texel,
+                              .most = static_cast<size_t>(options.cells)};
       what.pieces = skin_cells(character, bank, what.capture, what.carriers, cells).pieces;
       const bool cut = std::any_of(what.pieces.begin(), what.pieces.end(), [](const Piece& p) { return p.texel > 0; });
       // Fewer cells are off by too much of a figure of this size.
@@ -217,11 +220,15 @@ void require_room(const scene::Character& character, size_t texels, const Relief
                   const ReliefAllowance& allowance) {
   const uint64_t bytes = maps_bytes(texels, emission_peak(character), options);
   if (options.budget > 0 || bytes <= allowance.left) return;
+  int map = options.maps.map_size;
+  uint64_t smaller = bytes;
+  for (; smaller > allowance.left && map > 16; map /= 2) smaller /= 4;
+  const bool fits = smaller <= allowance.left;
   throw Error("relief",
               fmt::format("the maps of {} need {} MiB, more than the {} MiB left of the bake budget", character.name,
                           bytes >> 20, allowance.left >> 20),
-              fmt::format("lower relief:map={} or its other sizes, give it a budget=, or raise --bake-budget",
-                          options.maps.map_size));
+              budget_advice(fits ? fmt::format("map={}", map) : "",
+                            "lower map or its other sizes, give it a budget=", bytes, allowance.left));
 }
 
 uint64_t depth_texel_bytes(const ReliefTierOptions& options) {
@@ -238,6 +245,7 @@ std::string relief_key(const scene::Character& character, const scene::PoseBank&
   hash.value(options.merge).value(options.budget).value(options.cones);
   hash.text(options.resolution)
       .value(options.bend)
+      .value(options.cells)
       .value(options.part)
       .value(options.part_auto ? allowance.share : uint64_t{0});
   // Which poses were measured.
@@ -250,7 +258,7 @@ std::vector<uint8_t> serialise(const ReliefTiers& bake) {
   ByteWriter out;
   const CaptureScore& c = bake.capture;
   out.value(c.pose.clip);
-  for (const double v : {c.pose.phase, c.silhouette_error, c.box_volume, bake.deviation}) out.value(v);
+  for (const double v : {c.pose.phase, c.silhouette_error, c.box_volume, bake.deviation, bake.loose}) out.value(v);
   out.values(bake.tier_pixels);
   out.value(static_cast<uint32_t>(bake.models.size()));
   for (const ReliefModel& m : bake.models) {
@@ -275,7 +283,8 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
   ReliefTiers bake;
   CaptureScore& c = bake.capture;
   c.pose.clip = in.value<int>();
-  for (double* v : {&c.pose.phase, &c.silhouette_error, &c.box_volume, &bake.deviation}) *v = in.value<double>();
+  for (double* v : {&c.pose.phase, &c.silhouette_error, &c.box_volume, &bake.deviation, &bake.loose})
+    *v = in.value<double>();
   bake.tier_pixels = in.values<double>();
   const auto count = in.value<uint32_t>();
   for (uint32_t i = 0; i < count && in.ok(); ++i) {
@@ -328,10 +337,13 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
   if (options.bend > 0) {
     // Texels of the longest box that there is.
     const double texel = kCutTexel * (options.part > 0 ? options.part : 1.0) * height / what.map_size;
-    Cells cells = skin_cells(
-        character, bank, what.capture, own_carriers(character),
-        {.tolerance = options.bend * height / kBendPixels, .skirt = kSkirt / kCutTexel * texel, .texel = texel});
+    Cells cells = skin_cells(character, bank, what.capture, own_carriers(character),
+                             {.tolerance = options.bend * height / kBendPixels,
+                              .skirt = kSkirt / kCutTexel * texel,
+                              .texel = texel,
+                              .most = static_cast<size_t>(options.cells)});
     bake.deviation = cells.deviation;
+    bake.loose = cells.loose;
     const double most = kMore * static_cast<double>(relief_texels(character, what));
     what.pieces = std::move(cells.pieces);
     while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces)) continue;

@@ -24,6 +24,7 @@ struct ReliefTierOptions {
   bool cones = false;
   double merge = 0;        // pixels that joints sharing a box may deviate; 0: one tier
   double bend = 0;         // pixels, of a character 240 tall, that skin may deviate before it is cut; 0: rigid boxes
+  int cells = 256;         // boxes that cut skin may take
   double part = 0;         // longest box, of the character's height; 0: no limit
   bool part_auto = false;  // longer boxes where the maps need it to fit
   uint64_t budget = 0;     // bytes of the nearest tier's maps, met by coarser texels; 0: none
@@ -38,6 +39,7 @@ struct ReliefAllowance {
 struct ReliefTiers {
   CaptureScore capture;
   double deviation = 0;             // metres: of the skin from the nearest tier's boxes at most; 0 where they are rigid
+  double loose = 0;                 // of the skin's area, what Cells::loose says of the nearest tier
   std::vector<double> tier_pixels;  // of each model after the first: drawn below this height
   std::vector<ReliefModel> models;
   std::vector<std::vector<uint8_t>> cones;  // of each model; none unless asked for

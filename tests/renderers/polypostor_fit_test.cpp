@@ -121,7 +121,7 @@ TEST(PolypostorFit, ARigidSquareThatTurnsIsReproducedExactly) {
     for (size_t f = 0; f < kFrames; ++f) out.push_back(turned(p, angle(f)));
     return out;
   };
-  const Fit fit = fit_part(contours, 0, carry, {});
+  const Fit fit = fit_part(contours[0], contours, 0, carry, {});
   ASSERT_GE(fit.polygon.size(), 4U);
   EXPECT_EQ(fit.repaired, 0U);
   for (size_t f = 0; f < kFrames; ++f) {
@@ -139,7 +139,7 @@ TEST(PolypostorFit, FollowsTheOutlineWhereTheMotionIsUnknown) {
     const Polyline bar = {{-half, -4}, {half, -4}, {half, 4}, {-half, 4}};
     contours.push_back(trace_contour(rasterise(triangles_of(bar))));
   }
-  const Fit fit = fit_part(contours, 0, [](const glm::dvec2& p) { return Polyline(3, p); }, {});
+  const Fit fit = fit_part(contours[0], contours, 0, [](const glm::dvec2& p) { return Polyline(3, p); }, {});
   for (size_t f = 0; f < 3; ++f) {
     EXPECT_LT(fit.errors[f], 0.25) << f;
     const auto [left, right] = std::minmax_element(fit.poses[f].begin(), fit.poses[f].end(),
@@ -163,7 +163,7 @@ TEST(PolypostorFit, NoTriangleIsInvertedWhateverTheOutlinesDo) {
     FitOptions options;
     options.corners = 10;
     options.quantum = 0.05;
-    const Fit fit = fit_part(contours, seed % 6, carry, options);
+    const Fit fit = fit_part(contours[seed % 6], contours, seed % 6, carry, options);
     ASSERT_FALSE(fit.triangles.empty());
     EXPECT_EQ(fit.triangles.size(), fit.polygon.size() - 2);
     for (const Polyline& pose : fit.poses) EXPECT_EQ(inverted_triangles(pose, fit.triangles), 0U) << seed;
@@ -175,7 +175,7 @@ TEST(PolypostorFit, NoTriangleIsInvertedWhateverTheOutlinesDo) {
 TEST(PolypostorFit, PartsThatVanishAreOnePointThere) {
   const Polyline square = {{-6, -6}, {6, -6}, {6, 6}, {-6, 6}};
   const Polyline contour = trace_contour(rasterise(triangles_of(square)));
-  const Fit fit = fit_part(std::vector<Polyline>{contour, {}, contour, {}}, 2,
+  const Fit fit = fit_part(contour, std::vector<Polyline>{contour, {}, contour, {}}, 2,
                            [](const glm::dvec2& p) { return Polyline(4, p); }, {});
   ASSERT_GE(fit.polygon.size(), 4U);
   for (const size_t f : {1U, 3U})

@@ -16,8 +16,8 @@ constexpr const char* kFps = "fps";
 }  // namespace
 
 int FrameCount::of(double cycle_seconds) const {
-  if (!(frames_a_second > 0)) return frames;
-  return std::max(1, static_cast<int>(std::min(std::ceil(cycle_seconds * frames_a_second - 1e-9), 1e9)));
+  if (!(frames_a_second > 0)) return frames * poses;
+  return std::max(1, static_cast<int>(std::min(std::ceil(cycle_seconds * frames_a_second - 1e-9), 1e6))) * poses;
 }
 
 OptionDoc frames_option(const std::string& meaning) { return {kFrames, "1..256", "10", meaning}; }

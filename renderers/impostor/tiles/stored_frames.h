@@ -21,6 +21,7 @@ namespace crowdbench::renderers {
 struct FrameCount {
   int frames = 10;             // a clip
   double frames_a_second = 0;  // in place of it; 0: not
+  int poses = 1;               // a frame: at it, and evenly spread on the way to the next
   int of(double cycle_seconds) const;
 };
 inline constexpr int kMostStoredFrames = 4096;  // a clip
