@@ -24,8 +24,11 @@ const metrics::AgentChange* change_of(std::span<const metrics::AgentChange> chan
   return found == changes.end() ? nullptr : &*found;
 }
 
+// Shifts are known to a hundredth of a pixel at best.
+double thousandths(double pixels) { return std::round(1000 * pixels) / 1000; }
+
 void put_change(Json& row, const CauseErrors& errors, const metrics::AgentChange& change) {
-  row["displaced_px"] = {change.dx, change.dy};
+  row["displaced_px"] = {thousandths(change.dx), thousandths(change.dy)};
   row["displaced_m"] = json_number(change.farther);
   row["late"] = errors.available(metrics::Cause::pose) ? Json(change.posed) : Json(nullptr);
   row["changed_places_with"] = Json::array();
@@ -36,8 +39,8 @@ std::string change_text(const metrics::AgentChange& change) {
   std::string text;
   if (change.posed) text += "; in the pose of --pose-ref";
   if (change.dx != 0 || change.dy != 0)
-    text += fmt::format("; displaced by {} pixels {} and {} {}", std::abs(change.dx), change.dx < 0 ? "left" : "right",
-                        std::abs(change.dy), change.dy < 0 ? "up" : "down");
+    text += fmt::format("; displaced by {:.3g} pixels {} and {:.3g} {}", std::abs(change.dx),
+                        change.dx < 0 ? "left" : "right", std::abs(change.dy), change.dy < 0 ? "up" : "down");
   if (change.farther && std::abs(*change.farther) > metrics::kSurfaceTolerance)
     text += fmt::format("; {:.3g} m {}", std::abs(*change.farther), *change.farther > 0 ? "farther" : "nearer");
   for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);

@@ -104,7 +104,7 @@ void write_maps(const std::filesystem::path& folder, const std::string& name, co
   write_png(folder / (name + "_side_by_side.png"), side_by_side(reference, test));
   for (const auto& [score, result] : row.scores.scores)
     if (result.map)
-      write_png(folder / fmt::format("{}_{}.png", name, score->map_file), metrics::map_picture(*score, *result.map));
+      write_png(folder / fmt::format("{}_{}.png", name, score->map_file), metrics::map_picture(*score, result));
   for (size_t i = 0; i < pictures.steps.size(); ++i) {
     const metrics::CauseStep& step = pictures.steps[i];
     write_png(folder / fmt::format("{}_cause{}_{}.png", name, i + 1,
