@@ -91,11 +91,20 @@ class Sampler {
       }
     return {least, most};
   }
-  // Another agent was there and still is: whether this one would be is not known.
-  bool hidden(size_t pixel) const {
-    const uint32_t shown = agent_.test.ids.data[pixel];
-    return shown != 0 && shown != agent_.id && agent_.now.ids.data[pixel] == shown;
+  // Another agent stood there, behind which this one may have been.
+  bool unknown(const Cell& cell) const {
+    return std::any_of(cell.at.begin(), cell.at.begin() + static_cast<std::ptrdiff_t>(cell.count), [&](size_t sample) {
+      const uint32_t id = agent_.source.ids.data[sample];
+      return id != 0 && id != agent_.id;
+    });
   }
+  // Another agent stands there in the test: whether this one would be is not known.
+  bool behind(size_t pixel) const {
+    const uint32_t shown = agent_.test.ids.data[pixel];
+    return shown != 0 && shown != agent_.id;
+  }
+  // Another agent was there and still is: the pixel stays.
+  bool hidden(size_t pixel) const { return behind(pixel) && agent_.now.ids.data[pixel] == agent_.test.ids.data[pixel]; }
   size_t index(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(width()) + static_cast<size_t>(x);
   }
@@ -310,12 +319,13 @@ bool equal_in(const AgentPictures& agent, const Range& range) {
   for (int y = range.top; y <= range.bottom; ++y)
     for (int x = range.left; x <= range.right; ++x) {
       const auto i = static_cast<size_t>(y) * static_cast<size_t>(agent.now.ids.width) + static_cast<size_t>(x);
-      const bool in_now = agent.now.ids.data[i] == agent.id;
-      if (in_now != (agent.test.ids.data[i] == agent.id)) return false;
-      if (!in_now) continue;
-      if (!std::equal(&agent.now.codes.data[3 * i], &agent.now.codes.data[3 * i] + 3, &agent.test.codes.data[3 * i]))
+      const bool in_source = agent.source.ids.data[i] == agent.id;
+      if (in_source != (agent.test.ids.data[i] == agent.id)) return false;
+      if (!in_source) continue;
+      if (!std::equal(&agent.source.codes.data[3 * i], &agent.source.codes.data[3 * i] + 3,
+                      &agent.test.codes.data[3 * i]))
         return false;
-      if (!agent.now.depth.empty() && agent.now.depth.data[i] != agent.test.depth.data[i]) return false;
+      if (!agent.source.depth.empty() && agent.source.depth.data[i] != agent.test.depth.data[i]) return false;
     }
   return true;
 }
@@ -347,15 +357,16 @@ class Laying {
     const Cell cell = sampler_.cell(x, y);
     const double cover = sampler_.cover(cell);
     const bool edge = cover < 1 - 1e-9;
-    if (in_test ? cover == 0 : edge) {
-      // It left the pixel, and what it uncovered only the test knows.
-      if (in_test || agent_.now.ids.data[here] != agent_.id) return std::nullopt;
-      return pixel_of(agent_.test, here);
-    }
+    // It left the pixel, or comes out from behind another: what there is only the test knows.
+    if (in_test && cover == 0) return known(sampler_.unknown(cell), here);
+    if (!in_test && edge) return known(agent_.now.ids.data[here] == agent_.id, here);
     return moved(x, y, cell, in_test);
   }
 
  private:
+  std::optional<Pixel> known(bool by_test, size_t here) const {
+    return by_test ? std::optional(pixel_of(agent_.test, here)) : std::nullopt;
+  }
   static Pixel pixel_of(const Layer& layer, size_t place) {
     Pixel out{place, {}, layer.ids.data[place], layer.depth.empty() ? 0 : layer.depth.data[place]};
     std::copy_n(&layer.codes.data[3 * place], 3, out.codes.begin());
@@ -428,8 +439,9 @@ Mismatch mismatch_of(const AgentPictures& agent, const Motion& motion, const Ran
       const bool in_test = agent.test.ids.data[here] == agent.id;
       shown += in_test ? 1 : 0;
       const Cell cell = sampler.cell(x, y);
-      if (!cell.inside || (!in_test && sampler.hidden(here))) continue;
+      if (!cell.inside || (!in_test && sampler.behind(here))) continue;
       const double cover = sampler.cover(cell);
+      if (in_test && cover < 1 - 1e-9 && sampler.unknown(cell)) continue;
       const double gap = cover - (in_test ? 1 : 0);
       wrong += gap * gap;
       out.outline += std::abs(gap) > 0.5 ? 1 : 0;

@@ -78,7 +78,8 @@ struct AgentMove {
 std::optional<AgentMove> find_move(const AgentPictures& agent, const Extent& from, const Extent& to);
 
 // Lays the agent into `now` as the motion has it; pixels that the samples around explain are the test's own. What it
-// leaves is as the test has it, and so is what stands before it and did before.
+// leaves is as the test has it, and so is what comes out from behind another agent; what stands before it and did
+// before stays.
 void put_in(const AgentPictures& agent, const Motion& motion, double farther, const Range& range, Layer& now);
 
 }  // namespace crowdbench::metrics

@@ -83,24 +83,24 @@ class Telling {
  private:
   size_t pixels() const { return now_.ids.pixels(); }
 
-  // Whether an agent shows the other pose rather than its own, moved or not.
-  bool is_late(const AgentPictures& own, const Layer& posed, const Extent& was, const Extent& other,
-               const Extent& shown) const {
-    Range range = around(was, other, now_.ids, 0);
-    const Range with_test = around(other, shown, now_.ids, 0);
-    range = {std::min(range.left, with_test.left), std::min(range.top, with_test.top),
-             std::max(range.right, with_test.right), std::max(range.bottom, with_test.bottom)};
-    const Mismatch before = mismatch_of(own, {}, range);
-    const Mismatch after = mismatch_of({now_, posed, test_, own.id}, {}, range);
+  // How well a pose explains the agent, moved as fits it best.
+  Mismatch best_of(const AgentPictures& agent, const Extent& from, const Extent& to) const {
+    if (const std::optional<AgentMove> move = find_move(agent, from, to)) return move->after;
+    return mismatch_of(agent, {}, around(from, to, now_.ids, 2));
+  }
+
+  // Whether an agent shows the other pose rather than its own.
+  bool is_late(uint32_t id, const Layer& posed, const Extent& was, const Extent& other, const Extent& shown) const {
+    const Mismatch own = best_of({now_, now_, test_, id}, was, shown);
+    if (own.cost == 0) return false;
+    const Mismatch late = best_of({now_, posed, test_, id}, other, shown);
     constexpr double kExplains = 0.5;     // of the cost, or of the outline, what may be left
     constexpr double kSameColours = 1.1;  // what a pose alone explains of a repainted agent is its outline
     constexpr size_t kLeastOutline = 6;
-    const bool cheaper = after.cost < kExplains * before.cost && after.outline <= before.outline;
-    const bool fits = before.outline >= kLeastOutline && after.residual <= kSameColours * before.residual &&
-                      static_cast<double>(after.outline) < kExplains * static_cast<double>(before.outline);
-    if (!cheaper && !fits) return false;
-    const std::optional<AgentMove> move = after.cost == 0 ? std::nullopt : find_move(own, was, shown);
-    return !move || after.cost <= move->after.cost;
+    const bool cheaper = late.cost < kExplains * own.cost && late.outline <= own.outline;
+    const bool fits = own.outline >= kLeastOutline && late.residual <= kSameColours * own.residual &&
+                      static_cast<double>(late.outline) < kExplains * static_cast<double>(own.outline);
+    return cheaper || fits;
   }
 
   void put_in_poses() {
@@ -110,13 +110,17 @@ class Telling {
     const Extents own = extents_of(now_.ids);
     const Extents other = extents_of(posed.ids);
     const Extents shown = extents_of(test_.ids);
-    for (const auto& [id, extent] : own) {
-      const auto there = other.find(id);
-      const auto then = shown.find(id);
-      if (there == other.end() || then == shown.end()) continue;
-      if (!is_late({now_, now_, test_, id}, posed, extent, there->second, then->second)) continue;
-      changes_[id].posed = true;
-      put_in({now_, posed, test_, id}, {}, 0, around(extent, there->second, now_.ids, 0), now_);
+    std::vector<uint32_t> ids;
+    for (const auto& [id, extent] : own)
+      if (other.contains(id) && shown.contains(id)) ids.push_back(id);
+    std::vector<uint8_t> late(ids.size());
+    parallel_for(ids.size(), 0, [&](size_t i) {
+      late[i] = is_late(ids[i], posed, own.at(ids[i]), other.at(ids[i]), shown.at(ids[i])) ? 1 : 0;
+    });
+    for (size_t i = 0; i < ids.size(); ++i) {
+      if (late[i] == 0) continue;
+      changes_[ids[i]].posed = true;
+      put_in({now_, posed, test_, ids[i]}, {}, 0, around(own.at(ids[i]), other.at(ids[i]), now_.ids, 0), now_);
     }
     steps_.push_back({Cause::pose, now_.codes});
   }

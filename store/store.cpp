@@ -241,5 +241,7 @@ template int64_t StoreWriter::write(const ComparisonRow&);
 template int64_t StoreWriter::write(const PictureRow&);
 template int64_t StoreWriter::write(const CurveRow&);
 template int64_t StoreWriter::write(const ThresholdRow&);
+template int64_t StoreWriter::write(const CauseRangeRow&);
+template int64_t StoreWriter::write(const PopRow&);
 
 }  // namespace crowdbench

@@ -111,6 +111,16 @@ std::string cause_shares_text(const CauseRow& row) {
   return text + fmt::format("{}residue {:.1f} %", text.empty() ? "" : "; ", percent(row.residue));
 }
 
+void print_untold(const CauseErrors& errors) {
+  std::map<std::string, std::string> untold;  // causes by reason
+  for (const CauseDoc& doc : metrics::causes())
+    if (!errors.available(doc.cause)) {
+      std::string& names = untold[errors.reasons[static_cast<size_t>(doc.cause)]];
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", doc.name);
+    }
+  for (const auto& [reason, names] : untold) fmt::print("  not available: {}: {}\n", names, reason);
+}
+
 void print_causes(const CauseErrors& errors, std::span<const metrics::AgentChange> changes) {
   fmt::print("squared error by cause, {} in all: {}\n", errors.whole.total, cause_shares_text(errors.whole));
   for (const CauseRow& agent : errors.agents) {
@@ -119,13 +129,7 @@ void print_causes(const CauseErrors& errors, std::span<const metrics::AgentChang
     fmt::print("  agent id {}, {}: {}{}\n", agent.id, agent.total, cause_shares_text(agent),
                change ? change_text(*change) : "");
   }
-  std::map<std::string, std::string> untold;  // causes by reason
-  for (const CauseDoc& doc : metrics::causes())
-    if (!errors.available(doc.cause)) {
-      std::string& names = untold[errors.reasons[static_cast<size_t>(doc.cause)]];
-      names += fmt::format("{}{}", names.empty() ? "" : ", ", doc.name);
-    }
-  for (const auto& [reason, names] : untold) fmt::print("  not available: {}: {}\n", names, reason);
+  print_untold(errors);
 }
 
 }  // namespace crowdbench::bench

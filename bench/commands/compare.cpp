@@ -276,7 +276,7 @@ void print_text(const Result& result) {
       fmt::print("not available: {}\n", scored.reason);
     for (const auto* figures : {&scored.pooled, &scored.details})
       for (const auto& [name, value] : *figures)
-        fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
+        fmt::print("   {:<15} {:>12}\n", name, metrics::value_text(*score, value));
   }
   print_display(result.setup, result.scores);
   if (result.worst)

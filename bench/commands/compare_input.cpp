@@ -80,8 +80,10 @@ void add_inputs_and_outputs(Command& command, CompareOptions& options) {
   command.add_option("--chart", options.chart, "of clips: a page with every score against time")
       ->type_name("FILE.html")
       ->output_file();
-  command.add_option("--over", options.over,
-                     "composite pictures with alpha onto this colour first, '#rrggbb' (else alpha is ignored)");
+  command.add_option(
+      "--over", options.over,
+      "composite pictures with alpha onto this colour first, '#rrggbb', on encoded values, rounded down\n"
+      "as ImageMagick does (rounding to the nearest moves cvvdp by up to 0.001 JOD); else alpha is ignored");
 }
 
 // What counts, and what decides the exit status.

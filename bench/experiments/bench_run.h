@@ -64,6 +64,8 @@ SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const Timi
 // colours, ids and depths have.
 std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::ChosenDisplay& display,
                                   const renderers::Capture& reference, const renderers::Capture& test);
+// The colour bar of those "difference" pictures of a run that have none of their own, as role "legend".
+void write_legend(StoreWriter& store, int64_t run);
 // The pictures of one comparison: reference, test, pseudocolour difference, with its colour bar where `bar`.
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,
                     const std::string& reference_name, const std::string& test_name, bool bar = true);
