@@ -18,7 +18,9 @@ constexpr std::array<CauseDoc, kCauses> kDocs = {{
      "that mesh as its stored view has it: from the view's direction, by parallel rays, laid on the plane that the "
      "view is drawn on, without limit of resolution",
      ""},
-    {Cause::place, "place", "the place", "", "agents whom a shift by whole pixels explains better by half"},
+    {Cause::place, "place", "the place", "",
+     "agents whom a shift, by fractions of a pixel too, and a change of size explain: outlines and colours that lie "
+     "between the samples around where they came from"},
     {Cause::order, "order", "the order of agents",
      "pixels of two agents, each of which covers the pixel in both pictures when drawn alone, that show the other one",
      "pixels that show another agent, where that is so over 3 x 3 pixels at least, and in more pixels than all else "
@@ -30,7 +32,9 @@ constexpr std::array<CauseDoc, kCauses> kDocs = {{
      "pixels of the same agent whose depths differ by more than 2 cm"},
     {Cause::shading, "shading", "the shading",
      "of pixels of the same surface the cosine between normal and light, over the mesh's own colour",
-     "pixels of the same surface whose channels all changed by one factor, in linear light"},
+     "pixels of the same surface whose channels all changed by one factor, in linear light or in code values, or by "
+     "one "
+     "amount of code values"},
     {Cause::texture, "texture", "the texture", "of pixels of the same surface base colour and light given off",
      "all other pixels of the same surface"},
     {Cause::level, "level", "the size class",
@@ -148,9 +152,11 @@ std::string causes_markdown() {
       "| `order` | | the causes as they are put in; the residue comes after the texture |\n"
       "| `reasons` | | an object: why a cause is not available |\n"
       "| `agents` | | the same for each agent, by `id` (agent index + 1) |\n"
-      "| `displaced_px` | pixels | of `compare`: where the agent moved to, right and down |\n"
+      "| `displaced_px` | pixels | of `compare`: where the agent's middle moved to, right and down; a move by less "
+      "than "
+      "about 0.1 is not seen |\n"
       "| `displaced_m` | metres | of `compare` with depths: how far it moved away, the median over its pixels |\n"
-      "| `late` | | of `compare --pose-ref`: whether the agent shows that picture's pose |\n"
+      "| `late` | | of `compare --pose-ref`: whether the agent shows that picture's pose, whatever its colours |\n"
       "| `changed_places_with` | | of `compare`: ids of the agents that now stand before it |\n"
       "| `by_height` | | of `quality` and `distance`: `from_px`, `below_px`, `units` (views, or agents), each cause's "
       "share of "

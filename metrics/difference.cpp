@@ -228,15 +228,15 @@ const LinearDifference& linear_errors(const ScoreInput& input, Shared& shared) {
       .of;
 }
 
-// An infinity that only one picture has is no distance, and neither is what is not a number.
-ScoreResult finite(double value, const ScoreInput& input, Shared& shared) {
-  if (!std::isfinite(value)) return absent(not_finite_reason(input, shared));
+// What is not finite has no distance from anything, from the same infinity either: it is counted and placed instead.
+ScoreResult finite(double LinearDifference::*member, const ScoreInput& input, Shared& shared) {
+  if (const std::string& reason = not_finite_reason(input, shared); !reason.empty()) return absent(reason);
   ScoreResult result;
-  result.value = value;
+  result.value = linear_errors(input, shared).*member;
   return result;
 }
 
-constexpr std::string_view kNotFinite = "a pixel is not a number, or infinite in one of the pictures";
+constexpr std::string_view kNotFinite = "a pixel is not a number or infinite";
 
 }  // namespace
 
@@ -332,8 +332,7 @@ extern const Score score_linear_mae = {
     .computes = "mean of abs(a - b) over pixels and colours, in the pictures' own unit",
     .source = "",
     .absence = kNotFinite,
-    .compute = [](const ScoreInput& input,
-                  Shared& shared) { return finite(linear_errors(input, shared).mae, input, shared); },
+    .compute = [](const ScoreInput& input, Shared& shared) { return finite(&LinearDifference::mae, input, shared); },
 };
 
 extern const Score score_linear_rms = {
@@ -349,8 +348,7 @@ extern const Score score_linear_rms = {
     .computes = "root of the mean of (a - b)^2 over pixels and colours, in the pictures' own unit",
     .source = "",
     .absence = kNotFinite,
-    .compute = [](const ScoreInput& input,
-                  Shared& shared) { return finite(linear_errors(input, shared).rms, input, shared); },
+    .compute = [](const ScoreInput& input, Shared& shared) { return finite(&LinearDifference::rms, input, shared); },
 };
 
 }  // namespace crowdbench::metrics

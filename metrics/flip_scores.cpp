@@ -5,7 +5,6 @@
 #include "metrics/flip.h"
 #include "metrics/hdr_flip.h"
 #include "metrics/intermediates.h"
-#include "metrics/pseudocolour.h"
 
 namespace crowdbench::metrics {
 namespace {
@@ -83,19 +82,16 @@ std::optional<double> mean_of_agent(const ImageF& errors, const AgentPixels& age
   return sum / static_cast<double>(agent.pixels.size());
 }
 
-// Values of 0..1 through a table as FLIP's tool writes them.
-Image8 painted(const ImageF& values, const ColourTable& colours) {
-  Image8 levels(values.width, values.height, 1);
-  std::transform(values.data.begin(), values.data.end(), levels.data.begin(),
-                 [](float v) { return static_cast<uint8_t>(255 * v + 0.5F); });
-  return pseudocolour(levels, colours);
-}
-
-Image8 magma(const ScoreMap& map) {
-  ImageF values(map.values.width, map.values.height, 1);
-  std::transform(map.values.data.begin(), map.values.data.end(), values.data.begin(),
-                 [](double v) { return static_cast<float>(v); });
-  return painted(values, magma_colours());
+// The exposure at which each pixel's error is greatest.
+ScoreDrawing exposures_of(const HdrFlip& errors) {
+  ScoreDrawing out{"hdr_flip_exposures", "exposure of the greatest FLIP", map_of(errors.exposure), &viridis_colours()};
+  const ExposureRange& range = errors.range;
+  for (double& place : out.map.values.data) place = range.start + place * (range.stop - range.start);
+  out.map.equal = range.start;
+  // One exposure twice is still a range to colour.
+  out.map.worst = range.stop > range.start ? range.stop : range.start + 1;
+  out.map.unit = "stops";
+  return out;
 }
 
 ScoreResult flip(const ScoreInput& input, Shared& shared) {
@@ -114,7 +110,7 @@ ScoreResult hdr_flip_score(const ScoreInput& input, Shared& shared) {
   result.details.emplace_back("start_exposure", errors.range.start);
   result.details.emplace_back("stop_exposure", errors.range.stop);
   result.details.emplace_back("exposures", errors.range.exposures);
-  if (input.maps) result.drawings.emplace_back("hdr_flip_exposures", painted(errors.exposure, viridis_colours()));
+  if (input.maps) result.drawings.push_back(exposures_of(errors));
   return result;
 }
 
@@ -142,7 +138,7 @@ extern const Score score_flip = {
       if (too_few_pixels(input)) return std::nullopt;
       return mean_of_agent(flip_of_codes(input, shared), agent);
     },
-    .paint = magma,
+    .colours = magma_colours,
 };
 
 extern const Score score_hdr_flip = {
@@ -168,7 +164,7 @@ extern const Score score_hdr_flip = {
       if (!errors.range.reason.empty()) return std::nullopt;
       return mean_of_agent(errors.map, agent);
     },
-    .paint = magma,
+    .colours = magma_colours,
 };
 
 }  // namespace crowdbench::metrics

@@ -1,48 +1,19 @@
 #include "metrics/picture_causes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "core/colour.h"
+#include "core/parallel.h"
+#include "metrics/agent_motion.h"
 #include "metrics/sizes.h"
 
 namespace crowdbench::metrics {
 namespace {
-
-// Of the squared error, what may be left after a pose or a shift for it to count as the explanation.
-constexpr double kExplains = 0.5;
-
-struct Extent {
-  int left = 0, top = 0, right = -1, bottom = -1;  // inclusive
-  double x = 0, y = 0;                             // the mean
-  size_t pixels = 0;
-  void add(int px, int py) {
-    if (pixels == 0) *this = {px, py, px, py, 0, 0, 0};
-    left = std::min(left, px), right = std::max(right, px);
-    top = std::min(top, py), bottom = std::max(bottom, py);
-    x += (px - x) / static_cast<double>(++pixels);
-    y += (py - y) / static_cast<double>(pixels);
-  }
-};
-using Extents = std::map<uint32_t, Extent>;
-
-Extents extents_of(const ImageU32& ids) {
-  Extents out;
-  for (int y = 0; y < ids.height; ++y)
-    for (int x = 0; x < ids.width; ++x)
-      if (const uint32_t id = *ids.at(x, y); id != 0) out[id].add(x, y);
-  return out;
-}
-
-// A picture with who is where, while causes are put in.
-struct Layer {
-  Image8 codes;  // RGB
-  ImageU32 ids;
-  ImageF depth;  // metres; empty: not known
-};
 
 Image8 rgb_of(const Image8& image) {
   Image8 out(image.width, image.height, 3);
@@ -57,108 +28,10 @@ bool differ(const Layer& a, const Layer& b, size_t pixel) {
   return !std::equal(&a.codes.data[3 * pixel], &a.codes.data[3 * pixel] + 3, &b.codes.data[3 * pixel]);
 }
 
-void copy_pixel(const Layer& from, size_t source, Layer& to, size_t place) {
-  std::copy_n(&from.codes.data[3 * source], 3, &to.codes.data[3 * place]);
-  to.ids.data[place] = from.ids.data[source];
-  if (!to.depth.empty() && !from.depth.empty()) to.depth.data[place] = from.depth.data[source];
-}
-
-// One agent of `now` replaced by what `source` shows of it, moved by (dx, dy). What it leaves is as the test has it,
-// and so is what stands before it at its new place: an agent that was there and still is.
-class Replacement {
- public:
-  Replacement(const Layer& now, const Layer& source, const Layer& test, uint32_t id, int dx, int dy)
-      : now_(now), source_(source), test_(test), id_(id), dx_(dx), dy_(dy) {}
-
-  struct Origin {
-    const Layer* layer;
-    size_t pixel;
-    bool shows;  // the agent
-  };
-  // From which layer, and from which of its pixels, this pixel comes. Where the agent left a pixel and the test has it
-  // there all the same, nobody knows what it uncovered: the pixel stays as it was.
-  Origin origin(int x, int y) const {
-    const size_t here = index(x, y);
-    const int sx = x - dx_;
-    const int sy = y - dy_;
-    const uint32_t shown = test_.ids.data[here];
-    const uint32_t was = now_.ids.data[here];
-    if (sx >= 0 && sy >= 0 && sx < now_.ids.width && sy < now_.ids.height && source_.ids.data[index(sx, sy)] == id_) {
-      const bool hidden = shown != 0 && shown != id_ && was == shown;
-      return hidden ? Origin{&now_, here, false} : Origin{&source_, index(sx, sy), true};
-    }
-    return {was == id_ && shown != id_ ? &test_ : &now_, here, false};
-  }
-  size_t index(int x, int y) const {
-    return static_cast<size_t>(y) * static_cast<size_t>(now_.ids.width) + static_cast<size_t>(x);
-  }
-
- private:
-  const Layer& now_;
-  const Layer& source_;
-  const Layer& test_;
-  uint32_t id_;
-  int dx_, dy_;
-};
-
-// What is left of the error against the test in the box, and how many pixels differ in whether they show the agent.
-struct Left {
-  int64_t error = 0;
-  size_t outline = 0;
-};
-
-struct Range {
-  int left, top, right, bottom;  // inclusive
-};
-
-Left left_after(const Replacement& replacement, const Layer& test, uint32_t id, const Range& range) {
-  Left out;
-  for (int y = range.top; y <= range.bottom; ++y)
-    for (int x = range.left; x <= range.right; ++x) {
-      const size_t here = replacement.index(x, y);
-      const auto [layer, from, shows] = replacement.origin(x, y);
-      const bool should = test.ids.data[here] == id;
-      if (!shows && !should) continue;
-      out.outline += shows != should ? 1 : 0;
-      for (size_t c = 0; c < 3; ++c) {
-        const int d = int{layer->codes.data[3 * from + c]} - int{test.codes.data[3 * here + c]};
-        out.error += d * d;
-      }
-    }
-  return out;
-}
-
-Range around(const Extent& a, const Extent& b, const ImageU32& ids, int margin) {
-  return {std::max(0, std::min(a.left, b.left) - margin), std::max(0, std::min(a.top, b.top) - margin),
-          std::min(ids.width - 1, std::max(a.right, b.right) + margin),
-          std::min(ids.height - 1, std::max(a.bottom, b.bottom) + margin)};
-}
-
-bool explains(const Left& before, const Left& after) {
-  return static_cast<double>(after.error) < kExplains * static_cast<double>(before.error) &&
-         after.outline <= before.outline;
-}
-
-// now: not a layer that the replacement reads.
-void replace(Layer& now, const Replacement& replacement, const Range& range) {
-  for (int y = range.top; y <= range.bottom; ++y)
-    for (int x = range.left; x <= range.right; ++x) {
-      const auto [layer, from, shows] = replacement.origin(x, y);
-      copy_pixel(*layer, from, now, replacement.index(x, y));
-    }
-}
-
-// Whole pixels that bring an edge or the middle of the agent to where it is in the test, and those beside them.
-std::set<std::pair<int, int>> candidates(const Extent& from, const Extent& to) {
-  const int across[] = {to.left - from.left, to.right - from.right, static_cast<int>(std::lround(to.x - from.x))};
-  const int down[] = {to.top - from.top, to.bottom - from.bottom, static_cast<int>(std::lround(to.y - from.y))};
-  std::set<std::pair<int, int>> out;
-  for (const int dx : across)
-    for (const int dy : down)
-      for (int i = -1; i <= 1; ++i)
-        for (int j = -1; j <= 1; ++j) out.emplace(dx + i, dy + j);
-  out.erase({0, 0});
-  return out;
+void copy_pixel(const Layer& from, size_t pixel, Layer& to) {
+  std::copy_n(&from.codes.data[3 * pixel], 3, &to.codes.data[3 * pixel]);
+  to.ids.data[pixel] = from.ids.data[pixel];
+  if (!to.depth.empty() && !from.depth.empty()) to.depth.data[pixel] = from.depth.data[pixel];
 }
 
 class Telling {
@@ -210,6 +83,26 @@ class Telling {
  private:
   size_t pixels() const { return now_.ids.pixels(); }
 
+  // How well a pose explains the agent, moved as fits it best.
+  Mismatch best_of(const AgentPictures& agent, const Extent& from, const Extent& to) const {
+    if (const std::optional<AgentMove> move = find_move(agent, from, to)) return move->after;
+    return mismatch_of(agent, {}, around(from, to, now_.ids, 2));
+  }
+
+  // Whether an agent shows the other pose rather than its own.
+  bool is_late(uint32_t id, const Layer& posed, const Extent& was, const Extent& other, const Extent& shown) const {
+    const Mismatch own = best_of({now_, now_, test_, id}, was, shown);
+    if (own.cost == 0) return false;
+    const Mismatch late = best_of({now_, posed, test_, id}, other, shown);
+    constexpr double kExplains = 0.5;     // of the cost, or of the outline, what may be left
+    constexpr double kSameColours = 1.1;  // what a pose alone explains of a repainted agent is its outline
+    constexpr size_t kLeastOutline = 6;
+    const bool cheaper = late.cost < kExplains * own.cost && late.outline <= own.outline;
+    const bool fits = own.outline >= kLeastOutline && late.residual <= kSameColours * own.residual &&
+                      static_cast<double>(late.outline) < kExplains * static_cast<double>(own.outline);
+    return cheaper || fits;
+  }
+
   void put_in_poses() {
     const Layer posed{rgb_of(*pictures_.posed), *pictures_.posed_ids, {}};
     require_same_size(now_.ids, posed.ids);
@@ -217,19 +110,17 @@ class Telling {
     const Extents own = extents_of(now_.ids);
     const Extents other = extents_of(posed.ids);
     const Extents shown = extents_of(test_.ids);
-    for (const auto& [id, extent] : own) {
-      const auto there = other.find(id);
-      const auto then = shown.find(id);
-      if (there == other.end() || then == shown.end()) continue;
-      Range range = around(extent, there->second, now_.ids, 0);
-      const Range with_test = around(there->second, then->second, now_.ids, 0);
-      range = {std::min(range.left, with_test.left), std::min(range.top, with_test.top),
-               std::max(range.right, with_test.right), std::max(range.bottom, with_test.bottom)};
-      const Left before = left_after({now_, now_, test_, id, 0, 0}, test_, id, range);
-      if (!explains(before, left_after({now_, posed, test_, id, 0, 0}, test_, id, range))) continue;
-      changes_[id].posed = true;
-      const Layer was = now_;
-      replace(now_, {was, posed, test_, id, 0, 0}, range);
+    std::vector<uint32_t> ids;
+    for (const auto& [id, extent] : own)
+      if (other.contains(id) && shown.contains(id)) ids.push_back(id);
+    std::vector<uint8_t> late(ids.size());
+    parallel_for(ids.size(), 0, [&](size_t i) {
+      late[i] = is_late(ids[i], posed, own.at(ids[i]), other.at(ids[i]), shown.at(ids[i])) ? 1 : 0;
+    });
+    for (size_t i = 0; i < ids.size(); ++i) {
+      if (late[i] == 0) continue;
+      changes_[ids[i]].posed = true;
+      put_in({now_, posed, test_, ids[i]}, {}, 0, around(own.at(ids[i]), other.at(ids[i]), now_.ids, 0), now_);
     }
     steps_.push_back({Cause::pose, now_.codes});
   }
@@ -237,25 +128,21 @@ class Telling {
   void put_in_places() {
     const Extents own = extents_of(now_.ids);
     const Extents shown = extents_of(test_.ids);
-    for (const auto& [id, extent] : own) {
-      const auto then = shown.find(id);
-      if (then == shown.end()) continue;
-      const Range range = around(extent, then->second, now_.ids, 2);
-      const Left before = left_after({now_, now_, test_, id, 0, 0}, test_, id, range);
-      if (before.outline == 0) continue;  // it is where it was
-      Left best = before;
-      for (const auto& [dx, dy] : candidates(extent, then->second)) {
-        const Left left = left_after({now_, now_, test_, id, dx, dy}, test_, id, range);
-        // What another agent uncovers moves the edges of what is seen, too, but brings no outline to its place.
-        const bool fits = static_cast<double>(left.outline) < kExplains * static_cast<double>(before.outline);
-        if (!fits || !explains(before, left) || left.error >= best.error) continue;
-        best = left;
-        changes_[id].dx = dx;
-        changes_[id].dy = dy;
-      }
-      if (best.error == before.error) continue;
-      const Layer was = now_;
-      replace(now_, {was, was, test_, id, changes_[id].dx, changes_[id].dy}, range);
+    std::vector<uint32_t> ids;
+    for (const auto& [id, extent] : own)
+      if (shown.contains(id)) ids.push_back(id);
+    std::vector<std::optional<AgentMove>> moves(ids.size());
+    parallel_for(ids.size(), 0, [&](size_t i) {
+      moves[i] = find_move({now_, now_, test_, ids[i]}, own.at(ids[i]), shown.at(ids[i]));
+    });
+    for (size_t i = 0; i < ids.size(); ++i) {
+      if (!moves[i]) continue;
+      AgentChange& change = changes_[ids[i]];
+      change.dx = moves[i]->motion.dx;
+      change.dy = moves[i]->motion.dy;
+      change.farther = moves[i]->farther;
+      put_in({now_, now_, test_, ids[i]}, moves[i]->motion, moves[i]->farther.value_or(0),
+             around(own.at(ids[i]), shown.at(ids[i]), now_.ids, 2), now_);
     }
     steps_.push_back({Cause::place, now_.codes});
   }
@@ -299,8 +186,11 @@ class Telling {
     std::map<uint32_t, std::vector<double>> farther;
     for (size_t i = 0; i < pixels(); ++i)
       if (const uint32_t id = now_.ids.data[i]; id != 0 && id == test_.ids.data[i])
-        farther[id].push_back(static_cast<double>(test_.depth.data[i]) - static_cast<double>(now_.depth.data[i]));
+        if (const double gap = static_cast<double>(test_.depth.data[i]) - static_cast<double>(now_.depth.data[i]);
+            std::isfinite(gap))
+          farther[id].push_back(gap);
     for (auto& [id, gaps] : farther) {
+      if (changes_[id].farther) continue;
       std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
       changes_[id].farther = gaps[gaps.size() / 2];
     }
@@ -315,26 +205,76 @@ class Telling {
   }
 
   void put_in_colours() {
-    put_in_where(Cause::shading,
-                 [&](size_t i) { return test_.ids.data[i] != 0 && differ(now_, test_, i) && one_factor(i); });
+    const std::set<uint32_t> relit = relit_agents();
+    put_in_where(Cause::shading, [&](size_t i) {
+      const uint32_t id = test_.ids.data[i];
+      if (id == 0 || !differ(now_, test_, i)) return false;
+      return unclear(i) ? relit.contains(id) : lightness_alone(i);
+    });
     put_in_where(Cause::texture, [&](size_t i) { return test_.ids.data[i] != 0 && differ(now_, test_, i); });
   }
 
-  // Whether the pixel's channels differ by one factor in linear light, to within what code values round.
-  bool one_factor(size_t i) const {
+  // So small a difference that rounding makes it look like either.
+  bool unclear(size_t i) const {
+    constexpr int kSmall = 3;  // code values
+    for (size_t c = 3 * i; c < 3 * i + 3; ++c)
+      if (std::abs(int{now_.codes.data[c]} - int{test_.codes.data[c]}) > kSmall) return false;
+    return true;
+  }
+
+  // Agents most of whose clear differences are of lightness alone; of all, where none is clear.
+  std::set<uint32_t> relit_agents() const {
+    struct Votes {
+      size_t clear = 0, clear_relit = 0, all = 0, all_relit = 0;
+    };
+    std::map<uint32_t, Votes> votes;
+    for (size_t i = 0; i < pixels(); ++i) {
+      const uint32_t id = test_.ids.data[i];
+      if (id == 0 || !differ(now_, test_, i)) continue;
+      Votes& of = votes[id];
+      const size_t relit = lightness_alone(i) ? 1 : 0;
+      of.all += 1;
+      of.all_relit += relit;
+      if (unclear(i)) continue;
+      of.clear += 1;
+      of.clear_relit += relit;
+    }
+    std::set<uint32_t> out;
+    for (const auto& [id, of] : votes)
+      if (of.clear > 0 ? 2 * of.clear_relit > of.clear : 2 * of.all_relit > of.all) out.insert(id);
+    return out;
+  }
+
+  // Whether the pixel's channels all changed by one factor in linear light, by one factor in code values or by one
+  // amount in code values, to within what code values round; a channel at an end of the range may have met it.
+  bool lightness_alone(size_t i) const {
     const uint8_t* a = &now_.codes.data[3 * i];
     const uint8_t* b = &test_.codes.data[3 * i];
-    double from = 0;
-    double to = 0;
+    std::array<double, 3> linear{};
+    double from_linear = 0, to_linear = 0, from = 0, to = 0, amount = 0;
+    int within = 0;  // channels that met no end
     for (size_t c = 0; c < 3; ++c) {
-      from += srgb_to_linear(a[c] / 255.0);
-      to += srgb_to_linear(b[c] / 255.0);
+      linear.at(c) = srgb_to_linear(a[c] / 255.0);
+      if (b[c] == 0 || b[c] == 255) continue;
+      from_linear += linear.at(c);
+      to_linear += srgb_to_linear(b[c] / 255.0);
+      from += a[c];
+      to += b[c];
+      amount += int{b[c]} - int{a[c]};
+      ++within;
     }
+    // What became black or white shows nothing else.
+    if (within == 0) return b[0] == b[1] && b[1] == b[2];
+    const auto fits = [&](const auto& predicted) {
+      constexpr double kRounding = 1.5;  // code values
+      for (size_t c = 0; c < 3; ++c)
+        if (std::abs(std::clamp(predicted(c), 0.0, 255.0) - b[c]) > kRounding) return false;
+      return true;
+    };
+    if (fits([&](size_t c) { return a[c] + amount / within; })) return true;
     if (from == 0) return false;
-    constexpr double kRounding = 1.5;  // code values
-    for (size_t c = 0; c < 3; ++c)
-      if (std::abs(255 * linear_to_srgb(srgb_to_linear(a[c] / 255.0) * to / from) - b[c]) > kRounding) return false;
-    return true;
+    return fits([&](size_t c) { return a[c] * to / from; }) ||
+           fits([&](size_t c) { return 255 * linear_to_srgb(std::min(1.0, linear.at(c) * to_linear / from_linear)); });
   }
 
   template <typename Where>
@@ -342,7 +282,7 @@ class Telling {
     std::vector<size_t> places;
     for (size_t i = 0; i < pixels(); ++i)
       if (where(i)) places.push_back(i);
-    for (const size_t i : places) copy_pixel(test_, i, now_, i);
+    for (const size_t i : places) copy_pixel(test_, i, now_);
     steps_.push_back({cause, now_.codes});
   }
 

@@ -2,8 +2,13 @@
 // be told from pictures alone (metrics/causes.h). The causes that ask for another drawing are not available.
 //
 // Differs from what is told with a renderer (metrics/surface_causes.h): who stands before whom, and what is shading and
-// what is texture, is concluded, not known. A grey repainting looks as a change of the light does, and counts as
-// shading.
+// what is texture, is concluded, not known.
+//
+// What cannot be told apart: a grey repainting from a change of the light (it counts as shading); a shift by less than
+// about 0.1 pixel from nothing; an agent nearer and one drawn larger, without depths; an agent that is a frame late
+// from a wrong outline, without that frame (PicturesWithIds::posed), and then its wrong surfaces from its texture,
+// since that frame's depths are not given. An agent that moved by a fraction of a pixel and was recoloured shows
+// colours of which nobody knows where between two samples they lie: that much of its place is counted as texture.
 #pragma once
 #include <optional>
 #include <vector>
@@ -30,7 +35,7 @@ struct PicturesWithIds {
 struct AgentChange {
   uint32_t id = 0;
   bool posed = false;                         // it has the pose of PicturesWithIds::posed
-  int dx = 0, dy = 0;                         // pixels: moved so far, right and down
+  double dx = 0, dy = 0;                      // pixels: its middle moved so far, right and down
   std::optional<double> farther;              // metres, with depths: the median over its pixels
   std::vector<uint32_t> changed_places_with;  // that it stood before, and which stand before it now
 };

@@ -89,6 +89,15 @@ const ColourTable& error_colours() {
   return colours;
 }
 
+const ColourTable& grey_colours() {
+  static const auto colours = [] {
+    ColourTable table{};
+    for (size_t i = 0; i < table.size(); ++i) table[i].fill(static_cast<uint8_t>(255 - i));
+    return table;
+  }();
+  return colours;
+}
+
 Image8 error_levels(const Image8& a, const Image8& b) { return error_levels_of(a, b); }
 Image8 error_levels(const Image16& a, const Image16& b) { return error_levels_of(a, b); }
 
@@ -99,41 +108,55 @@ Image8 pseudocolour(const Image8& levels, const ColourTable& colours) {
   return out;
 }
 
-Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first, double last,
-                       const ColourTable& colours) {
-  constexpr int kNarrowest = 360;
-  const double scale = std::max(1.0, std::min(picture.width, picture.height * 2) / 960.0);
+Image8 colour_bar(int width, const std::string& caption, double first, double last, const ColourTable& colours,
+                  double scale) {
   const auto scaled = [&](double pixels) { return static_cast<int>(std::lround(pixels * scale)); };
-  const int width = std::max(picture.width, scaled(kNarrowest));
-  const int bar_top = picture.height + scaled(10);
-  const int bar_height = scaled(14);
+  const int thickness = std::max(1, scaled(1));
+  const auto extent_of = [&](const std::string& words) {
+    int below = 0;
+    return cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, 0.4 * scale, thickness, &below).width;
+  };
   const int bar_left = scaled(20);
+  width = std::max(width, extent_of(caption) + 2 * scaled(6));
+  const int bar_top = scaled(10);
+  const int bar_height = scaled(14);
   const int bar_width = width - 2 * bar_left;
-  Image8 out(width, picture.height + scaled(66), 3);
+  Image8 out(width, scaled(66), 3);
   std::fill(out.data.begin(), out.data.end(), uint8_t{255});
-  const int left = (width - picture.width) / 2;
-  for (int y = 0; y < picture.height; ++y)
-    std::copy_n(picture.at(0, y), static_cast<size_t>(picture.width) * 3, out.at(left, y));
-
   for (int x = 0; x < bar_width; ++x) {
     const auto level = static_cast<size_t>(std::lround(255.0 * x / (bar_width - 1)));
     for (int y = 0; y < bar_height; ++y) std::copy_n(colours[level].begin(), 3, out.at(bar_left + x, bar_top + y));
   }
   cv::Mat canvas = view(out);
   const cv::Scalar ink(40, 40, 40);
-  const int thickness = std::max(1, scaled(1));
-  const auto text = [&](const std::string& words, int centre, int baseline, double size) {
-    int below = 0;
-    const cv::Size extent = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size * scale, thickness, &below);
-    cv::putText(canvas, words, {centre - extent.width / 2, baseline}, cv::FONT_HERSHEY_SIMPLEX, size * scale, ink,
+  // A white end of the bar would have no edge.
+  cv::rectangle(canvas, {bar_left - 1, bar_top - 1}, {bar_left + bar_width, bar_top + bar_height},
+                cv::Scalar(160, 160, 160), 1);
+  const auto text = [&](const std::string& words, int centre, int baseline) {
+    cv::putText(canvas, words, {centre - extent_of(words) / 2, baseline}, cv::FONT_HERSHEY_SIMPLEX, 0.4 * scale, ink,
                 thickness, cv::LINE_AA);
   };
   for (int quarter = 0; quarter <= 4; ++quarter) {
     const int x = bar_left + static_cast<int>(std::lround(quarter / 4.0 * (bar_width - 1)));
     cv::line(canvas, {x, bar_top + bar_height}, {x, bar_top + bar_height + scaled(4)}, ink, thickness);
-    text(fmt::format("{:.3g}", first + quarter / 4.0 * (last - first)), x, bar_top + bar_height + scaled(17), 0.4);
+    text(fmt::format("{:.3g}", first + quarter / 4.0 * (last - first)), x, bar_top + bar_height + scaled(17));
   }
-  text(caption, width / 2, bar_top + bar_height + scaled(34), 0.4);
+  text(caption, width / 2, bar_top + bar_height + scaled(34));
+  return out;
+}
+
+Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first, double last,
+                       const ColourTable& colours) {
+  constexpr int kNarrowest = 360;
+  const double scale = std::max(1.0, std::min(picture.width, picture.height * 2) / 960.0);
+  const int least = std::max(picture.width, static_cast<int>(std::lround(kNarrowest * scale)));
+  const Image8 bar = colour_bar(least, caption, first, last, colours, scale);
+  Image8 out(bar.width, picture.height + bar.height, 3);
+  std::fill(out.data.begin(), out.data.end(), uint8_t{255});
+  const int left = (out.width - picture.width) / 2;
+  for (int y = 0; y < picture.height; ++y)
+    std::copy_n(picture.at(0, y), static_cast<size_t>(picture.width) * 3, out.at(left, y));
+  std::copy(bar.data.begin(), bar.data.end(), out.at(0, picture.height));
   return out;
 }
 

@@ -18,6 +18,8 @@ const ColourTable& error_colours();
 // tool paints errors in the first and exposures in the second.
 const ColourTable& magma_colours();
 const ColourTable& viridis_colours();
+// White to black: what is equal is white.
+const ColourTable& grey_colours();
 
 // The mean of |a - b| over R, G and B, rounded: one channel. Its mean is the MAE up to rounding. Throws Error when the
 // sizes differ.
@@ -27,9 +29,13 @@ Image8 error_levels(const Image16& a, const Image16& b);
 // One channel of 0..255 through a table: RGB, same size.
 Image8 pseudocolour(const Image8& levels, const ColourTable& colours = error_colours());
 
-// `picture` (RGB) with the colour bar below it, its ends and quarters labelled from `first` (the table's first colour)
-// to `last` and `caption` beneath. At least 360 pixels wide: a narrow picture is centred on white. Larger pictures get
-// a larger bar.
+// The colour bar alone, RGB on white: its ends and quarters labelled from `first` (the table's first colour) to `last`
+// and `caption` beneath. As wide as `width` pixels, or more where the words need it; 66 x scale pixels high.
+Image8 colour_bar(int width, const std::string& caption, double first = 0, double last = 255,
+                  const ColourTable& colours = error_colours(), double scale = 1);
+
+// `picture` (RGB) with that bar below it, at least 360 pixels wide. A picture that is narrower than its bar is centred
+// on white. Larger pictures get a larger bar.
 Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first = 0, double last = 255,
                        const ColourTable& colours = error_colours());
 

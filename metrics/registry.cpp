@@ -172,19 +172,39 @@ std::string value_text(const Score& score, const std::optional<double>& value) {
   return fmt::format("{:.{}f}", *value, score.digits);
 }
 
-Image8 map_picture(const Score& score, const ScoreMap& map, MapColours colours) {
-  if (colours == MapColours::own && score.paint) return score.paint(map);
+namespace {
+
+Image8 painted(const ScoreMap& map, const std::string& caption, const ColourTable& table, bool bar) {
   Image8 levels(map.values.width, map.values.height, 1);
   for (size_t i = 0; i < levels.data.size(); ++i) {
     const double share = (map.values.data[i] - map.equal) / (map.worst - map.equal);
     levels.data[i] = static_cast<uint8_t>(std::isnan(share) ? 0 : std::lround(255 * std::clamp(share, 0.0, 1.0)));
   }
-  const std::string caption =
-      map.unit.empty() ? std::string(score.title) : fmt::format("{} ({})", score.title, map.unit);
-  const ColourTable& table = colours == MapColours::magma     ? magma_colours()
-                             : colours == MapColours::viridis ? viridis_colours()
-                                                              : error_colours();
-  return with_colour_bar(pseudocolour(levels, table), caption, map.equal, map.worst, table);
+  const Image8 picture = pseudocolour(levels, table);
+  return bar ? with_colour_bar(picture, caption, map.equal, map.worst, table) : picture;
+}
+
+std::string in_unit(const std::string& unit) { return unit.empty() ? "no unit" : unit; }
+
+}  // namespace
+
+Image8 map_picture(const Score& score, const ScoreResult& result, MapColours colours) {
+  assert(result.map);
+  const ColourTable& table = colours == MapColours::error                   ? error_colours()
+                             : colours == MapColours::magma                 ? magma_colours()
+                             : colours == MapColours::viridis               ? viridis_colours()
+                             : score.colours != nullptr /* own and plain */ ? score.colours()
+                                                                            : error_colours();
+  std::string caption = fmt::format("{} by pixel ({})", score.title, in_unit(result.map->unit));
+  if (result.value)
+    caption +=
+        fmt::format("; score {}{}{}", value_text(score, result.value), score.unit.empty() ? "" : " ", score.unit);
+  return painted(*result.map, caption, table, colours != MapColours::plain);
+}
+
+Image8 drawing_picture(const ScoreDrawing& drawing, MapColours colours) {
+  return painted(drawing.map, fmt::format("{} ({})", drawing.title, in_unit(drawing.map.unit)), *drawing.colours,
+                 colours != MapColours::plain);
 }
 
 std::optional<double> mean_over(const Plane& map, int left, int top, const AgentPixels& agent) {

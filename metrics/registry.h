@@ -19,6 +19,7 @@
 #include "metrics/cvvdp/temporal_filter.h"
 #include "metrics/difference.h"
 #include "metrics/display.h"
+#include "metrics/pseudocolour.h"
 
 namespace crowdbench::metrics {
 
@@ -86,6 +87,14 @@ struct ScoreMap {
   std::string unit;       // "code values"; empty for a pure number
 };
 
+// A picture beside a score's map that the score's source draws.
+struct ScoreDrawing {
+  std::string file;   // without ending
+  std::string title;  // for people: what its values are
+  ScoreMap map;
+  const ColourTable* colours = nullptr;  // the source's
+};
+
 struct ScoreResult {
   std::optional<double> value;  // never NaN; infinite where the score's range says so
   std::string reason;           // why there is no value; empty where there is one
@@ -99,9 +108,7 @@ struct ScoreResult {
   // Over time, where the source has such figures: what each frame adds, as the value of a clip whose frames all add as
   // much. Else empty. `map` is then the worst one's.
   std::vector<double> by_frame;
-  // Pictures beside the map that the score's source draws, as it draws them: file names without ending. With
-  // ScoreInput::maps.
-  std::vector<std::pair<std::string, Image8>> drawings;
+  std::vector<ScoreDrawing> drawings;  // with ScoreInput::maps
 };
 // Not available, because ...
 ScoreResult absent(std::string reason);
@@ -155,8 +162,8 @@ struct Score {
   // The same over one agent's pixels of the whole pictures; nothing where it does not exist. Called with ids, and its
   // needs but kNeedsRegion met. nullptr: not defined for an agent.
   std::optional<double> (*by_agent)(const ScoreInput& input, Shared& shared, const AgentPixels& agent) = nullptr;
-  // A picture of the map as MapColours::own; nullptr: as MapColours::error.
-  Image8 (*paint)(const ScoreMap& map) = nullptr;
+  // In which the score's source paints its map; nullptr: error_colours().
+  const ColourTable& (*colours)() = nullptr;
 };
 
 using ScoreTable = std::span<const Score* const>;
@@ -202,11 +209,13 @@ class ClipScores {
 // For people: the value at the score's digits, "inf", or "-" where there is none.
 std::string value_text(const Score& score, const std::optional<double>& value);
 
-// How a map is painted: as the score's source does, where it says so (Score::paint), or with a colour bar below that
-// names score and unit, in dark blue to red (error_colours()), or in a perceptually uniform table.
-enum class MapColours : uint8_t { own, error, magma, viridis };
-// The map as a picture. RGB or grey.
-Image8 map_picture(const Score& score, const ScoreMap& map, MapColours colours = MapColours::own);
+// How a map is painted, with a colour bar below that names score, unit, range and value: as the score's source does
+// (Score::colours), in dark blue to red (error_colours()), or in a perceptually uniform table. `plain`: as the source
+// does, without a bar, a pixel a value.
+enum class MapColours : uint8_t { own, plain, error, magma, viridis };
+// The map of a result that has one, as a picture. RGB.
+Image8 map_picture(const Score& score, const ScoreResult& result, MapColours colours = MapColours::own);
+Image8 drawing_picture(const ScoreDrawing& drawing, MapColours colours = MapColours::own);
 // The mean of a map over the pixels of an agent that it covers, NaN left out; nothing where there is none. left, top:
 // the pixel of the map's first element.
 std::optional<double> mean_over(const Plane& map, int left, int top, const AgentPixels& agent);

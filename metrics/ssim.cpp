@@ -158,13 +158,6 @@ std::optional<double> ms_ssim(const Plane& a, const Plane& b, const Ssim* first)
   return product;
 }
 
-Image8 ssim_picture(const Ssim& ssim) {
-  Image8 out(ssim.map.width, ssim.map.height, 1);
-  for (size_t i = 0; i < out.data.size(); ++i)
-    out.data[i] = static_cast<uint8_t>(std::clamp(ssim.map.data[i], 0.0, 1.0) * 255 + 0.5);
-  return out;
-}
-
 namespace {
 
 struct Similarity {
@@ -221,13 +214,6 @@ ScoreResult five_scales(const ScoreInput& input, Shared& shared) {
   return result;
 }
 
-// White = equal, black = no or inverted similarity, one pixel a window.
-Image8 grey_map(const ScoreMap& map) {
-  Ssim ssim;
-  ssim.map = map.values;
-  return ssim_picture(ssim);
-}
-
 }  // namespace
 
 const std::optional<Ssim>& similarity(const ScoreInput& input, Shared& shared) {
@@ -255,7 +241,7 @@ extern const Score score_ssim = {
     .absence = kTooSmall,
     .map_file = "ssim_map",
     .compute = mean_ssim,
-    .paint = grey_map,
+    .colours = grey_colours,
 };
 
 extern const Score score_ssim_union = {

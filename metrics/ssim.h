@@ -36,7 +36,4 @@ std::optional<double> ms_ssim(const Plane& a, const Plane& b, const Ssim* first 
 // the mean of 2 x 2 pixels. 0 = equal, higher is worse. Defined for every size; pictures of one pixel or two give 0.
 double gmsd(const Plane& a, const Plane& b);
 
-// The map as a grey picture of its own size: 255 = equal, 0 = no or inverted similarity.
-Image8 ssim_picture(const Ssim& ssim);
-
 }  // namespace crowdbench::metrics

@@ -543,7 +543,8 @@ const Table<PictureRow>& table<PictureRow>() {
       field<&R::comparison>({.name = "comparison",
                              .meaning = "the comparison that it belongs to",
                              .references = "comparison"}),
-      field<&R::role>({.name = "role", .meaning = "\"reference\", \"test\", \"difference\", \"hero\", ..."}),
+      field<&R::role>({.name = "role", .meaning = "\"reference\", \"test\", \"difference\", \"hero\"; \"legend\": the colour bar of a "
+                                      "run's differences"}),
       field<&R::caption>({.name = "caption", .meaning = "for people"}),
       field<&R::width>({.name = "width_px", .unit = "px", .meaning = "width"}),
       field<&R::height>({.name = "height_px", .unit = "px", .meaning = "height"}),
@@ -622,6 +623,101 @@ const Table<ThresholdRow>& table<ThresholdRow>() {
       field<&R::at>({.name = "x", .meaning = "from where on; absent: everywhere or nowhere"}),
       field<&R::low>({.name = "x_low", .meaning = "nearer end of its 95 % interval; absent: open at that end"}),
       field<&R::high>({.name = "x_high", .meaning = "farther end of it"}));
+  return made;
+}
+
+template <>
+const Table<CauseRangeRow>& table<CauseRangeRow>() {
+  using R = CauseRangeRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "cause_range",
+       .rows = "cause_ranges",
+       .meaning = "What the squared error of figures of one range of heights comes from (`quality --causes`, `distance "
+                  "--causes`); the shares of the causes in `cause_share`.",
+       .since = 3},
+      &StoreContents::cause_ranges,
+      id_field<&R::id>(),
+      run_field<&R::run>(),
+      field<&R::representation>({.name = "representation", .meaning = "canonical text of what is compared"}),
+      field<&R::reference>({.name = "reference", .meaning = "canonical text of what it is compared with"}),
+      field<&R::character>({.name = "character", .meaning = "sources of the characters, joined by \" + \""}),
+      field<&R::unit>({.name = "unit", .meaning = "what is drawn anew for the interval", .values = {"view", "agent"}}),
+      field<&R::from>({.name = "from_px", .unit = "px", .meaning = "least height of the figures"}),
+      field<&R::below>({.name = "below_px", .unit = "px", .meaning = "their heights are below this; absent: no end"}),
+      field<&R::units>({.name = "units", .meaning = "views or agents of such a height"}),
+      field<&R::total>({.name = "total", .meaning = "squared error, code values squared, summed over R, G and B"}),
+      field<&R::residue>({.name = "residue", .unit = "fraction", .meaning = "share of it that no cause explains"}),
+      field<&R::dominant>({.name = "dominant",
+                           .meaning = "the cause that has most of it; absent: not distinguishable"}),
+      field<&R::share_low>({.name = "share_low",
+                            .unit = "fraction",
+                            .meaning = "lower end of the 95 % interval of its share"}),
+      field<&R::share_high>({.name = "share_high", .unit = "fraction", .meaning = "upper end of that interval"}),
+      field<&R::words>({.name = "words", .meaning = "the same for people"}));
+  return made;
+}
+
+template <>
+const Table<CauseShareRow>& table<CauseShareRow>() {
+  using R = CauseShareRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "cause_share",
+       .rows = "shares",
+       .meaning = "The share that one cause has of the squared error of a range of heights.",
+       .owner = "cause_range",
+       .within = "cause",
+       .since = 3},
+      nullptr,
+      field<&R::cause>({.name = "cause", .meaning = "its name: \"view\", \"silhouette\", ..."}),
+      field<&R::title>({.name = "title", .meaning = "the same for people"}),
+      field<&R::share>({.name = "share",
+                        .unit = "fraction",
+                        .meaning = "below 0: it undoes error of a cause before it"}));
+  return made;
+}
+
+template <>
+const Table<PopRow>& table<PopRow>() {
+  using R = PopRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "pop",
+       .rows = "pops",
+       .meaning = "A switch of an agent in a sequence of frames (`popping`), by how visible it is: its scores are in "
+                  "`pop_score`.",
+       .since = 3},
+      &StoreContents::pops,
+      id_field<&R::id>(),
+      run_field<&R::run>(),
+      field<&R::representation>({.name = "representation", .meaning = "canonical text of what is drawn"}),
+      field<&R::character>({.name = "character", .meaning = "sources of the characters, joined by \" + \""}),
+      field<&R::from>({.name = "from", .meaning = "what drew the agent before"}),
+      field<&R::to>({.name = "to", .meaning = "what draws it after"}),
+      field<&R::agent>({.name = "agent", .meaning = "its place in the crowd, from 0"}),
+      field<&R::tick>({.name = "tick", .meaning = "the first frame that shows the switch"}),
+      field<&R::frames>({.name = "frames", .meaning = "over which it goes"}),
+      field<&R::complete>({.name = "complete", .meaning = "it ended within the sequence"}),
+      field<&R::distance>({.name = "distance_m", .unit = "m", .meaning = "from the eye to the agent"}),
+      field<&R::pixels>({.name = "pixels_px",
+                         .unit = "px",
+                         .meaning = "of the most visible step; 0: nothing of the agent is seen"}),
+      field<&R::worst_tick>({.name = "worst_tick", .meaning = "frame of the most visible step"}),
+      field<&R::display>({.name = "display", .meaning = "where the pictures are looked at, as in `comparison`"}));
+  return made;
+}
+
+template <>
+const Table<PopScoreRow>& table<PopScoreRow>() {
+  using R = PopScoreRow;
+  static const Table<R> made = make_table<R>(
+      {.name = "pop_score",
+       .rows = "pop_scores",
+       .meaning = "One score of a switch: the worst of its steps.",
+       .owner = "pop",
+       .within = "name",
+       .since = 3},
+      nullptr,
+      field<&R::name>({.name = "name", .meaning = "as `schema --scores` lists those of switches"}),
+      field<&R::value>({.name = "value", .meaning = "absent: nothing of the agent is seen, or it does not exist"}));
   return made;
 }
 // clang-format on

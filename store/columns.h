@@ -83,8 +83,9 @@ struct Table {
 template <typename... Rows>
 struct RowTypes {};
 // Every table, in the order in which they are made and read: what a table references comes before it.
-using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow,
-                             SweepPointRow, PictureRow, CurveRow, CurveBinRow, ThresholdRow>;
+using StoreTables =
+    RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow, SweepPointRow,
+             PictureRow, CurveRow, CurveBinRow, ThresholdRow, CauseRangeRow, CauseShareRow, PopRow, PopScoreRow>;
 
 // The table whose rows these are.
 template <typename Row>
@@ -115,6 +116,14 @@ template <>
 const Table<CurveBinRow>& table();
 template <>
 const Table<ThresholdRow>& table();
+template <>
+const Table<CauseRangeRow>& table();
+template <>
+const Table<CauseShareRow>& table();
+template <>
+const Table<PopRow>& table();
+template <>
+const Table<PopScoreRow>& table();
 
 // Rows that lie in a row of another table.
 template <typename Row>
@@ -130,6 +139,14 @@ struct Owned<ComparisonRow> {
 template <>
 struct Owned<CurveRow> {
   static constexpr auto rows = &CurveRow::bins;
+};
+template <>
+struct Owned<CauseRangeRow> {
+  static constexpr auto rows = &CauseRangeRow::shares;
+};
+template <>
+struct Owned<PopRow> {
+  static constexpr auto rows = &PopRow::scores;
 };
 template <typename Row>
 concept OwnsRows = requires {

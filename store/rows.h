@@ -255,7 +255,61 @@ struct ThresholdRow {
   bool operator==(const ThresholdRow&) const = default;
 };
 
-// What a file holds; samples, scores and bins lie in the rows that they belong to.
+// How much of a range of heights' squared error one cause has.
+struct CauseShareRow {
+  std::string cause;
+  std::string title;
+  double share = 0;  // below 0: it undoes error of a cause before it
+  bool operator==(const CauseShareRow&) const = default;
+};
+
+// What the error of figures of one range of heights comes from.
+struct CauseRangeRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::string representation;
+  std::string reference;
+  std::string character;
+  std::string unit;                     // "view" or "agent"
+  double from = 0;                      // pixels
+  std::optional<double> below;          // absent: no end
+  uint64_t units = 0;                   // that are of such a height
+  uint64_t total = 0;                   // code values squared
+  double residue = 0;                   // its share
+  std::optional<std::string> dominant;  // a cause; absent: not distinguishable
+  std::optional<double> share_low, share_high;
+  std::string words;
+  std::vector<CauseShareRow> shares;
+  bool operator==(const CauseRangeRow&) const = default;
+};
+
+// One score of a switch.
+struct PopScoreRow {
+  std::string name;
+  std::optional<double> value;
+  bool operator==(const PopScoreRow&) const = default;
+};
+
+// A switch of an agent in a sequence of frames.
+struct PopRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::string representation;
+  std::string character;
+  std::string from, to;
+  uint32_t agent = 0;
+  uint64_t tick = 0;
+  uint64_t frames = 0;
+  bool complete = true;
+  double distance = 0;
+  uint64_t pixels = 0;
+  uint64_t worst_tick = 0;
+  std::string display;
+  std::vector<PopScoreRow> scores;
+  bool operator==(const PopRow&) const = default;
+};
+
+// What a file holds; samples, scores, bins and shares lie in the rows that they belong to.
 struct StoreContents {
   std::vector<RunRow> runs;
   std::vector<MeasurementRow> measurements;
@@ -267,6 +321,8 @@ struct StoreContents {
   std::vector<PictureRow> pictures;
   std::vector<CurveRow> curves;
   std::vector<ThresholdRow> thresholds;
+  std::vector<CauseRangeRow> cause_ranges;
+  std::vector<PopRow> pops;
 };
 
 }  // namespace crowdbench

@@ -244,5 +244,7 @@ template int64_t StoreWriter::write(const SweepPointRow&);
 template int64_t StoreWriter::write(const PictureRow&);
 template int64_t StoreWriter::write(const CurveRow&);
 template int64_t StoreWriter::write(const ThresholdRow&);
+template int64_t StoreWriter::write(const CauseRangeRow&);
+template int64_t StoreWriter::write(const PopRow&);
 
 }  // namespace crowdbench

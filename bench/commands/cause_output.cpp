@@ -24,8 +24,11 @@ const metrics::AgentChange* change_of(std::span<const metrics::AgentChange> chan
   return found == changes.end() ? nullptr : &*found;
 }
 
+// Shifts are known to a hundredth of a pixel at best.
+double thousandths(double pixels) { return std::round(1000 * pixels) / 1000; }
+
 void put_change(Json& row, const CauseErrors& errors, const metrics::AgentChange& change) {
-  row["displaced_px"] = {change.dx, change.dy};
+  row["displaced_px"] = {thousandths(change.dx), thousandths(change.dy)};
   row["displaced_m"] = json_number(change.farther);
   row["late"] = errors.available(metrics::Cause::pose) ? Json(change.posed) : Json(nullptr);
   row["changed_places_with"] = Json::array();
@@ -36,8 +39,8 @@ std::string change_text(const metrics::AgentChange& change) {
   std::string text;
   if (change.posed) text += "; in the pose of --pose-ref";
   if (change.dx != 0 || change.dy != 0)
-    text += fmt::format("; displaced by {} pixels {} and {} {}", std::abs(change.dx), change.dx < 0 ? "left" : "right",
-                        std::abs(change.dy), change.dy < 0 ? "up" : "down");
+    text += fmt::format("; displaced by {:.3g} pixels {} and {:.3g} {}", std::abs(change.dx),
+                        change.dx < 0 ? "left" : "right", std::abs(change.dy), change.dy < 0 ? "up" : "down");
   if (change.farther && std::abs(*change.farther) > metrics::kSurfaceTolerance)
     text += fmt::format("; {:.3g} m {}", std::abs(*change.farther), *change.farther > 0 ? "farther" : "nearer");
   for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);
@@ -108,6 +111,16 @@ std::string cause_shares_text(const CauseRow& row) {
   return text + fmt::format("{}residue {:.1f} %", text.empty() ? "" : "; ", percent(row.residue));
 }
 
+void print_untold(const CauseErrors& errors) {
+  std::map<std::string, std::string> untold;  // causes by reason
+  for (const CauseDoc& doc : metrics::causes())
+    if (!errors.available(doc.cause)) {
+      std::string& names = untold[errors.reasons[static_cast<size_t>(doc.cause)]];
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", doc.name);
+    }
+  for (const auto& [reason, names] : untold) fmt::print("  not available: {}: {}\n", names, reason);
+}
+
 void print_causes(const CauseErrors& errors, std::span<const metrics::AgentChange> changes) {
   fmt::print("squared error by cause, {} in all: {}\n", errors.whole.total, cause_shares_text(errors.whole));
   for (const CauseRow& agent : errors.agents) {
@@ -116,13 +129,7 @@ void print_causes(const CauseErrors& errors, std::span<const metrics::AgentChang
     fmt::print("  agent id {}, {}: {}{}\n", agent.id, agent.total, cause_shares_text(agent),
                change ? change_text(*change) : "");
   }
-  std::map<std::string, std::string> untold;  // causes by reason
-  for (const CauseDoc& doc : metrics::causes())
-    if (!errors.available(doc.cause)) {
-      std::string& names = untold[errors.reasons[static_cast<size_t>(doc.cause)]];
-      names += fmt::format("{}{}", names.empty() ? "" : ", ", doc.name);
-    }
-  for (const auto& [reason, names] : untold) fmt::print("  not available: {}: {}\n", names, reason);
+  print_untold(errors);
 }
 
 }  // namespace crowdbench::bench

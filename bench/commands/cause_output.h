@@ -19,6 +19,8 @@ Json cause_ranges_json(std::span<const CauseRange> ranges);
 
 // "pose 12 %, silhouette 70 %, texture 18 %; residue 0.1 %" of the available causes whose amount is not 0.
 std::string cause_shares_text(const metrics::CauseRow& row);
+// A line for each reason why causes could not be told.
+void print_untold(const metrics::CauseErrors& errors);
 // A line for the whole, one for each agent that has an error, and what could not be told.
 void print_causes(const metrics::CauseErrors& errors, std::span<const metrics::AgentChange> changes);
 

@@ -276,7 +276,7 @@ void print_text(const Result& result) {
       fmt::print("not available: {}\n", scored.reason);
     for (const auto* figures : {&scored.pooled, &scored.details})
       for (const auto& [name, value] : *figures)
-        fmt::print("    {:<14} {:>12}\n", name, metrics::value_text(*score, value));
+        fmt::print("   {:<15} {:>12}\n", name, metrics::value_text(*score, value));
   }
   print_display(result.setup, result.scores);
   if (result.worst)
@@ -305,7 +305,7 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       std::string(
           "Scores are over sRGB code values of 0..255 as they lie in the files, those of structure over BT.601 luma;\n"
           "`crowdbench schema --scores` says what each is.\n") +
-      "Maps: absdiff.png |a - b| by channel" + maps_text(table) +
+      "Maps: absdiff.png |a - b| by channel, as code values" + maps_text(table) +
       ".\n\n"
       "Examples:\n"
       "  crowdbench compare mesh.png flat.png\n"

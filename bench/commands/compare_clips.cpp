@@ -217,8 +217,8 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
     series.reason = of.result.reason;
     series.by_frame = of.by_frame;
     series.worst_frame = of.worst_frame;
-    if (const auto& worst = of.worst_frame ? of.worst.map : of.result.map) {
-      const Image8 map = metrics::map_picture(*score, *worst, setup.colours);
+    if (const metrics::ScoreResult& worst = of.worst_frame ? of.worst : of.result; worst.map) {
+      const Image8 map = metrics::map_picture(*score, worst, setup.colours);
       series.map = {map.width, map.height, encode_png(map)};
     }
   }

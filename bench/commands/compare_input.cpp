@@ -18,13 +18,14 @@ namespace {
 
 metrics::MapColours parse_colours(const std::string& text) {
   const std::pair<const char*, metrics::MapColours> known[] = {{"own", metrics::MapColours::own},
+                                                               {"plain", metrics::MapColours::plain},
                                                                {"error", metrics::MapColours::error},
                                                                {"magma", metrics::MapColours::magma},
                                                                {"viridis", metrics::MapColours::viridis}};
   for (const auto& [name, colours] : known)
     if (text == name) return colours;
   throw Error("--colours", fmt::format("there are no colours '{}'", printable(text)),
-              "choose own, error, magma or viridis");
+              "choose own, plain, error, magma or viridis");
 }
 
 metrics::Padding parse_padding(const std::string& text) {
@@ -71,15 +72,18 @@ void add_inputs_and_outputs(Command& command, CompareOptions& options) {
       ->type_name("KIND")
       ->capture_default_str();
   command
-      .add_option("--colours", options.colours,
-                  "of maps: own (as a score's source paints it), error, magma or viridis, with a bar")
+      .add_option(
+          "--colours", options.colours,
+          "of maps: own (of the score's source), error, magma or viridis, with a bar; or plain:\nown without the bar")
       ->type_name("NAME")
       ->capture_default_str();
   command.add_option("--chart", options.chart, "of clips: a page with every score against time")
       ->type_name("FILE.html")
       ->output_file();
-  command.add_option("--over", options.over,
-                     "composite pictures with alpha onto this colour first, '#rrggbb' (else alpha is ignored)");
+  command.add_option(
+      "--over", options.over,
+      "composite pictures with alpha onto this colour first, '#rrggbb', on encoded values, rounded down\n"
+      "as ImageMagick does (rounding to the nearest moves cvvdp by up to 0.001 JOD); else alpha is ignored");
 }
 
 // What counts, and what decides the exit status.
@@ -208,8 +212,9 @@ std::vector<std::string> write_map(const std::filesystem::path& folder, const st
     write_png(file, image);
     files.push_back(file.string());
   };
-  if (result.map) save(std::string(score.map_file), metrics::map_picture(score, *result.map, colours));
-  for (const auto& [name, drawing] : result.drawings) save(name, drawing);
+  if (result.map) save(std::string(score.map_file), metrics::map_picture(score, result, colours));
+  for (const metrics::ScoreDrawing& drawing : result.drawings)
+    save(drawing.file, metrics::drawing_picture(drawing, colours));
   return files;
 }
 

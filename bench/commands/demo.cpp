@@ -134,6 +134,7 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
   const QualitySubject subject{cast_name(cast), motion != nullptr ? motion->name : "none"};
   Progress progress("comparing", setup.views.size());
   store.begin();
+  write_legend(store, run);
   compute_quality(context, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
     progress.advance();
     const int64_t id = store.write(quality_row(run, subject, row, setup.display));

@@ -120,8 +120,12 @@ void print_causes(const DistanceReport& report) {
     fmt::print("\n{}, tick {}: squared error by cause, {} in all: {}\n",
                representation_of(report, frame.representation), frame.tick, frame.errors.whole.total,
                cause_shares_text(frame.errors.whole));
-  for (size_t r = 0; r < report.request.representations.size(); ++r)
+  for (size_t r = 0; r < report.request.representations.size(); ++r) {
     fmt::print("\n{}: the error is dominated by: {}\n", representation_of(report, r), words_of_causes(report, r));
+    const auto told = std::find_if(report.result.causes.begin(), report.result.causes.end(),
+                                   [&](const DistanceCauses& frame) { return frame.representation == r; });
+    if (told != report.result.causes.end()) print_untold(told->errors);
+  }
 }
 
 std::string csv_field(const std::string& text) {
@@ -200,8 +204,9 @@ std::string ticks_text(const DistanceRequest& request) {
 }  // namespace
 
 StoreContents rows_of(const DistanceReport& report, int64_t run) {
-  return distance_rows({report.cast, report.scenario.crowd.agents, report.scenario.occupancy.value_or(0)},
-                       report.request, report.result, report.curves, run);
+  return distance_rows(
+      {report.cast, report.scenario.crowd.agents, report.scenario.occupancy.value_or(0), report.scenario.seed},
+      report.request, report.result, report.curves, run);
 }
 
 Json distance_json(const DistanceReport& report) {

@@ -242,6 +242,9 @@ reports::PopSize page_size(const std::vector<PopCell>& cells, const Scores& scor
       picture_of(pictures->impostor.colour, *box, "impostor"),
       picture_of(metrics::pseudocolour(metrics::error_levels(pictures->mesh.colour, pictures->impostor.colour)), *box,
                  "own pose against impostor: dark blue equal, red the largest possible error")};
+  const std::string bar_caption = "mean absolute difference, code values";
+  const Image8 bar = metrics::colour_bar(220, bar_caption);
+  size.worst.push_back({bar_caption, bar.width, bar.height, encode_png(bar)});
   const std::vector<Image8> steps = fade_pictures(pictures->mesh.colour, pictures->impostor.colour, fade);
   for (size_t i = 0; i < steps.size(); ++i) size.fade.push_back(picture_of(steps[i], *box, fmt::format("tick {}", i)));
   return size;

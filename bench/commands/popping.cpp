@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -13,8 +14,11 @@
 #include "bench/commands/options.h"
 #include "bench/commands/popping_output.h"
 #include "bench/commands/scene_options.h"
+#include "bench/experiments/cause_rows.h"
 #include "bench/experiments/frame_pairs.h"
 #include "bench/stage/cast_name.h"
+#include "bench/timing/run_facts.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "renderers/gl/context.h"
@@ -28,6 +32,7 @@ struct Options {
   std::string representation;
   std::string sequence;
   std::string out;
+  std::string results;
   std::vector<std::string> sweeps;
   uint64_t worst = 10;
   uint64_t rows = 20;
@@ -98,6 +103,16 @@ void require_switches(const std::vector<PoppingRun>& runs) {
                   "give one that is made of others; `crowdbench info --representations` has them");
 }
 
+void write_pops(StoreWriter& store, const PoppingReport& report, const RunRow& run) {
+  store.begin();
+  const int64_t id = store.write(run);
+  for (const PoppingRun& one : report.runs)
+    for (const PopRow& row : pop_rows(id, one.representation.text(), report.cast,
+                                      metrics::display_text(report.display.display), one.result))
+      store.write(row);
+  store.commit();
+}
+
 int run_scenario(const Options& options) {
   PoppingReport report;
   report.rows = options.rows;
@@ -113,6 +128,8 @@ int run_scenario(const Options& options) {
     throw Error("tick_rate", fmt::format("{:g} frames a second are more than are scored", chosen.scenario.tick_rate),
                 fmt::format("give at most {:g}", kFastest));
   request.view = {&report.display.display, !report.display.given, chosen.scenario.tick_rate};
+  std::optional<StoreWriter> store;
+  if (!options.results.empty()) store.emplace(options.results);  // refused before anything is drawn
   request.pictures = options.out.empty() ? 0 : options.worst;
   request.bake_budget = options.bake_budget_mib << 20;
   request.use_cache = !options.no_cache;
@@ -132,6 +149,9 @@ int run_scenario(const Options& options) {
       run.result = measure_popping(*context, cast, staged, request);
       progress.advance();
     }
+    if (store)
+      write_pops(*store, report,
+                 describe_run(*context, choose_timing_method(*context), chosen.scenario, "popping", command_line()));
   }
   if (!options.out.empty()) report.pictures = write_pop_pictures(options.out, report);
   if (options.json)
@@ -222,11 +242,13 @@ void add_popping(Command& app, Run& run) {
       ->capture_default_str()
       ->whole_number(1, 10'000)
       ->needs(out);
+  add_results_option(*command, options->results);
   auto* sequence = command
                        ->add_option("--sequence", options->sequence,
                                     "instead: a clip or a folder of frames, of which no switch is known")
                        ->type_name("PATH");
-  for (const char* drawn : {"SCENARIO", "--representation", "--sweep", "--out", "--display"}) sequence->excludes(drawn);
+  for (const char* drawn : {"SCENARIO", "--representation", "--sweep", "--out", "--display", "--db"})
+    sequence->excludes(drawn);
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_json_option(*command, options->json);
   command->callback([options, &run] {

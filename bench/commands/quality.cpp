@@ -14,6 +14,8 @@
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/score_json.h"
+#include "bench/experiments/bench_run.h"
+#include "bench/experiments/cause_rows.h"
 #include "bench/experiments/quality_rows.h"
 #include "bench/experiments/score_rows.h"
 #include "bench/timing/run_facts.h"
@@ -104,7 +106,7 @@ void write_maps(const std::filesystem::path& folder, const std::string& name, co
   write_png(folder / (name + "_side_by_side.png"), side_by_side(reference, test));
   for (const auto& [score, result] : row.scores.scores)
     if (result.map)
-      write_png(folder / fmt::format("{}_{}.png", name, score->map_file), metrics::map_picture(*score, *result.map));
+      write_png(folder / fmt::format("{}_{}.png", name, score->map_file), metrics::map_picture(*score, result));
   for (size_t i = 0; i < pictures.steps.size(); ++i) {
     const metrics::CauseStep& step = pictures.steps[i];
     write_png(folder / fmt::format("{}_cause{}_{}.png", name, i + 1,
@@ -136,6 +138,15 @@ struct Asked {
   size_t times = 0;
 };
 
+// What dominates a representation's error, over its views.
+std::vector<CauseRange> ranges_of(const std::vector<QualityRow>& rows, size_t index) {
+  std::vector<CauseUnit> units;
+  for (size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].index == index && rows[i].errors) units.push_back({rows[i].view.height_px, i, rows[i].errors->whole});
+  constexpr uint64_t kSeed = 1;
+  return causes_by_height(units, kSeed);
+}
+
 // The result file of --db, and the run in it.
 class Results {
  public:
@@ -146,14 +157,21 @@ class Results {
     scenario.characters = {asked.entry};
     run_ = store_.write(describe_run(context, choose_timing_method(context), scenario, "quality", command_line()));
     store_.begin();
+    write_legend(store_, run_);
   }
   void add(const QualityRow& row, const QualityPictures& pictures) {
     write_quality_pictures(store_, run_, store_.write(quality_row(run_, subject_, row, display_)), row, pictures);
   }
   // Those that were refused are kept too, with the reason. All are kept, or none.
-  void finish(const std::vector<QualityRow>& rows) {
+  void finish(const std::vector<QualityRow>& rows, const Asked& asked) {
     for (const QualityRow& row : rows)
       if (!row.refused.empty()) store_.write(quality_row(run_, subject_, row, display_));
+    if (asked.setup.causes)
+      for (size_t index = 0; index < asked.setup.representations.size(); ++index)
+        for (const CauseRangeRow& row : cause_rows(
+                 run_, {asked.setup.representations[index], renderers::reference_spec().text(), subject_.character},
+                 ranges_of(rows, index), "view"))
+          store_.write(row);
     store_.commit();
   }
 
@@ -239,15 +257,6 @@ ordered_json row_json(const QualityRow& row, const Asked& asked) {
   return out;
 }
 
-// What dominates a representation's error, over its views.
-std::vector<CauseRange> ranges_of(const std::vector<QualityRow>& rows, size_t index) {
-  std::vector<CauseUnit> units;
-  for (size_t i = 0; i < rows.size(); ++i)
-    if (rows[i].index == index && rows[i].errors) units.push_back({rows[i].view.height_px, i, rows[i].errors->whole});
-  constexpr uint64_t kSeed = 1;
-  return causes_by_height(units, kSeed);
-}
-
 ordered_json all_causes_json(const std::vector<QualityRow>& rows, const Asked& asked) {
   ordered_json out = ordered_json::array();
   for (size_t index = 0; index < asked.setup.representations.size(); ++index) {
@@ -313,9 +322,12 @@ void print_scores(const QualityRow& row, const Asked& asked) {
 void print_cause_words(const std::vector<QualityRow>& rows, const Asked& asked) {
   for (size_t index = 0; index < asked.setup.representations.size(); ++index) {
     const std::vector<CauseRange> ranges = ranges_of(rows, index);
-    if (!ranges.empty())
-      fmt::print("\n{}: the error is dominated by: {}\n", asked.setup.representations[index],
-                 cause_words(ranges, "view"));
+    if (ranges.empty()) continue;
+    fmt::print("\n{}: the error is dominated by: {}\n", asked.setup.representations[index],
+               cause_words(ranges, "view"));
+    const auto told =
+        std::find_if(rows.begin(), rows.end(), [&](const QualityRow& row) { return row.index == index && row.errors; });
+    print_untold(*told->errors);
   }
 }
 
@@ -369,7 +381,7 @@ int run_quality(const Options& options, metrics::ScoreTable table) {
       progress.advance();
     });
   }
-  if (results) results->finish(rows);
+  if (results) results->finish(rows, asked);
   if (options.json)
     print_json(rows, films, asked, context.renderer());
   else

@@ -35,7 +35,9 @@ int run_report(const Options& options) {
     write_file(path, std::string_view(make()));
     fmt::print("{}\n", path);
   };
-  write(options.out, [&] { return reports::report_page(contents, {source, scores, renderers::floors_by_name()}); });
+  write(options.out, [&] {
+    return reports::report_page(contents, {source, scores, renderers::floors_by_name(), pop_score_docs()});
+  });
   write(options.markdown, [&] { return reports::report_markdown(contents, source, scores); });
   write(options.csv, [&] { return reports::results_csv(contents); });
   write(options.scores_csv, [&] { return reports::scores_csv(contents); });
@@ -54,7 +56,7 @@ void add_report(Command& app, Run& run) {
       "--google-benchmark "
       "baseline.json --csv results.csv");
   auto options = std::make_shared<Options>();
-  command->add_option("FILE", options->file, "result file that `bench` or `demo` made")
+  command->add_option("FILE", options->file, "result file that `bench`, `demo` or a command with --db made")
       ->required()
       ->type_name("FILE.sqlite");
   command->add_option("--out", options->out, "one self-contained HTML page")->type_name("FILE.html")->output_file();

@@ -408,6 +408,15 @@ std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::Chos
   return score_rows(metrics::score_pictures(table, input, shared));
 }
 
+namespace {
+constexpr const char* kDifferenceCaption = "mean absolute difference of R, G and B (code values)";
+}  // namespace
+
+void write_legend(StoreWriter& store, int64_t run) {
+  const Image8 bar = metrics::colour_bar(360, kDifferenceCaption);
+  store.write(PictureRow{0, run, std::nullopt, "legend", kDifferenceCaption, bar.width, bar.height, encode_png(bar)});
+}
+
 std::vector<PictureRow> comparison_pictures(const Image8& reference, const Image8& test,
                                             const std::string& reference_name, const std::string& test_name, bool bar) {
   std::vector<PictureRow> rows;
@@ -418,7 +427,7 @@ std::vector<PictureRow> comparison_pictures(const Image8& reference, const Image
   add("test", test_name, without_alpha(test));
   const Image8 difference = metrics::pseudocolour(metrics::error_levels(reference, test));
   add("difference", fmt::format("absolute difference of {} and {}", reference_name, test_name),
-      bar ? metrics::with_colour_bar(difference, "mean absolute difference, code values") : difference);
+      bar ? metrics::with_colour_bar(difference, kDifferenceCaption) : difference);
   return rows;
 }
 

@@ -68,7 +68,9 @@ std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::Chos
 std::vector<PictureRow> comparison_pictures(const Image8& reference, const Image8& test,
                                             const std::string& reference_name, const std::string& test_name,
                                             bool bar = true);
-// The same, written.
+// The colour bar of those "difference" pictures of a run that have none of their own, as role "legend".
+void write_legend(StoreWriter& store, int64_t run);
+// comparison_pictures, written.
 void write_pictures(StoreWriter& store, int64_t run, int64_t comparison, const Image8& reference, const Image8& test,
                     const std::string& reference_name, const std::string& test_name, bool bar = true);
 

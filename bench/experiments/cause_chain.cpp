@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <set>
 #include <unordered_map>
 
@@ -68,7 +69,7 @@ void draw_apart(const Drawer& drawer, const scene::Frame& frame, const std::set<
 }
 
 // 255 where two different agents are shown and each covers the pixel in both pictures when drawn alone. laid: who
-// covers what in `before`; empty: `mesh` draws it.
+// covers what in `before`, of those whom stored views show; `mesh` draws the others.
 Image8 agents_in_both(const CauseFrame& of, const Drawer& mesh, const Drawer& test, const Surfaces& before,
                       const Surfaces& after, const StoredViews& laid) {
   std::vector<size_t> places;
@@ -90,14 +91,15 @@ Image8 agents_in_both(const CauseFrame& of, const Drawer& mesh, const Drawer& te
     for (const size_t i : places)
       if (ids.data[i] == before.ids.data[i]) both.data[i] |= kInTest;
   });
-  if (laid.covered.empty())
-    draw_apart(mesh, of.posed, are, [&](const ImageU32& ids) {
-      for (const size_t i : places)
-        if (ids.data[i] == after.ids.data[i]) both.data[i] |= kInMesh;
-    });
-  for (const auto& [id, covered] : laid.covered)
+  for (const auto& [id, covered] : laid.covered) {
+    are.erase(id);
     for (const size_t i : covered)
       if (after.ids.data[i] == id) both.data[i] |= kInMesh;
+  }
+  draw_apart(mesh, of.posed, are, [&](const ImageU32& ids) {
+    for (const size_t i : places)
+      if (ids.data[i] == after.ids.data[i]) both.data[i] |= kInMesh;
+  });
   for (uint8_t& value : both.data) value = value == (kInTest | kInMesh) ? 255 : 0;
   return both;
 }
@@ -107,7 +109,14 @@ Image8 agents_in_both(const CauseFrame& of, const Drawer& mesh, const Drawer& te
 StoredWhat stored_by(const renderers::Spec& spec, const scene::Cast& cast) {
   StoredWhat out;
   out.of_several = !spec.components.empty();
-  for (const renderers::Spec& component : spec.components) out.planes = out.planes || stored_by(component, cast).planes;
+  for (const renderers::Spec& component : spec.components) {
+    StoredWhat of = stored_by(component, cast);
+    out.planes = out.planes || of.planes;
+    if (of.of_several)
+      std::move(of.components.begin(), of.components.end(), std::back_inserter(out.components));
+    else
+      out.components.push_back(std::move(of));
+  }
   const auto sample = renderers::representation_type(spec.name).view_sampling;
   if (sample == nullptr) return out;
   for (size_t c = 0; c < cast.characters.size(); ++c) {
@@ -128,6 +137,40 @@ void show_stored_frames(scene::Frame& frame, const scene::Cast& cast, const rend
     }
 }
 
+namespace {
+
+constexpr const char* kByPart =
+    "of a view it stores a picture of each body part in a key frame, on a plane of its own: none of the whole figure "
+    "in "
+    "its pose stands for the view";
+
+// Whose views show an agent: of the component that draws most of it.
+class WhoseViews {
+ public:
+  WhoseViews(const CauseFrame& of, const Drawer& test, const StoredWhat& stored) : stored_(stored) {
+    if (!stored.of_several) return;
+    for (renderers::AgentShares& agent : test.representation.shares(of.frame, renderers::all_agents(of.frame)))
+      shares_.emplace(agent.id, std::move(agent.shares));
+  }
+  const renderers::ViewSampling* of(size_t character, uint32_t id) const {
+    const StoredWhat& who = drawn_by(id);
+    return who.views.empty() || who.by_part ? nullptr : &who.views[character];
+  }
+  bool by_part(uint32_t id) const { return drawn_by(id).by_part; }
+
+ private:
+  const StoredWhat& drawn_by(uint32_t id) const {
+    const auto found = shares_.find(id);
+    if (found == shares_.end() || found->second.empty()) return stored_;
+    const auto most = std::max_element(found->second.begin(), found->second.end());
+    return stored_.components[static_cast<size_t>(most - found->second.begin())];
+  }
+  const StoredWhat& stored_;
+  std::unordered_map<uint32_t, std::vector<float>> shares_;
+};
+
+}  // namespace
+
 CausePictures draw_causes(const CauseFrame& of, const Drawer& mesh, const Drawer& test, const StoredWhat& stored) {
   CausePictures out;
   std::array<std::string, metrics::kCauses> reasons;
@@ -135,16 +178,20 @@ CausePictures draw_causes(const CauseFrame& of, const Drawer& mesh, const Drawer
   reason(Cause::place) = "both pictures have the same places";
 
   Surfaces posed = draw_surfaces(mesh, of.posed);
-  StoredViews laid;
-  if (stored.of_several) {
-    reason(Cause::pose) = reason(Cause::view) = "it is made of several representations";
-  } else {
+  if (stored.of_several)
+    reason(Cause::pose) = "which stored frame each of its components shows is not known of a representation of several";
+  else
     out.steps.push_back({Cause::pose, posed.codes});
-    if (stored.by_part)
-      reason(Cause::view) = "each body part of a stored view lies on a plane of its own";
-    else if (!stored.views.empty())
-      laid = draw_stored_views(mesh, of.posed, stored.views);
-  }
+  const WhoseViews whose(of, test, stored);
+  bool stores = false;
+  for (size_t c = 0; c < of.posed.agents.size(); ++c)
+    for (const scene::FrameAgent& agent : of.posed.agents[c]) {
+      if (whose.by_part(agent.id)) reason(Cause::view) = kByPart;
+      stores = stores || whose.of(c, agent.id) != nullptr;
+    }
+  StoredViews laid;
+  if (reason(Cause::view).empty() && stores)
+    laid = draw_stored_views(mesh, of.posed, [&](size_t c, size_t i) { return whose.of(c, of.posed.agents[c][i].id); });
   const Surfaces& before = laid.covered.empty() ? posed : laid.surfaces;
   if (reason(Cause::view).empty()) out.steps.push_back({Cause::view, before.codes});
 

@@ -12,9 +12,10 @@ namespace crowdbench::bench {
 // What a representation stores of a cast, as its type says it.
 struct StoredWhat {
   std::vector<renderers::ViewSampling> views;  // by character; empty where it stores no views
-  bool of_several = false;                     // it is made of others: what it stores is not asked
+  bool of_several = false;                     // it is made of others: `components`
   bool by_part = false;                        // a view's picture is not of the whole figure
   bool planes = false;                         // its depths are not those of the surfaces that it shows
+  std::vector<StoredWhat> components;          // as Representation::components() has them
 };
 StoredWhat stored_by(const renderers::Spec& spec, const scene::Cast& cast);
 

@@ -248,6 +248,21 @@ void copy_surface(const Surfaces& from, size_t source, Surfaces& to, size_t plac
   to.ids.data[place] = from.ids.data[source];
 }
 
+// Where it is nearer than what is there; covered: every pixel of it.
+void lay(const Laid& laid, const View& view, Surfaces& surfaces, std::vector<size_t>& covered) {
+  const Laid::Range range = laid.range();
+  for (int y = range.top; y < range.bottom; ++y)
+    for (int x = range.left; x < range.right; ++x) {
+      const auto hit = laid.at(x, y);
+      if (!hit) continue;
+      const size_t place = static_cast<size_t>(y) * static_cast<size_t>(surfaces.ids.width) + static_cast<size_t>(x);
+      covered.push_back(place);
+      if (!(hit->depth < static_cast<double>(surfaces.depth.data[place]))) continue;
+      copy_surface(view.picture, hit->pixel, surfaces, place);
+      surfaces.depth.data[place] = static_cast<float>(hit->depth);
+    }
+}
+
 }  // namespace
 
 Surfaces draw_surfaces(const Drawer& drawer, const scene::Frame& frame, int samples) {
@@ -283,29 +298,26 @@ Surfaces draw_surfaces(const Drawer& drawer, const scene::Frame& frame, int samp
   return out;
 }
 
-StoredViews draw_stored_views(const Drawer& drawer, const scene::Frame& frame,
-                              const std::vector<renderers::ViewSampling>& sampling) {
+StoredViews draw_stored_views(const Drawer& drawer, const scene::Frame& frame, const ViewsOfAgent& views) {
   StoredViews out;
-  scene::Frame empty = frame;
-  for (auto& agents : empty.agents) agents.clear();
-  out.surfaces = draw_surfaces(drawer, empty);
-  std::fill(out.surfaces.depth.data.begin(), out.surfaces.depth.data.end(), std::numeric_limits<float>::infinity());
+  scene::Frame others = frame;
+  for (size_t c = 0; c < frame.agents.size(); ++c) {
+    others.agents[c].clear();
+    for (size_t i = 0; i < frame.agents[c].size(); ++i)
+      if (views(c, i) == nullptr) others.agents[c].push_back(frame.agents[c][i]);
+  }
+  out.surfaces = draw_surfaces(drawer, others);
+  // The ground stands before nobody.
+  for (size_t i = 0; i < out.surfaces.ids.pixels(); ++i)
+    if (out.surfaces.ids.data[i] == 0) out.surfaces.depth.data[i] = std::numeric_limits<float>::infinity();
   for (size_t c = 0; c < frame.agents.size(); ++c)
-    for (const scene::FrameAgent& agent : frame.agents[c]) {
-      const View view = view_of(drawer, frame, c, agent, sampling[c]);
-      const Laid laid(frame, agent, view);
-      const Laid::Range range = laid.range();
-      auto& [id, covered] = out.covered.emplace_back(agent.id, std::vector<size_t>{});
-      for (int y = range.top; y < range.bottom; ++y)
-        for (int x = range.left; x < range.right; ++x) {
-          const auto hit = laid.at(x, y);
-          if (!hit) continue;
-          const size_t place = static_cast<size_t>(y) * static_cast<size_t>(frame.width) + static_cast<size_t>(x);
-          covered.push_back(place);
-          if (!(hit->depth < static_cast<double>(out.surfaces.depth.data[place]))) continue;
-          copy_surface(view.picture, hit->pixel, out.surfaces, place);
-          out.surfaces.depth.data[place] = static_cast<float>(hit->depth);
-        }
+    for (size_t i = 0; i < frame.agents[c].size(); ++i) {
+      const renderers::ViewSampling* sampling = views(c, i);
+      if (sampling == nullptr) continue;
+      const scene::FrameAgent& agent = frame.agents[c][i];
+      const View view = view_of(drawer, frame, c, agent, *sampling);
+      lay(Laid(frame, agent, view), view, out.surfaces,
+          out.covered.emplace_back(agent.id, std::vector<size_t>{}).second);
     }
   return out;
 }

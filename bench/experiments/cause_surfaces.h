@@ -1,5 +1,6 @@
 // What error by cause asks to be drawn: surfaces pixel by pixel, and a figure as a stored view has it.
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "metrics/surface_causes.h"
@@ -27,14 +28,17 @@ metrics::Surfaces draw_surfaces(const Drawer& drawer, const scene::Frame& frame,
 // The figures of a frame as stored views have them.
 struct StoredViews {
   metrics::Surfaces surfaces;
-  // By agent, in the order of the frame: the pixels that it covers, ascending, hidden ones too.
+  // By agent that a stored view shows, in the order of the frame: the pixels that it covers, ascending, hidden ones
+  // too.
   std::vector<std::pair<uint32_t, std::vector<size_t>>> covered;
 };
+// How the views of who draws an agent are sampled; nullptr: who draws it stores none. index: in
+// frame.agents[character].
+using ViewsOfAgent = std::function<const renderers::ViewSampling*(size_t character, size_t index)>;
 // Each figure is drawn by `drawer` from the direction of the view that stands for how the frame's eye sees it, by
 // parallel rays (a lens of a long focal length), finer than the frame, and laid on the plane that the view's picture
 // would lie on; who is in front is decided by the surfaces that it shows. A mirrored view is drawn from the mirrored
-// direction. sampling: by character.
-StoredViews draw_stored_views(const Drawer& drawer, const scene::Frame& frame,
-                              const std::vector<renderers::ViewSampling>& sampling);
+// direction. An agent without views is drawn as the mesh is.
+StoredViews draw_stored_views(const Drawer& drawer, const scene::Frame& frame, const ViewsOfAgent& views);
 
 }  // namespace crowdbench::bench

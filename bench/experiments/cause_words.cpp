@@ -135,10 +135,13 @@ std::vector<CauseRange> causes_by_height(std::span<const CauseUnit> units, uint6
   return out;
 }
 
+std::string cause_range_words(std::span<const CauseRange> ranges, size_t i, const std::string& unit) {
+  return fmt::format("{}: {}", height_text(ranges, i), verdict_text(ranges[i], unit));
+}
+
 std::string cause_words(std::span<const CauseRange> ranges, const std::string& unit) {
   std::string text;
-  for (size_t i = 0; i < ranges.size(); ++i)
-    text += fmt::format("{}{}: {}", i == 0 ? "" : "; ", height_text(ranges, i), verdict_text(ranges[i], unit));
+  for (size_t i = 0; i < ranges.size(); ++i) text += (i == 0 ? "" : "; ") + cause_range_words(ranges, i, unit);
   return text;
 }
 

@@ -42,6 +42,8 @@ std::vector<CauseRange> causes_by_height(std::span<const CauseUnit> units, uint6
 
 // "below 60 pixels: the stored view (62 % of the squared error, 95 % interval 55 to 70 %); from 60 pixels on: not
 // distinguishable (the silhouette or the stored view)". unit: "view" or "agent".
+// The same of the range at `i` alone.
+std::string cause_range_words(std::span<const CauseRange> ranges, size_t i, const std::string& unit);
 std::string cause_words(std::span<const CauseRange> ranges, const std::string& unit);
 
 }  // namespace crowdbench::bench

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "bench/experiments/cause_rows.h"
 #include "bench/experiments/score_rows.h"
 
 namespace crowdbench::bench {
@@ -68,6 +69,10 @@ StoreContents distance_rows(const DistanceScene& scene, const DistanceRequest& r
     for (const auto& [value, place] : curve.thresholds)
       rows.thresholds.push_back({0, run, row.id, value, reached_name(place.reached), place.at, place.low, place.high});
   }
+  for (size_t r = 0; request.causes && r < request.representations.size(); ++r)
+    for (CauseRangeRow& row : cause_rows(run, {request.representations[r].text(), request.reference.text(), scene.cast},
+                                         distance_causes(result, r, scene.seed), "agent"))
+      rows.cause_ranges.push_back(std::move(row));
   return rows;
 }
 
@@ -80,6 +85,7 @@ void write_distance_rows(StoreWriter& store, const StoreContents& rows) {
     row.curve = ids.at(row.curve);
     store.write(row);
   }
+  for (const CauseRangeRow& row : rows.cause_ranges) store.write(row);
   store.commit();
 }
 

@@ -1,5 +1,7 @@
 #include "bench/experiments/score_rows.h"
 
+#include "metrics/popping.h"
+
 namespace crowdbench::bench {
 
 metrics::Buffers buffers_of(const renderers::Capture& capture) {
@@ -41,6 +43,23 @@ std::vector<reports::ScoreDoc> score_docs(metrics::ScoreTable table) {
     doc.headline = (score->uses & metrics::kHeadline) != 0;
     doc.charted = (score->uses & metrics::kCharted) != 0;
     doc.ranking = (score->uses & metrics::kRanking) != 0;
+  }
+  return docs;
+}
+
+std::vector<reports::ScoreDoc> pop_score_docs() {
+  constexpr size_t kHeadlines = 2;
+  std::vector<reports::ScoreDoc> docs;
+  for (const metrics::PopScore& score : metrics::pop_scores()) {
+    reports::ScoreDoc& doc = docs.emplace_back();
+    doc.name = score.name;
+    doc.title = score.title;
+    doc.unit = score.unit;
+    doc.computes = score.computes;
+    doc.higher_is_better = score.direction == metrics::Direction::higher_is_better;
+    doc.digits = score.digits;
+    doc.best = score.equal;
+    doc.headline = docs.size() <= kHeadlines;
   }
   return docs;
 }

@@ -21,5 +21,7 @@ void put_display(ComparisonRow& row, const metrics::ChosenDisplay& chosen);
 
 // In the table's order.
 std::vector<reports::ScoreDoc> score_docs(metrics::ScoreTable table);
+// Of the scores of switches; the first two are the headlines.
+std::vector<reports::ScoreDoc> pop_score_docs();
 
 }  // namespace crowdbench::bench

@@ -138,6 +138,45 @@ std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<Sc
   return scenes;
 }
 
+std::vector<Scene> scenes_of_agents(const StoreContents& contents, const std::vector<Scene>& timed,
+                                    const std::vector<ScoreDoc>& scores) {
+  std::set<int64_t> told;  // comparisons that a timed scene has
+  for (const Scene& scene : timed)
+    for (const ComparisonRow* row : scene.agent_comparisons) told.insert(row->id);
+  std::map<int64_t, const RunRow*> runs;
+  for (const RunRow& run : contents.runs) runs[run.id] = &run;
+  std::vector<Scene> scenes;
+  std::map<std::pair<int64_t, std::string>, size_t> places;
+  std::map<int64_t, size_t> scene_of_comparison;
+  for (const ComparisonRow& row : contents.comparisons) {
+    const auto run = runs.find(row.run);
+    if (row.kind != "agent" || told.contains(row.id) || run == runs.end()) continue;
+    const auto [place, added] = places.try_emplace({row.run, row.character}, scenes.size());
+    if (added) {
+      Scene& scene = scenes.emplace_back();
+      scene.run = run->second;
+      scene.character = row.character;
+      scene.reference = row.reference;
+      scene.representations = {row.reference};
+    }
+    Scene& scene = scenes[place->second];
+    scene.agent_comparisons.push_back(&row);
+    scene_of_comparison[row.id] = place->second;
+    auto& names = scene.representations;
+    if (std::find(names.begin(), names.end(), row.representation) == names.end()) names.push_back(row.representation);
+  }
+  for (const PictureRow& row : contents.pictures) {
+    if (!row.comparison) {
+      for (Scene& scene : scenes)
+        if (scene.run->id == row.run) scene.pictures.push_back(&row);
+    } else if (const auto place = scene_of_comparison.find(*row.comparison); place != scene_of_comparison.end()) {
+      scenes[place->second].pictures.push_back(&row);
+    }
+  }
+  for (Scene& scene : scenes) scene.scores = docs_of(scene, scores);
+  return scenes;
+}
+
 const std::optional<TimeSummary>& time_of(const MeasurementRow& row, const std::string& metric) {
   if (metric == "gpu") return row.gpu_ns;
   if (metric == "wall") return row.frame_ns;

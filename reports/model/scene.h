@@ -37,6 +37,11 @@ struct Scene {
 // scores: what is known of scores, in the order in which they are shown.
 std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<ScoreDoc>& scores = {});
 
+// Runs that compared single agents and timed nothing, one scene a run and character: without rows and size. timed:
+// scenes_of() of the same contents.
+std::vector<Scene> scenes_of_agents(const StoreContents& contents, const std::vector<Scene>& timed,
+                                    const std::vector<ScoreDoc>& scores = {});
+
 // The time that ratios and charts are made of on this machine: the run's headline metric.
 const std::optional<TimeSummary>& time_of(const MeasurementRow& row, const std::string& metric);
 std::string metric_title(const std::string& metric);  // "process CPU time", "wall-clock time", "GPU time"

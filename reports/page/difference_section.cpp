@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "reports/charts/charts.h"
 #include "reports/model/number_text.h"
@@ -43,15 +45,26 @@ Html scores_caption(const Scene& scene, const ComparisonRow& comparison) {
   return {text.empty() ? text : "<br>" + html_escape(text)};
 }
 
-// One group a height: reference, test, difference. Small figures are enlarged so that their pixels can be seen.
+// The colour bar of the differences, where they have none of their own.
+Rows legend_of(const Scene& scene) {
+  for (const PictureRow* picture : scene.pictures)
+    if (picture->role == "legend")
+      return {{{"legend", figure_block(picture->width, picture->height, picture->png, picture->caption, Html{})}}};
+  return {};
+}
+
+// One group a representation and height, of the first view that has pictures: reference, test, difference. Small
+// figures are enlarged so that their pixels can be seen.
 Rows agent_pictures(const SceneOnPage& page) {
   const Scene& scene = page.scene;
   Rows groups;
   std::string direction;
+  std::set<std::pair<std::string, double>> shown;
   for (const ComparisonRow* comparison : scene.agent_comparisons) {
     const PictureRow* reference = scene.picture(*comparison, "reference");
     const PictureRow* test = scene.picture(*comparison, "test");
     if (reference == nullptr || test == nullptr) continue;
+    if (!shown.emplace(comparison->representation, comparison->height_px.value_or(0)).second) continue;
     const int scale = std::clamp(180 / std::max(1, reference->height), 1, 4);
     Rows pictures;
     for (const PictureRow* picture : {reference, test, scene.picture(*comparison, "difference")})
@@ -73,7 +86,7 @@ Rows agent_pictures(const SceneOnPage& page) {
                               comparison->azimuth_deg.value_or(0), comparison->elevation_deg.value_or(0));
   }
   if (groups.empty()) return {};
-  return {{{"direction", direction}, {"groups", std::move(groups)}}};
+  return {{{"direction", direction}, {"groups", std::move(groups)}, {"legends", legend_of(scene)}}};
 }
 
 Rows single_agents(SceneOnPage& page) {

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "reports/page/blocks.h"
 #include "reports/page/distance_page.h"
+#include "reports/page/findings_section.h"
 #include "reports/page/page_files.h"
 #include "reports/page/page_frame.h"
 #include "reports/page/sections.h"
@@ -25,13 +26,16 @@ std::string title_of(const Scene& scene) {
 }
 
 // Each once, in the order of the scenes, then of the curves.
-std::string characters_of(const std::vector<Scene>& scenes, const std::vector<CurveRow>& curves) {
+std::string characters_of(const std::vector<Scene>& scenes, const std::vector<Scene>& agents,
+                          const StoreContents& contents) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   };
-  for (const Scene& scene : scenes) add(scene.character);
-  for (const CurveRow& curve : curves) add(curve.character);
+  for (const auto* some : {&scenes, &agents})
+    for (const Scene& scene : *some) add(scene.character);
+  for (const CurveRow& curve : contents.curves) add(curve.character);
+  for (const PopRow& pop : contents.pops) add(pop.character);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -56,6 +60,15 @@ TemplateValues scene_values(const Scene& scene, const FloorTexts& floors, bool s
   sections.push_back(untimed_section(page));
   std::erase_if(sections, [](const Html& section) { return section.text.empty(); });
   return {{"heading", std::move(heading)}, {"sections", html_rows(std::move(sections))}};
+}
+
+// A run of `quality`: the difference of single agents, and where it comes from.
+TemplateValues agent_values(const StoreContents& contents, const Scene& scene, int& last_chart) {
+  SceneOnPage page(scene, last_chart);
+  return {{"character", scene.character},
+          {"run", scene.run->id},
+          {"section", difference_section(page)},
+          {"causes", causes_section(contents, scene.run->id)}};
 }
 
 TemplateValues run_values(const RunRow& run) {
@@ -94,34 +107,54 @@ TemplateValues distance_values(const StoreContents& contents, const RunRow& run,
           {"reference", curve->reference},
           {"display", curve->display},
           {"run", run.id},
-          {"section", distance_section(distance_scores(contents, run.id, options.scores), last_chart)}};
+          {"section", distance_section(distance_scores(contents, run.id, options.scores), last_chart)},
+          {"causes", causes_section(contents, run.id)}};
+}
+
+std::string title_of_untimed(const std::vector<Scene>& agents, bool curves) {
+  if (curves) return "Difference over distance";
+  return agents.empty() ? "Switches of agents, and how visible they are" : "Difference of single agents";
+}
+
+// Where nothing was timed: the first run that the page tells of.
+const RunRow& first_run(const StoreContents& contents, const std::vector<Scene>& scenes,
+                        const std::vector<const RunRow*>& distances, const std::vector<Scene>& agents) {
+  if (!scenes.empty()) return *scenes.front().run;
+  if (!distances.empty()) return *distances.front();
+  return agents.empty() ? contents.runs.front() : *agents.front().run;
 }
 
 }  // namespace
 
 std::string report_page(const StoreContents& contents, const PageOptions& options) {
   const std::vector<Scene> scenes = scenes_of(contents, options.scores);
+  const std::vector<Scene> agents = scenes_of_agents(contents, scenes, options.scores);
   const std::vector<const RunRow*> distances = runs_with_curves(contents);
-  if (scenes.empty() && distances.empty())
-    throw Error(options.source, "holds no measurement and no curve to make a page of",
-                contents.comparisons.empty()
-                    ? "run `crowdbench bench --out " + options.source + "` first"
-                    : "it holds comparisons: `crowdbench correlate`, or `crowdbench report --scores-csv FILE`");
+  if (contents.runs.empty() || (scenes.empty() && agents.empty() && distances.empty() && contents.pops.empty()))
+    throw Error(options.source, "holds no measurement, no curve, no single agent and no switch to make a page of",
+                "run `crowdbench bench --out " + options.source + "` first, or another command with --db");
   const bool several = scenes.size() > 1;
-  const RunRow& run = scenes.empty() ? *distances.front() : *scenes.front().run;
+  const RunRow& run = first_run(contents, scenes, distances, agents);
   std::vector<Html> answers;
   if (scenes.size() == 1) answers.push_back(answer_section(scenes.front()));
+  answers.push_back(findings_section(contents, options.pop_scores));
   std::erase_if(answers, [](const Html& answer) { return answer.text.empty(); });
   int last_chart = 0;
   Rows on_page;
   for (const Scene& scene : scenes) on_page.push_back(scene_values(scene, options.floors, several, last_chart));
   Rows over_distance;
   for (const RunRow* each : distances) over_distance.push_back(distance_values(contents, *each, options, last_chart));
+  Rows alone;
+  for (const Scene& scene : agents) alone.push_back(agent_values(contents, scene, last_chart));
+  std::vector<Html> pops;
+  for (const RunRow& each : contents.runs)
+    if (Html section = pops_section(contents, each, options.pop_scores); !section.text.empty())
+      pops.push_back(std::move(section));
   Rows runs;
   for (const RunRow& each : contents.runs) runs.push_back(run_values(each));
   Html content = fill_template(
       page_file("report.html"),
-      {{"characters", characters_of(scenes, contents.curves)},
+      {{"characters", characters_of(scenes, agents, contents)},
        {"started", run.started},
        {"processor", run.cpu_model.value_or("an unnamed processor")},
        {"renderer", run.gl_renderer},
@@ -131,10 +164,12 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
        {"software", std::any_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return scene.run->software; })},
        {"scenes", std::move(on_page)},
        {"distances", std::move(over_distance)},
+       {"agents", std::move(alone)},
+       {"pops", html_rows(std::move(pops))},
        {"timed", !scenes.empty()},
        {"runs", std::move(runs)}});
-  return page_frame(scenes.empty() ? "Difference over distance" : title_of(scenes.front()), std::move(content),
-                    options.source);
+  return page_frame(scenes.empty() ? title_of_untimed(agents, !distances.empty()) : title_of(scenes.front()),
+                    std::move(content), options.source);
 }
 
 }  // namespace crowdbench::reports

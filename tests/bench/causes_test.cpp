@@ -209,6 +209,23 @@ TEST_F(CausesGl, TheStoredViewIsACauseBesideItAlone) {
   EXPECT_LT(share(at.errors, Cause::view), 0.1);
 }
 
+// Made of others: an agent's stored view is that of who draws it.
+TEST_F(CausesGl, TheViewOfAHybridIsThatOfWhoDrawsTheAgent) {
+  const std::string far = "flat:views=sphere-16x1,frames=2,texels=128";
+  look(11, 120, stored_by(renderers::parse_spec(far), cast_).views[0].centre);
+  stand(0, 0);
+  const CausePictures alone = told(far);
+  const CausePictures drawn_far = told("hybrid(mesh," + far + ",distance=1)");
+  expect_sum(drawn_far.errors);
+  EXPECT_EQ(drawn_far.errors.whole.amount(Cause::view), alone.errors.whole.amount(Cause::view));
+  EXPECT_GT(share(drawn_far.errors, Cause::view), 0.5);
+  EXPECT_FALSE(drawn_far.errors.available(Cause::pose));
+  const CausePictures drawn_near = told("hybrid(mesh," + far + ",distance=100000)");
+  expect_sum(drawn_near.errors);
+  EXPECT_TRUE(drawn_near.errors.available(Cause::view));
+  EXPECT_EQ(drawn_near.errors.whole.amount(Cause::view), 0);
+}
+
 TEST_F(CausesGl, TheSizeClassIsACauseWhereACoarserLevelIsShown) {
   const std::string spec = "flat:views=sphere-16x1,frames=2,texels=256";
   stand(0, 0);

@@ -92,7 +92,7 @@ int check_flip_maps(const fs::path& folder) {
     if (flip == scored.end()) throw std::logic_error("no flip");
     const Image8 grey = picture(folder / files["flip_grey"].get<std::string>());
     const Image8 magma = picture(folder / files["flip_magma"].get<std::string>());
-    const Image8 painted = map_picture(*flip->score, *flip->result.map);
+    const Image8 painted = map_picture(*flip->score, flip->result, MapColours::plain);
     EXPECT_EQ(painted.width, magma.width);
     EXPECT_EQ(painted.height, magma.height);
     size_t beyond = 0;

@@ -222,9 +222,9 @@ TEST(FlipScore, MapsInEveryColour) {
   for (const Scored& one : score_pictures(scores(), input, shared)) {
     if (!one.result.map) continue;
     SCOPED_TRACE(one.score->name);
-    const Image8 error = map_picture(*one.score, *one.result.map, MapColours::error);
-    const Image8 magma = map_picture(*one.score, *one.result.map, MapColours::magma);
-    const Image8 viridis = map_picture(*one.score, *one.result.map, MapColours::viridis);
+    const Image8 error = map_picture(*one.score, one.result, MapColours::error);
+    const Image8 magma = map_picture(*one.score, one.result, MapColours::magma);
+    const Image8 viridis = map_picture(*one.score, one.result, MapColours::viridis);
     for (const Image8* picture : {&error, &magma, &viridis}) {
       EXPECT_EQ(picture->channels, 3);
       EXPECT_EQ(picture->height, error.height);

@@ -156,7 +156,6 @@ TEST(Ssim, IdenticalPicturesScoreOne) {
   EXPECT_NEAR(s->contrast, 1, 1e-12);
   EXPECT_EQ(s->map.width, 21);
   EXPECT_EQ(s->map.height, 13);
-  EXPECT_EQ(ssim_picture(*s).data, std::vector<uint8_t>(21 * 13, 255));
 }
 
 TEST(Ssim, TwoFlatPicturesByHand) {

@@ -205,7 +205,7 @@ TEST(Registry, MapsAreAskedForAndPainted) {
     if (!one.result.map) continue;
     ++maps;
     EXPECT_NE(one.result.map->equal, one.result.map->worst);
-    const Image8 picture = map_picture(*one.score, *one.result.map);
+    const Image8 picture = map_picture(*one.score, one.result);
     EXPECT_GE(picture.width, one.result.map->values.width);
   }
   EXPECT_EQ(maps, static_cast<size_t>(std::count_if(scores().begin(), scores().end(),

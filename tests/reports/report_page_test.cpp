@@ -128,6 +128,60 @@ TEST_F(ReportPage, FloorsAreExplainedAsTheyAreGiven) {
   EXPECT_NE(page_.find("the same draw with the work removed"), std::string::npos);
 }
 
+// What `quality --causes --db` and `popping --db` leave, without any time.
+TEST_F(ReportPage, SaysWhatDominatesAndHowSwitchesLookWithoutATimedRow) {
+  const StoreContents whole = made_up_contents();
+  StoreContents contents;
+  contents.runs = whole.runs;
+  for (const ComparisonRow& row : whole.comparisons)
+    if (row.kind == "agent") contents.comparisons.push_back(row);
+  CauseRangeRow range;
+  range.run = 1;
+  range.representation = "flat";
+  range.reference = "mesh";
+  range.character = "mannequin";
+  range.unit = "view";
+  range.below = 60;
+  range.units = 6;
+  range.total = 1000;
+  range.dominant = "view";
+  range.words = "below 60 pixels: the stored view (62 % of the squared error)";
+  range.shares = {{"view", "the stored view", 0.62}, {"texture", "the <texture>", 0.38}};
+  contents.cause_ranges = {range, range};
+  contents.cause_ranges[1].from = 60;
+  contents.cause_ranges[1].below = std::nullopt;
+  contents.cause_ranges[1].words = "from 60 pixels on: no error";
+  PopRow pop;
+  pop.run = 1;
+  pop.representation = "hybrid(mesh,flat)";
+  pop.character = "mannequin";
+  pop.from = "mesh";
+  pop.to = "flat";
+  pop.agent = 3;
+  pop.tick = 8;
+  pop.frames = 1;
+  pop.distance = 20.25;
+  pop.pixels = 100;
+  pop.scores = {{"pop_flip", 0.25}};
+  contents.pops = {pop, pop, pop};
+  contents.pops[1].tick = 9;
+  contents.pops[1].scores[0].value = 0.5;
+  contents.pops[2].pixels = 0;
+  contents.pops[2].scores[0].value = std::nullopt;
+  ScoreDoc doc{"pop_flip", "FLIP of the switch", "", "", false, 3, 0, true, false, false};
+  const std::string page = report_page(contents, {"made-up.sqlite", made_up_scores(), {}, {doc}});
+  for (const char* text :
+       {"flat against mesh, views of one agent of mannequin: the error is dominated by: below 60 pixels: the stored "
+        "view "
+        "(62 % of the squared error); from 60 pixels on: no error.",
+        "hybrid(mesh,flat): 3 switches of 1 agent, 2 of them seen. The most visible: agent 3 at tick 9, 20.2 m away, "
+        "from mesh to flat: FLIP of the switch 0.500, 0 is equal.",
+        "Single agents: mannequin", "<td>62 %</td>", "the &lt;texture&gt;", "60 and more", "Switches: mannequin"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  EXPECT_EQ(page.find("How it was measured"), std::string::npos);
+  EXPECT_LT(page.find("<td class=\"l\">9</td>"), page.find("<td class=\"l\">8</td>")) << "the most visible first";
+}
+
 TEST_F(ReportPage, AnEmptyFileIsRefused) { EXPECT_THROW(report_page({}, {"empty.sqlite"}), Error); }
 
 TEST(ReportCharts, TheCurvesHoldTheMediansInMilliseconds) {

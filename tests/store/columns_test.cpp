@@ -42,6 +42,10 @@ TEST(Columns, EveryFieldOfARowHasOne) {
   EXPECT_EQ(columns(table<CurveRow>()), field_count<CurveRow>() - held);
   EXPECT_EQ(columns(table<CurveBinRow>()), field_count<CurveBinRow>());
   EXPECT_EQ(columns(table<ThresholdRow>()), field_count<ThresholdRow>());
+  EXPECT_EQ(columns(table<CauseRangeRow>()), field_count<CauseRangeRow>() - held);
+  EXPECT_EQ(columns(table<CauseShareRow>()), field_count<CauseShareRow>());
+  EXPECT_EQ(columns(table<PopRow>()), field_count<PopRow>() - held);
+  EXPECT_EQ(columns(table<PopScoreRow>()), field_count<PopScoreRow>());
 }
 
 TEST(Columns, EveryVectorOfTheContentsIsATable) {

@@ -168,6 +168,45 @@ inline SweepPointRow full_sweep_point(int64_t sweep, int64_t run, int64_t measur
   return row;
 }
 
+inline CauseRangeRow full_cause_range(int64_t run) {
+  CauseRangeRow row;
+  row.run = run;
+  row.representation = "flat";
+  row.reference = "mesh";
+  row.character = "mannequin";
+  row.unit = "agent";
+  row.from = 15;
+  row.below = 60;
+  row.units = 21;
+  row.total = 123456789;
+  row.residue = 0.0625;
+  row.dominant = "view";
+  row.share_low = 0.375;
+  row.share_high = 0.5;
+  row.words = "below 60 pixels: the stored view";
+  row.shares = {{"silhouette", "the silhouette", -0.25}, {"view", "the stored view", 0.4375}};
+  return row;
+}
+
+inline PopRow full_pop(int64_t run) {
+  PopRow row;
+  row.run = run;
+  row.representation = "hybrid(mesh,flat)";
+  row.character = "mannequin";
+  row.from = "mesh";
+  row.to = "flat";
+  row.agent = 12;
+  row.tick = 31;
+  row.frames = 4;
+  row.complete = false;
+  row.distance = 20.5;
+  row.pixels = 321;
+  row.worst_tick = 33;
+  row.display = "standard_fhd: ...";
+  row.scores = {{"pop_flip", 0.125}, {"pop_luma", std::nullopt}};
+  return row;
+}
+
 inline PictureRow full_picture(int64_t run, int64_t comparison) {
   return {0, run, comparison, "difference", "a caption", 12, 13, {0, 1, 2, 255}};
 }

@@ -62,6 +62,8 @@ class MigrationTest : public testing::Test {
     EXPECT_TRUE(a.pictures == b.pictures);
     EXPECT_TRUE(a.curves == b.curves);
     EXPECT_TRUE(a.thresholds == b.thresholds);
+    EXPECT_TRUE(a.cause_ranges == b.cause_ranges);
+    EXPECT_TRUE(a.pops == b.pops);
   }
   void take(const char* name) {
     std::filesystem::copy_file(std::filesystem::path(CROWDBENCH_TEST_DATA) / "store" / name, file_,

@@ -331,6 +331,13 @@ TEST_F(StoreTest, EveryFieldComesBack) {
     for (CurveRow& row : wanted.curves) row.id = store.write(row);
     wanted.thresholds = {full_threshold(run, 1), {0, run, 2, 0, "everywhere", {}, {}, {}}};
     for (ThresholdRow& row : wanted.thresholds) row.id = store.write(row);
+    wanted.cause_ranges = {full_cause_range(run), CauseRangeRow()};
+    wanted.cause_ranges[1].run = run;
+    wanted.cause_ranges[1].unit = "view";
+    for (CauseRangeRow& row : wanted.cause_ranges) row.id = store.write(row);
+    wanted.pops = {full_pop(run), PopRow()};
+    wanted.pops[1].run = run;
+    for (PopRow& row : wanted.pops) row.id = store.write(row);
     RunRow unknown = full_run();
     unknown.order_seed = std::nullopt;
     unknown.cpu_model = std::nullopt;
@@ -350,6 +357,8 @@ TEST_F(StoreTest, EveryFieldComesBack) {
   EXPECT_TRUE(all.pictures == wanted.pictures);
   EXPECT_TRUE(all.curves == wanted.curves);
   EXPECT_TRUE(all.thresholds == wanted.thresholds);
+  EXPECT_TRUE(all.cause_ranges == wanted.cause_ranges);
+  EXPECT_TRUE(all.pops == wanted.pops);
 }
 
 TEST_F(StoreTest, SamplesAndPicturesAreReadOnlyWhenAskedFor) {
