@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/json.h"
 #include "scene/cast/open_character.h"
+#include "scene/character/drawn.h"
 #include "scene/gltf/gltf.h"
 #include "scene/pose/pose.h"
 
@@ -102,7 +103,7 @@ ordered_json to_json(const scene::Character& c) {
       {"triangles", file_triangles(c)},
       {"drawn_triangles", c.triangles()},
       {"vertices", file_vertices(c)},
-      {"drawn_vertices", c.mesh.positions.size()},
+      {"drawn_vertices", scene::count_vertices(c.mesh)},
       {"joints", count_joints(c, false) != 0 ? count_joints(c, false) : count_joints(c, true)},
       {"rigid_meshes", count_joints(c, true)},
       {"nodes", c.skeleton.nodes.size()},
@@ -175,14 +176,16 @@ void print_text(const scene::Character& c) {
   const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<14}{}\n", key, value); };
   line("character", printable(c.source, 300));
   line("triangles", numbers_text(file_triangles(c), c.triangles()));
-  line("vertices", numbers_text(file_vertices(c), c.mesh.positions.size()));
+  line("vertices", numbers_text(file_vertices(c), scene::count_vertices(c.mesh)));
   line("joints", fmt::format("{} and {} rigid meshes, {} nodes; {} influences a vertex at most", count_joints(c, false),
                              count_joints(c, true), c.skeleton.nodes.size(), c.file_max_influences));
   line("height", fmt::format("{:.4g} m ({:.6g} m a file unit): that of the first pose of {}", c.placement.height,
                              c.placement.scale, clip_text(c, c.placement.upright_clip)));
   const glm::dvec3 origin = glm::dvec3(c.placement.model_from_gltf[3]) / c.placement.scale;
-  line("stands at", fmt::format("x {:.4f}, ground y {:.4f}, z {:.4f} in file units", 0.0 - origin.x, 0.0 - origin.y,
-                                0.0 - origin.z));
+  line("stands at",
+       fmt::format("x {:.4f}, ground y {:.4f}, z {:.4f} in file units; the ground is where its soles, else its "
+                   "body, stay for a sixth of that clip's cycle",
+                   0.0 - origin.x, 0.0 - origin.y, 0.0 - origin.z));
   std::string textures;
   for (const scene::Texture& t : c.images)
     textures += fmt::format("{}{} x {}", textures.empty() ? "" : ", ", t.image.width, t.image.height);

@@ -93,7 +93,8 @@ int render_crowd(const RenderOptions& options) {
   progress.note("loading the characters");
   const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
   const auto context = open_context(options.scene.device);
-  progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
+  progress.note(
+      fmt::format("placing {} agent{}", chosen.scenario.crowd.agents, chosen.scenario.crowd.agents == 1 ? "" : "s"));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
   const scene::Scenario& scenario = staged.scenario;
   const scene::Crowd& crowd = staged.crowd;
@@ -114,7 +115,7 @@ int render_crowd(const RenderOptions& options) {
       representation->advance(before, renderers::all_agents(before));
     }
   }
-  progress.note(fmt::format("drawing {} agents as {}", crowd.size(), spec.text()));
+  progress.note(fmt::format("drawing {} agent{} as {}", crowd.size(), crowd.size() == 1 ? "" : "s", spec.text()));
   const scene::Frame frame = frame_at(options.tick);
   renderers::Renderer renderer(*context, cast);
   const renderers::Capture capture = renderer.capture(frame, *representation);
@@ -123,8 +124,8 @@ int render_crowd(const RenderOptions& options) {
   progress.end();
   size_t in_view = 0;
   for (const auto& agents : frame.agents) in_view += agents.size();
-  const std::string drawn =
-      fmt::format("{} agents ({} in view) as {}, tick {}", crowd.size(), in_view, spec.text(), options.tick);
+  const std::string drawn = fmt::format("{} agent{} ({} in view) as {}, tick {}", crowd.size(),
+                                        crowd.size() == 1 ? "" : "s", in_view, spec.text(), options.tick);
   write_pictures(options, capture, metadata, drawn);
   if (options.json) fmt::print("{}", json_of(staged, cast, *context, spec, options));
   return 0;

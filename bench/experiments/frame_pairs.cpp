@@ -120,7 +120,7 @@ class Halves : public FramePairs {
   Halves(const fs::path& clip, const nlohmann::json& manifest, const std::string& where) : stacked_(clip) {
     try {
       if (manifest.at("format") != "crowdbench-pair-1")
-        throw Error(where, "is no manifest of a stacked clip", "name a clip that `crowdbench pair` wrote");
+        throw Error(where, "is not a manifest of a stacked clip", "name a clip that `crowdbench pair` wrote");
       width_ = manifest.at("half").at("width").get<int>();
       height_ = manifest.at("half").at("height").get<int>();
       bar_ = manifest.at("bar").at("height").get<int>();
@@ -131,7 +131,7 @@ class Halves : public FramePairs {
       reference = name(true);
       test = name(false);
     } catch (const nlohmann::json::exception&) {
-      throw Error(where, "is no manifest of a stacked clip", "name a clip that `crowdbench pair` wrote");
+      throw Error(where, "is not a manifest of a stacked clip", "name a clip that `crowdbench pair` wrote");
     }
     fps = stacked_.fps;
     frames = stacked_.frames;

@@ -56,7 +56,7 @@ ImageF linear_of(const Image8& image) {
 Image8 read_picture(const char* path) {
   AnyImage image = read_image(path);
   if (auto* codes = std::get_if<Image8>(&image)) return std::move(*codes);
-  throw Error(path, "is no picture of 8 bits", "name a PNG");
+  throw Error(path, "is not a picture of 8 bits", "name a PNG");
 }
 
 #ifdef CROWDBENCH_OPENCV_QUALITY

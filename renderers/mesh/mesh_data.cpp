@@ -14,9 +14,10 @@
 namespace crowdbench::renderers {
 namespace {
 
-using ArrayKey = std::tuple<int, int, bool, bool, bool, bool, bool, scene::MinFilter>;
-ArrayKey key_of(const scene::Texture& t) {
-  return {t.image.width, t.image.height, t.repeat_u, t.repeat_v, t.mirrored_u, t.mirrored_v, t.nearest, t.min_filter};
+using ArrayKey = std::tuple<int, int, bool, bool, bool, bool, bool, scene::MinFilter, bool>;
+ArrayKey key_of(const scene::Texture& t, bool masked) {
+  return {t.image.width, t.image.height, t.repeat_u,   t.repeat_v, t.mirrored_u,
+          t.mirrored_v,  t.nearest,      t.min_filter, masked};
 }
 
 // Array and layer of every image that a material uses as base colour or as emissive colour.
@@ -27,32 +28,35 @@ struct Placed {
 std::vector<Placed> place_images(const scene::Character& character, std::vector<MeshTextureArray>& arrays) {
   std::vector<Placed> placed(character.images.size());
   std::map<ArrayKey, int> found;
-  const auto place = [&](int image, float cutoff) {
-    if (image < 0) return;
-    if (const Placed& known = placed[static_cast<size_t>(image)]; known.array >= 0) {
-      float& used = arrays[static_cast<size_t>(known.array)].cutoffs[static_cast<size_t>(known.layer)];
-      used = std::max(used, cutoff);
-      return;
+  std::vector<float> cutoffs(character.images.size(), 0.0F);
+  for (const scene::Material& m : character.materials)
+    if (m.base_colour_image >= 0) {
+      float& own = cutoffs[static_cast<size_t>(m.base_colour_image)];
+      own = std::max(own, scene::alpha_threshold(m));
     }
+  const auto place = [&](int image) {
+    if (image < 0 || placed[static_cast<size_t>(image)].array >= 0) return;
     const scene::Texture& texture = character.images[static_cast<size_t>(image)];
     if (texture.image.empty()) return;
-    const auto [it, fresh] = found.try_emplace(key_of(texture), static_cast<int>(arrays.size()));
+    const float cutoff = cutoffs[static_cast<size_t>(image)];
+    const auto [it, fresh] = found.try_emplace(key_of(texture, cutoff > 0), static_cast<int>(arrays.size()));
     if (fresh) {
       MeshTextureArray array;
       array.width = texture.image.width;
       array.height = texture.image.height;
       array.sampling = texture;
       array.sampling.image = {};
+      array.masked = cutoff > 0;
       arrays.push_back(std::move(array));
     }
-    auto& images = arrays[static_cast<size_t>(it->second)].images;
-    placed[static_cast<size_t>(image)] = {it->second, static_cast<int>(images.size())};
-    images.push_back(image);
-    arrays[static_cast<size_t>(it->second)].cutoffs.push_back(cutoff);
+    MeshTextureArray& array = arrays[static_cast<size_t>(it->second)];
+    placed[static_cast<size_t>(image)] = {it->second, static_cast<int>(array.images.size())};
+    array.images.push_back(image);
+    array.cutoffs.push_back(cutoff);
   };
   for (const scene::Material& m : character.materials) {
-    place(m.base_colour_image, scene::alpha_threshold(m));
-    place(m.emissive_image, 0);
+    place(m.base_colour_image);
+    place(m.emissive_image);
   }
   return placed;
 }

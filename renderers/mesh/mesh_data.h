@@ -36,11 +36,12 @@ struct MeshGroup {
   bool masked = false;  // a material of it has a cutoff
 };
 
-// Images of one size and one way of sampling: one array texture.
+// Images of one size and one way of sampling, all masked or none: one array texture. Masks may end its levels early.
 struct MeshTextureArray {
   int width = 0, height = 0;
-  scene::Texture sampling;     // wrap and filter flags; its image is empty
-  std::vector<int> images;     // into Character::images, one a layer
+  scene::Texture sampling;  // wrap and filter flags; its image is empty
+  std::vector<int> images;  // into Character::images, one a layer
+  bool masked = false;
   std::vector<float> cutoffs;  // one a layer: the alpha at which it is tested; 0: it is not
 };
 

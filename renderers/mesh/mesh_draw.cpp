@@ -56,20 +56,44 @@ std::vector<PosedVertex> pose_vertices(const MeshData& data, const scene::Charac
   return out;
 }
 
-// Averaged alpha leaves thin strands below the cutoff: every level of a masked layer covers as much as the first.
+bool samples_between_texels(scene::MinFilter filter) {
+  return filter == scene::MinFilter::linear_mipmap_linear || filter == scene::MinFilter::linear_mipmap_nearest;
+}
+
+// The alpha of every layer of a level, whose RGBA texels `rgba` receives.
+std::vector<scene::AlphaLevel> read_alpha(const gl::Texture& texture, int level, size_t layers,
+                                          std::vector<uint8_t>& rgba) {
+  scene::AlphaLevel one{std::max(texture.width() >> level, 1), std::max(texture.height() >> level, 1), {}};
+  const size_t texels = static_cast<size_t>(one.width) * static_cast<size_t>(one.height);
+  rgba.resize(texels * 4 * layers);
+  texture.read(level, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data(), rgba.size());
+  std::vector<scene::AlphaLevel> out(layers, one);
+  for (size_t i = 0; i < texels * layers; ++i) out[i / texels].alpha.push_back(rgba[i * 4 + 3]);
+  return out;
+}
+
+// Averaged alpha leaves thin strands below the cutoff, and of regular patterns all or nothing: every level of a masked
+// layer covers as much as the first, and the levels end where one cannot.
 void keep_coverage(const gl::Texture& texture, const MeshTextureArray& array) {
-  if (*std::max_element(array.cutoffs.begin(), array.cutoffs.end()) <= 0) return;
-  std::vector<double> wanted;
+  const size_t layers = array.images.size();
+  const scene::Texture& sampling = array.sampling;
+  const scene::AlphaSampling far{samples_between_texels(sampling.min_filter), sampling.repeat_u, sampling.repeat_v};
+  const scene::AlphaSampling near{!sampling.nearest, sampling.repeat_u, sampling.repeat_v};
+  const auto tested = [&](size_t layer) { return array.cutoffs[layer] > 0 && array.cutoffs[layer] <= 1; };
+  std::vector<scene::CoverageKeeper> keepers;
   for (int level = 0; level < texture.levels(); ++level) {
-    const size_t texels = static_cast<size_t>(std::max(texture.width() >> level, 1)) *
-                          static_cast<size_t>(std::max(texture.height() >> level, 1));
-    std::vector<uint8_t> rgba(texels * 4 * array.images.size());
-    texture.read(level, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data(), rgba.size());
-    for (size_t layer = 0; layer < array.images.size(); ++layer) {
+    std::vector<uint8_t> rgba;
+    std::vector<scene::AlphaLevel> alpha = read_alpha(texture, level, layers, rgba);
+    const size_t texels = alpha.front().alpha.size();
+    for (size_t layer = 0; layer < layers; ++layer) {
+      if (level == 0) keepers.emplace_back(alpha[layer], array.cutoffs[layer], near, far);
+      if (level == 0 || !tested(layer)) continue;
+      if (!keepers[layer].keep(alpha[layer])) {
+        glTextureParameteri(texture.name(), GL_TEXTURE_MAX_LEVEL, level - 1);
+        return;
+      }
       const std::span<uint8_t> own = std::span(rgba).subspan(layer * texels * 4, texels * 4);
-      if (level == 0) wanted.push_back(scene::alpha_coverage(own, array.cutoffs[layer]));
-      if (level == 0 || array.cutoffs[layer] <= 0) continue;
-      scene::scale_alpha_to(own, array.cutoffs[layer], wanted[layer]);
+      for (size_t i = 0; i < texels; ++i) own[i * 4 + 3] = alpha[layer].alpha[i];
       texture.write(level, static_cast<int>(layer), GL_RGBA, GL_UNSIGNED_BYTE, own.data());
     }
   }
@@ -167,7 +191,7 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
       texture.write(0, static_cast<int>(layer), GL_RGBA, GL_UNSIGNED_BYTE,
                     character.images[static_cast<size_t>(array.images[layer])].image.data.data());
     texture.generate_mipmaps();
-    keep_coverage(texture, array);
+    if (array.masked) keep_coverage(texture, array);
     out.textures.push_back(std::move(texture));
     gl::SamplerOptions sampling;
     sampling.wrap_s = wrap_mode(array.sampling.repeat_u, array.sampling.mirrored_u);

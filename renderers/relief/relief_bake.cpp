@@ -102,8 +102,25 @@ const scene::Material& material_of(const Source& source, uint32_t triangle) {
   return source.character.materials[static_cast<size_t>(source.material_of_triangle[triangle])];
 }
 
-// Whether a mask leaves the surface there. corners: of its triangle, in texels of the map.
-bool is_there(const Source& source, const Winner& winner, const std::array<glm::dvec3, 3>& corners) {
+// The texels of a triangle's skin that a texel of a map spans along the surface, however steep it stands: from what
+// masks leave is asked at places that are a texel of the map apart. corners: in texels of the map, depth in [0, 1] of
+// n.
+double alpha_footprint(const Source& source, uint32_t triangle, const std::array<glm::dvec3, 3>& corners, size_t n) {
+  const scene::Material& material = material_of(source, triangle);
+  const scene::Mesh& mesh = source.character.mesh;
+  if (scene::alpha_threshold(material) <= 0 || material.base_colour_image < 0 || mesh.uvs.empty()) return 1;
+  const LinearPyramid& image = source.pyramids[static_cast<size_t>(material.base_colour_image)];
+  const uint32_t* v = &mesh.indices[3 * size_t{triangle}];
+  const glm::dvec2 size(image.width(), image.height());
+  const glm::dvec2 e1 = glm::dvec2(mesh.uvs[v[1]] - mesh.uvs[v[0]]) * size;
+  const glm::dvec2 e2 = glm::dvec2(mesh.uvs[v[2]] - mesh.uvs[v[0]]) * size;
+  const glm::dvec3 scale(1.0, 1.0, static_cast<double>(n));
+  const double area = glm::length(glm::cross(scale * (corners[1] - corners[0]), scale * (corners[2] - corners[0])));
+  return std::min(std::sqrt(std::abs(e1.x * e2.y - e1.y * e2.x) / std::max(area, 1e-9)), 64.0);
+}
+
+// Whether a mask leaves the surface there.
+bool is_there(const Source& source, const Winner& winner, double footprint) {
   const scene::Material& material = material_of(source, winner.triangle);
   const float threshold = scene::alpha_threshold(material);
   if (threshold <= 0) return true;
@@ -111,7 +128,9 @@ bool is_there(const Source& source, const Winner& winner, const std::array<glm::
   const SurfacePoint point(mesh, winner);
   double alpha = mesh.colours.empty() ? 1.0 : point.mixed<glm::dvec4>(mesh.colours).a;
   if (material.base_colour_image >= 0 && !mesh.uvs.empty())
-    alpha *= sampled(source.pyramids[static_cast<size_t>(material.base_colour_image)], mesh.uvs, point, corners).a;
+    alpha *= source.pyramids[static_cast<size_t>(material.base_colour_image)]
+                 .sample(point.mixed<glm::dvec2>(mesh.uvs), footprint)
+                 .a;
   return alpha >= threshold;
 }
 
@@ -373,6 +392,48 @@ void close_gaps(AxisMaps& maps) {
 // What lies farther outside the box is another part's; nearer, it is rounding.
 constexpr double kOutside = 1e-9;
 
+// What of a triangle's piece within a texel's column is there: looked at where it stands, and in steps of a texel along
+// its depth where it is steep.
+struct Stretch {
+  bool any = false;
+  glm::dvec3 middle{0.0};
+  double low = 0;  // depths
+  double high = 0;
+};
+template <typename At>
+Stretch what_masks_leave(const Source& source, const Polygon& polygon, size_t n, double footprint, const At& at) {
+  Stretch out;
+  size_t nearest = 0;
+  size_t farthest = 0;
+  for (size_t k = 0; k < polygon.count; ++k) {
+    out.middle += polygon.corners[k] / static_cast<double>(polygon.count);
+    if (polygon.corners[k].z < polygon.corners[nearest].z) nearest = k;
+    if (polygon.corners[k].z > polygon.corners[farthest].z) farthest = k;
+  }
+  out.low = polygon.corners[nearest].z;
+  out.high = polygon.corners[farthest].z;
+  const double deep = (out.high - out.low) * static_cast<double>(n);
+  if (deep <= 1 || scene::alpha_threshold(material_of(source, at(out.middle).triangle)) <= 0) {
+    out.any = is_there(source, at(out.middle), footprint);
+    return out;
+  }
+  const int steps = static_cast<int>(std::min(std::ceil(deep), 256.0));
+  const glm::dvec3 way = (polygon.corners[farthest] - polygon.corners[nearest]) / static_cast<double>(steps);
+  glm::dvec3 first(0.0);
+  glm::dvec3 last(0.0);
+  for (int i = 0; i < steps; ++i) {
+    const glm::dvec3 point = polygon.corners[nearest] + (i + 0.5) * way;
+    if (!is_there(source, at(point), footprint)) continue;
+    if (!out.any) first = point;
+    last = point;
+    out.any = true;
+  }
+  out.low = first.z - 0.5 * way.z;
+  out.high = last.z + 0.5 * way.z;
+  out.middle = is_there(source, at(out.middle), footprint) ? out.middle : first;
+  return out;
+}
+
 // Adds what is taken of a triangle to every texel that it reaches into. One that is seen edge-on still has depths.
 void touch(const Source& source, const std::array<glm::dvec3, 3>& p, const Skirt& skirt, size_t n,
            std::vector<Touched>& touched) {
@@ -396,22 +457,23 @@ void touch(const Source& source, const std::array<glm::dvec3, 3>& p, const Skirt
   const glm::dvec3 across = glm::cross(e1, e2);
   const double square = glm::dot(across, across);
   if (square <= 0) return;
+  const double footprint = alpha_footprint(source, t, p, n);
+  const auto at = [&](const glm::dvec3& point) {
+    const glm::dvec3 from = point - p[0];
+    return Winner{t, glm::dot(glm::cross(from, e2), across) / square, glm::dot(glm::cross(e1, from), across) / square,
+                  point.z};
+  };
   for (long j = top; j <= bottom; ++j) {
     for (long i = left; i <= right; ++i) {
       const glm::dvec3 square_low(i, j, -kOutside);
       const Polygon polygon = clipped(all, square_low, square_low + glm::dvec3(1.0, 1.0, 1.0 + 2 * kOutside));
       if (polygon.count == 0) continue;
-      glm::dvec3 middle(0.0);
-      for (size_t k = 0; k < polygon.count; ++k) middle += polygon.corners[k] / static_cast<double>(polygon.count);
-      const glm::dvec3 from = middle - p[0];
-      const Winner here{t, glm::dot(glm::cross(from, e2), across) / square,
-                        glm::dot(glm::cross(e1, from), across) / square, middle.z};
-      if (!is_there(source, here, p)) continue;
+      const Stretch piece = what_masks_leave(source, polygon, n, footprint, at);
+      if (!piece.any) continue;
+      const Winner here = at(piece.middle);
       Touched& texel = touched[static_cast<size_t>(j) * n + static_cast<size_t>(i)];
-      for (size_t k = 0; k < polygon.count; ++k) {
-        texel.low = std::min(texel.low, polygon.corners[k].z);
-        texel.high = std::max(texel.high, polygon.corners[k].z);
-      }
+      texel.low = std::min(texel.low, piece.low);
+      texel.high = std::max(texel.high, piece.high);
       if (texel.front.triangle == UINT32_MAX || here.depth < texel.front.depth) texel.front = here;
       if (texel.back.triangle == UINT32_MAX || here.depth > texel.back.depth) texel.back = here;
     }
@@ -423,6 +485,7 @@ void compete(const Source& source, const std::array<glm::dvec3, 3>& p, const Ski
   const uint32_t t = skirt.triangle;
   const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
   if (std::abs(area) < 1e-12) return;
+  const double footprint = alpha_footprint(source, t, p, maps.n);
   const auto first = [](double a, double b, double c) {
     return std::max(0L, static_cast<long>(std::ceil(std::min({a, b, c}) - 0.5 - 1e-9)));
   };
@@ -441,7 +504,7 @@ void compete(const Source& source, const std::array<glm::dvec3, 3>& p, const Ski
       const double plane = p[0].z + b1 * (p[1].z - p[0].z) + b2 * (p[2].z - p[0].z);
       if (plane < -kOutside || plane > 1.0 + kOutside) continue;
       const double depth = std::clamp(plane, 0.0, 1.0);
-      if (!is_there(source, {t, b1, b2, depth}, p)) continue;
+      if (!is_there(source, {t, b1, b2, depth}, footprint)) continue;
       const size_t texel = static_cast<size_t>(j) * maps.n + static_cast<size_t>(i);
       Winner& front = maps.winners[0][texel];
       Winner& back = maps.winners[1][texel];

@@ -1,5 +1,7 @@
 #include "scene/cast/cast.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "scene/cast/open_character.h"
 
@@ -19,6 +21,27 @@ std::vector<int> clips_in_use(const Character& character, const CharacterEntry& 
   return clips;
 }
 
+// With the place in the scenario that names the file at fault, where it is known.
+[[noreturn]] void blame(const Error& error, const CharacterEntry& entry, const std::filesystem::path& folder,
+                        size_t index, const KeyPlaces& places) {
+  const auto is_about = [&](const std::string& name) {
+    return error.where.starts_with(printable(path_of_character(name, folder), 300));
+  };
+  const bool animations = !is_about(entry.source) && std::ranges::any_of(entry.animations, is_about);
+  const auto place = places.find(key_place("character", animations ? "animations" : "source", index));
+  if (place == places.end() || !(animations || is_about(entry.source))) throw error;
+  throw Error(place->second, fmt::format("{}: {}", error.where, error.wrong), error.advice);
+}
+
+std::shared_ptr<const Character> open_entry(const CharacterEntry& entry, const std::filesystem::path& folder,
+                                            size_t index, const KeyPlaces& places) {
+  try {
+    return std::make_shared<const Character>(open_character(entry, folder));
+  } catch (const Error& error) {
+    blame(error, entry, folder, index, places);
+  }
+}
+
 }  // namespace
 
 Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder, const KeyPlaces& places) {
@@ -26,7 +49,7 @@ Cast load_cast(const Scenario& scenario, const std::filesystem::path& folder, co
   double sum = 0;
   for (const CharacterEntry& entry : scenario.characters) sum += entry.share;
   for (const CharacterEntry& entry : scenario.characters) {
-    auto character = std::make_shared<const Character>(open_character(entry, folder));
+    auto character = open_entry(entry, folder, cast.characters.size(), places);
     const auto place = places.find(key_place("character", "clips", cast.characters.size()));
     const std::vector<int> clips = clips_in_use(*character, entry, place == places.end() ? nullptr : &place->second);
     cast.banks.push_back(std::make_shared<const PoseBank>(*character, clips, scenario.pose_rate));

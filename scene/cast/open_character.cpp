@@ -104,6 +104,10 @@ Character open_character(const std::string& name_or_path, const LoadOptions& opt
   return character;
 }
 
+std::string path_of_character(const std::string& name, const std::filesystem::path& folder) {
+  return is_built_in(name) || folder.empty() ? name : (folder / name).string();
+}
+
 Character open_character(const CharacterEntry& entry, const std::filesystem::path& folder) {
   LoadOptions options;
   options.normalise.height = entry.height;
@@ -112,9 +116,7 @@ Character open_character(const CharacterEntry& entry, const std::filesystem::pat
   options.normalise.clips = entry.clips;
   options.rigid_meshes = entry.rigid_meshes;
   options.hide = entry.hide;
-  const auto resolved = [&](const std::string& name) {
-    return is_built_in(name) || folder.empty() ? name : (folder / name).string();
-  };
+  const auto resolved = [&](const std::string& name) { return path_of_character(name, folder); };
   BorrowedClips borrowed;
   for (const std::string& name : entry.animations) borrowed.animations.push_back(resolved(name));
   borrowed.bones = entry.bones;

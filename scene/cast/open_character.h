@@ -19,6 +19,9 @@ struct BorrowedClips {
 // Whether the name is that of a character without a file.
 bool is_built_in(std::string_view name);
 
+// Where a character that a scenario names is: `folder` resolves relative paths.
+std::string path_of_character(const std::string& name, const std::filesystem::path& folder);
+
 // "mannequin[:triangles=5000,joints=20]" or a path: what every command's --character accepts.
 Character open_character(const std::string& name_or_path, const LoadOptions& options = {},
                          const BorrowedClips& borrowed = {});

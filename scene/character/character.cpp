@@ -20,14 +20,28 @@ std::optional<int> find_clip(const Character& character, std::string_view name_o
   return index;
 }
 
+namespace {
+
+std::string nearest_clip(const Character& character, std::string_view name) {
+  std::vector<std::string> names;
+  for (const Clip& clip : character.clips)
+    if (!clip.name.empty()) names.push_back(clip.name);
+  return nearest_name(name, names);
+}
+
+}  // namespace
+
 int require_clip(const Character& character, std::string_view name_or_index) {
   if (const auto clip = find_clip(character, name_or_index)) return *clip;
   std::vector<std::string> names;
+  const std::string near = nearest_clip(character, name_or_index);
   for (size_t i = 0; i < character.clips.size(); ++i)
     names.push_back(character.clips[i].name.empty() ? fmt::format("{} (unnamed)", i) : character.clips[i].name);
   throw Error(printable(character.source), fmt::format("there is no clip '{}'", printable(name_or_index)),
               names.empty() ? "this character has no clips"
-                            : fmt::format("give a name or an index; it has {}", nearest_first(name_or_index, names)));
+              : !near.empty()
+                  ? fmt::format("did you mean {}? It has {}", printable(near, 60), nearest_first(name_or_index, names))
+                  : fmt::format("give a name or an index; it has {}", nearest_first(name_or_index, names)));
 }
 
 }  // namespace crowdbench::scene

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
+#include <unordered_map>
 
 namespace crowdbench::scene {
 namespace {
@@ -42,7 +44,34 @@ void drop_vertices(Mesh& mesh) {
   for (uint32_t& v : mesh.file_vertices) v = to[v];
 }
 
+std::string bytes_of_vertex(const Mesh& mesh, uint32_t v) {
+  std::string out;
+  const auto add = [&](const auto& array) {
+    if (!array.empty()) out.append(reinterpret_cast<const char*>(&array[v]), sizeof array[v]);
+  };
+  add(mesh.positions);
+  add(mesh.normals);
+  add(mesh.uvs);
+  add(mesh.emissive_uvs);
+  add(mesh.colours);
+  add(mesh.joints);
+  add(mesh.weights);
+  return out;
+}
+
 }  // namespace
+
+size_t count_vertices(const Mesh& mesh) {
+  std::unordered_map<std::string, size_t> most;  // of one primitive, by what they are
+  for (const Primitive& p : mesh.primitives) {
+    std::unordered_map<std::string, size_t> own;
+    for (uint32_t v = p.first_vertex; v < p.first_vertex + p.vertex_count; ++v) ++own[bytes_of_vertex(mesh, v)];
+    for (const auto& [vertex, count] : own) most[vertex] = std::max(most[vertex], count);
+  }
+  size_t sum = 0;
+  for (const auto& [vertex, count] : most) sum += count;
+  return sum;
+}
 
 size_t keep_drawn(Mesh& mesh, const std::function<bool(const uint32_t* corners, const Primitive& primitive)>& seen) {
   std::vector<uint32_t> kept;

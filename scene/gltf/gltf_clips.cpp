@@ -14,6 +14,13 @@ namespace crowdbench::scene {
 namespace {
 
 constexpr double kSameTime = 1e-4;  // seconds: keys are floats
+constexpr double kJump = 1e-5;      // seconds, at most, that a curve takes to jump
+
+// What the clips of a file are warned about once.
+struct Warned {
+  bool rotation = false;
+  bool times = false;
+};
 
 // warned: that one had to be.
 void normalise_rotation(GltfAsset& asset, double* q, const AccessorView& view, size_t i, bool& warned) {
@@ -26,6 +33,40 @@ void normalise_rotation(GltfAsset& asset, double* q, const AccessorView& view, s
   for (int c = 0; c < 4; ++c) q[c] /= length;
 }
 
+// The keys that count, and their times. Of keys at one time the last counts from that time on, and the first just until
+// then: the curve jumps.
+std::vector<size_t> read_times(GltfAsset& asset, const AccessorView& input, std::vector<double>& times, bool& warned) {
+  std::vector<size_t> keys;
+  bool jumps = false;  // the last two kept are of one time
+  for (size_t i = 0; i < input.count; ++i) {
+    const double t = asset.finite(input, i, 0);
+    if (t < -asset.limits.clip_seconds)
+      asset.fail(input.path,
+                 fmt::format("key {} is at {} s, the limit is {} before 0", i, t, asset.limits.clip_seconds),
+                 "move the keys in the animation program");
+    if (t > asset.limits.clip_seconds)
+      asset.fail(input.path, fmt::format("key {} is at {} s, the limit is {}", i, t, asset.limits.clip_seconds),
+                 "cut the clip in the animation program");
+    if (!times.empty() && t < times.back())
+      asset.fail(input.path, fmt::format("key {} at {} s is before key {} at {} s", i, t, i - 1, times.back()),
+                 "sort the keys in the animation program");
+    const bool again = !times.empty() && t == times.back();
+    if (again && !warned)
+      asset.warn(
+          fmt::format("{}: keys {} and {} are both at {} s; the last counts from then on", input.path, i - 1, i, t));
+    warned = warned || again;
+    if (again && (jumps || times.size() == 1)) {
+      keys.back() = i;
+      continue;
+    }
+    jumps = again;
+    if (again) times.back() = std::max(t - kJump, 0.5 * (times[times.size() - 2] + t));
+    times.push_back(t);
+    keys.push_back(i);
+  }
+  return keys;
+}
+
 // The specification wants translation, rotation and scale on an animated node; a matrix without shear is the same.
 void make_animatable(GltfAsset& asset, Node& node, int file_index, const std::string& path) {
   if (!node.has_matrix) return;
@@ -36,7 +77,7 @@ void make_animatable(GltfAsset& asset, Node& node, int file_index, const std::st
 }
 
 Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& in,
-                     const std::string& path, bool& warned) {
+                     const std::string& path, Warned& warned) {
   const tinygltf::AnimationSampler& sampler = animation.samplers[index_of(in.sampler)];
   Channel out;
   out.node = asset.node_of[index_of(in.target_node)];
@@ -48,28 +89,18 @@ Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, con
                                                                : Interpolation::linear;
   make_animatable(asset, asset.character.skeleton.nodes[index_of(out.node)], in.target_node, path);
   const AccessorView input = asset.view_of(sampler.input);
-  out.times.reserve(input.count);
-  for (size_t i = 0; i < input.count; ++i) {
-    const double t = asset.finite(input, i, 0);
-    if (t < -asset.limits.clip_seconds)
-      asset.fail(input.path,
-                 fmt::format("key {} is at {} s, the limit is {} before 0", i, t, asset.limits.clip_seconds),
-                 "move the keys in the animation program");
-    if (t > asset.limits.clip_seconds)
-      asset.fail(input.path, fmt::format("key {} is at {} s, the limit is {}", i, t, asset.limits.clip_seconds));
-    if (i > 0 && t <= out.times.back())
-      asset.fail(input.path, fmt::format("key {} at {} s is not after key {} at {} s", i, t, i - 1, out.times.back()));
-    out.times.push_back(t);
-  }
+  const std::vector<size_t> keys = read_times(asset, input, out.times, warned.times);
   const AccessorView output = asset.view_of(sampler.output);
   const bool cubic = out.interpolation == Interpolation::cubic_spline;
-  out.values.reserve(output.count * static_cast<size_t>(output.components));
-  for (size_t i = 0; i < output.count; ++i) {
+  const size_t each = cubic ? 3 : 1;
+  out.values.reserve(keys.size() * each * static_cast<size_t>(output.components));
+  for (size_t k = 0; k < keys.size() * each; ++k) {
+    const size_t i = keys[k / each] * each + k % each;
     const size_t at = out.values.size();
     for (int c = 0; c < output.components; ++c) out.values.push_back(asset.finite(output, i, c));
     // The tangents of a spline are not rotations.
     if (out.target == Target::rotation && (!cubic || i % 3 == 1))
-      normalise_rotation(asset, &out.values[at], output, i, warned);
+      normalise_rotation(asset, &out.values[at], output, i, warned.rotation);
   }
   return out;
 }
@@ -143,7 +174,7 @@ void read_clips(GltfAsset& asset) {
                fmt::format("{} clips of {} nodes, the limit is a product of {}", asset.model->animations.size(),
                            asset.model->nodes.size(), asset.limits.clip_nodes));
   std::vector<std::string> still;
-  bool warned = false;
+  Warned warned;
   for (size_t a = 0; a < asset.model->animations.size(); ++a) {
     const tinygltf::Animation& in = asset.model->animations[a];
     Clip clip;

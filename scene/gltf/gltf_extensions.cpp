@@ -15,6 +15,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
+
 constexpr std::array<std::string_view, 10> kRead = {"KHR_mesh_quantization",
                                                     "KHR_texture_transform",
                                                     "EXT_meshopt_compression",
@@ -27,24 +29,59 @@ constexpr std::array<std::string_view, 10> kRead = {"KHR_mesh_quantization",
                                                     "KHR_materials_pbrSpecularGlossiness"};
 
 // They change nothing that is drawn here, so that even a file that requires them is drawn as it should be: lights are
-// the scenario's, materials are a base colour and light given off.
+// the scenario's, materials are a base colour and light given off, nothing is heard, felt or followed. VRM says which
+// node is which bone, which is read; its springs and constraints move what hangs.
 bool changes_nothing(std::string_view name) {
-  static constexpr std::array<std::string_view, 5> kNames = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld",
-                                                             "EXT_lights_image_based", "EXT_lights_ies"};
-  return name.starts_with("KHR_materials_") || std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+  static constexpr std::array<std::string_view, 17> kNames = {"EXT_instance_features",
+                                                              "EXT_lights_ies",
+                                                              "EXT_lights_image_based",
+                                                              "EXT_mesh_features",
+                                                              "EXT_structural_metadata",
+                                                              "KHR_collision_shapes",
+                                                              "KHR_implicit_shapes",
+                                                              "KHR_interactivity",
+                                                              "KHR_lights_punctual",
+                                                              "KHR_node_hoverability",
+                                                              "KHR_node_selectability",
+                                                              "KHR_physics_rigid_bodies",
+                                                              "KHR_xmp",
+                                                              "KHR_xmp_json_ld",
+                                                              "MSFT_audio_emitter",
+                                                              "MSFT_physics",
+                                                              "VRM"};
+  static constexpr std::array<std::string_view, 5> kFamilies = {"KHR_materials_", "VRMC_", "KHR_audio", "OMI_", "MOZ_"};
+  return std::ranges::any_of(kFamilies, [&](std::string_view family) { return name.starts_with(family); }) ||
+         std::ranges::find(kNames, name) != kNames.end();
 }
 
-std::string_view what_helps(std::string_view name) {
+// Of those that would change what is drawn.
+std::string_view advice_on(std::string_view name) {
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kAdvice = {{
-      {"EXT_mesh_gpu_instancing", "make one mesh of the instances (gltf-transform uninstance)"},
+      {kInstances, "make one mesh of the instances (gltf-transform uninstance)"},
       {"KHR_texture_basisu", "save the textures as PNG, JPEG or WebP (no KTX2)"},
       {"KHR_meshopt_compression", "compress with EXT_meshopt_compression (gltfpack -c), or not at all"},
       {"EXT_texture_avif", "save the textures as PNG, JPEG or WebP"},
       {"MSFT_texture_dds", "save the textures as PNG, JPEG or WebP"},
       {"KHR_animation_pointer", "animate nodes only"},
   }};
-  const auto found = std::find_if(kAdvice.begin(), kAdvice.end(), [&](const auto& a) { return a.first == name; });
-  return found == kAdvice.end() ? "export the file without it" : found->second;
+  const auto found = std::ranges::find(kAdvice, name, &std::pair<std::string_view, std::string_view>::first);
+  return found == kAdvice.end() ? std::string_view() : found->second;
+}
+
+std::string_view what_helps(std::string_view name) {
+  const std::string_view advice = advice_on(name);
+  return advice.empty() ? "export the file without it" : advice;
+}
+
+// Nodes may have it though the file does not say that it is used.
+bool has_instances(const GltfCheck& check) {
+  const json* nodes = check.member(check.root(), "nodes");
+  if (!nodes || !nodes->is_array()) return false;
+  return std::ranges::any_of(*nodes, [](const json& node) {
+    if (!node.is_object()) return false;
+    const auto extensions = node.find("extensions");
+    return extensions != node.end() && extensions->is_object() && extensions->contains(kInstances);
+  });
 }
 
 std::vector<std::string> names_in(const GltfCheck& check, const char* key) {
@@ -98,6 +135,12 @@ GltfExtensions check_extensions(GltfCheck& check) {
     }
   }
   if (!refused.empty()) refuse(check, refused);
+  if (has_instances(check)) ignored.insert(kInstances);
+  for (const std::string& name : ignored)
+    if (const std::string_view advice = advice_on(name); !advice.empty())
+      check.warn(fmt::format("{} is ignored{}; to see it, {}", name,
+                             name == kInstances ? ": of each node's instances one is drawn, at the node" : "", advice));
+  std::erase_if(ignored, [](const std::string& name) { return !advice_on(name).empty(); });
   if (!ignored.empty()) check.warn("extensions ignored: " + listed(ignored, ", ", shown));
   return found;
 }

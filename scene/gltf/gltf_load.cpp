@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -193,9 +194,27 @@ class Loader {
       const tinygltf::Node& node = model_.nodes[i];
       const Palette palette = node.skin >= 0 ? skin_palette(node.skin) : rigid_palette(i);
       const auto& primitives = model_.meshes[index_of(node.mesh)].primitives;
-      for (size_t p = 0; p < primitives.size(); ++p)
-        read_primitive(primitives[p], fmt::format("/meshes/{}/primitives/{}", node.mesh, p), i, palette);
+      // The same triangles again, in the same material, would not be seen.
+      std::set<std::tuple<std::map<std::string, int>, int, int, int>> read;
+      for (size_t p = 0; p < primitives.size(); ++p) {
+        const tinygltf::Primitive& in = primitives[p];
+        const std::string path = fmt::format("/meshes/{}/primitives/{}", node.mesh, p);
+        if (read.emplace(in.attributes, in.indices, in.mode, in.material).second || options_.undrawn)
+          read_primitive(in, path, i, palette);
+        else
+          leave_out_repeated(in, path, level);
+      }
     }
+  }
+
+  void leave_out_repeated(const tinygltf::Primitive& primitive, const std::string& path, size_t level) {
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return;
+    if (!warned_repeated_) asset_.warn(path + ": repeats another primitive of its mesh and is drawn once");
+    warned_repeated_ = true;
+    const auto position = primitive.attributes.find("POSITION");
+    if (level > 0 || position == primitive.attributes.end()) return;
+    const size_t corners = asset_.view_of(primitive.indices >= 0 ? primitive.indices : position->second).count;
+    repeated_triangles_ += primitive.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners - 2;
   }
 
   // Character::levels, each read where the finest one was; together within the limits of one mesh.
@@ -476,7 +495,7 @@ class Loader {
 
   void leave_out_invisible() {
     Mesh& mesh = character_.mesh;
-    character_.file_triangles = character_.triangles();
+    character_.file_triangles = character_.triangles() + repeated_triangles_;
     if (!options_.undrawn) {
       if (const size_t gone = drop_invisible(character_); gone > 0)
         asset_.warn(
@@ -529,6 +548,8 @@ class Loader {
   bool warned_flat_ = false;
   bool warned_row_ = false;
   bool warned_black_ = false;
+  bool warned_repeated_ = false;
+  size_t repeated_triangles_ = 0;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/character/cut_out.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
@@ -19,12 +20,16 @@ std::vector<double> vertex_masses(const Character& character) {
   std::vector<double> mass(bind.size(), 0.0);
   double total = 0;
   const auto add = [&](bool by_area, bool with_held) {
-    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-      const uint32_t* t = &mesh.indices[i];
-      if (!with_held && held(t[0])) continue;
-      const double area = by_area ? glm::length(glm::cross(bind[t[1]] - bind[t[0]], bind[t[2]] - bind[t[0]])) : 1.0;
-      for (int k = 0; k < 3; ++k) mass[t[k]] += area;
-      total += area;
+    for (const Primitive& p : mesh.primitives) {
+      const CutOut cut_out(character, character.materials[static_cast<size_t>(p.material)]);
+      for (size_t i = p.first_index; i + 2 < p.first_index + p.index_count; i += 3) {
+        const uint32_t* t = &mesh.indices[i];
+        if (!with_held && held(t[0])) continue;
+        const double area = by_area ? glm::length(glm::cross(bind[t[1]] - bind[t[0]], bind[t[2]] - bind[t[0]])) : 1.0;
+        const TrianglePlace share = cut_out.cuts() && by_area ? 3.0 * cut_out.moment(t) : TrianglePlace(1.0);
+        for (int k = 0; k < 3; ++k) mass[t[k]] += area * share[k];
+        total += area * (share.x + share.y + share.z) / 3;
+      }
     }
   };
   add(true, false);

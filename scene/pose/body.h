@@ -10,8 +10,8 @@ namespace crowdbench::scene {
 
 class Body {
  public:
-  // A triangle's mass is its area in the bind pose, in equal shares on its corners. Things held (rigid meshes beside a
-  // skin) are not the body. Where nothing has area, every drawn corner has the same mass.
+  // A triangle's mass is its area in the bind pose, as far as its mask leaves it, shared out on its corners. Things
+  // held (rigid meshes beside a skin) are not the body. Where nothing has area, every drawn corner has the same mass.
   explicit Body(const Character& character);
 
   // Does this entry of Skeleton::joints carry any of it?

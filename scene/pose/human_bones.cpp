@@ -15,7 +15,7 @@ namespace {
 constexpr int kFingerBones = 3;
 constexpr int kMostNumber = 1'000'000;
 
-struct Words {
+struct NameTokens {
   std::vector<std::string> words;  // lower case, without numbers
   int number = 0;                  // the last one of the name; 0: none
 };
@@ -27,9 +27,9 @@ char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned 
 
 // "LForeArm_01" is l, fore, arm and 1: words end at what is no letter, before a capital after a small letter, and
 // before the last of several capitals.
-Words words_of(std::string_view name) {
+NameTokens tokens_of(std::string_view name) {
   if (const size_t space = name.find_last_of(":|"); space != std::string_view::npos) name.remove_prefix(space + 1);
-  Words out;
+  NameTokens out;
   for (size_t i = 0; i < name.size();) {
     const char c = name[i];
     if (is_digit(c)) {
@@ -75,6 +75,29 @@ void drop_prefixes(std::vector<std::string>& words) {
   while (words.size() > 1 && std::ranges::find(kPrefixes, words.front()) != kPrefixes.end()) words.erase(words.begin());
 }
 
+// What programs put anywhere in a name and says nothing.
+void drop_fillers(std::vector<std::string>& words) {
+  constexpr std::array kFillers = {"joint", "jnt", "skeleton", "skel"};
+  std::erase_if(words, [&](const std::string& word) { return std::ranges::find(kFillers, word) != kFillers.end(); });
+}
+
+// A name without its side and what says nothing: "leg_joint_L_2" is "leg" on the left.
+struct Core {
+  std::string text;
+  BoneSide side = BoneSide::middle;
+  int number = 0;
+};
+Core core_of(std::string_view name) {
+  NameTokens tokens = tokens_of(name);
+  Core out;
+  out.side = take_side(tokens.words);
+  drop_fillers(tokens.words);
+  drop_prefixes(tokens.words);
+  for (const std::string& word : tokens.words) out.text += word;
+  out.number = tokens.number;
+  return out;
+}
+
 struct NamedPart {
   std::string_view name;
   BonePart part;
@@ -82,38 +105,25 @@ struct NamedPart {
 constexpr std::array kMiddleNames = {NamedPart{"hips", BonePart::hips}, NamedPart{"hip", BonePart::hips},
                                      NamedPart{"pelvis", BonePart::hips}, NamedPart{"neck", BonePart::neck},
                                      NamedPart{"head", BonePart::head}};
-constexpr std::array kSideNames = {NamedPart{"shoulder", BonePart::shoulder},
-                                   NamedPart{"clavicle", BonePart::shoulder},
-                                   NamedPart{"collar", BonePart::shoulder},
-                                   NamedPart{"collarbone", BonePart::shoulder},
-                                   NamedPart{"upperarm", BonePart::upper_arm},
-                                   NamedPart{"uparm", BonePart::upper_arm},
-                                   NamedPart{"arm", BonePart::upper_arm},
-                                   NamedPart{"lowerarm", BonePart::lower_arm},
-                                   NamedPart{"forearm", BonePart::lower_arm},
-                                   NamedPart{"loarm", BonePart::lower_arm},
-                                   NamedPart{"hand", BonePart::hand},
-                                   NamedPart{"wrist", BonePart::hand},
-                                   NamedPart{"palm", BonePart::hand},
-                                   NamedPart{"upperleg", BonePart::upper_leg},
-                                   NamedPart{"upleg", BonePart::upper_leg},
-                                   NamedPart{"thigh", BonePart::upper_leg},
-                                   NamedPart{"lowerleg", BonePart::lower_leg},
-                                   NamedPart{"leg", BonePart::lower_leg},
-                                   NamedPart{"shin", BonePart::lower_leg},
-                                   NamedPart{"calf", BonePart::lower_leg},
-                                   NamedPart{"foot", BonePart::foot},
-                                   NamedPart{"ankle", BonePart::foot},
-                                   NamedPart{"toe", BonePart::toes},
-                                   NamedPart{"toes", BonePart::toes},
-                                   NamedPart{"toebase", BonePart::toes},
-                                   NamedPart{"ball", BonePart::toes},
-                                   NamedPart{"thumb", BonePart::thumb},
-                                   NamedPart{"index", BonePart::index_finger},
-                                   NamedPart{"middle", BonePart::middle_finger},
-                                   NamedPart{"ring", BonePart::ring_finger},
-                                   NamedPart{"little", BonePart::little_finger},
-                                   NamedPart{"pinky", BonePart::little_finger}};
+constexpr std::array kSideNames = {
+    NamedPart{"shoulder", BonePart::shoulder},  NamedPart{"clavicle", BonePart::shoulder},
+    NamedPart{"collar", BonePart::shoulder},    NamedPart{"collarbone", BonePart::shoulder},
+    NamedPart{"upperarm", BonePart::upper_arm}, NamedPart{"uparm", BonePart::upper_arm},
+    NamedPart{"arm", BonePart::upper_arm},      NamedPart{"lowerarm", BonePart::lower_arm},
+    NamedPart{"forearm", BonePart::lower_arm},  NamedPart{"loarm", BonePart::lower_arm},
+    NamedPart{"elbow", BonePart::lower_arm},    NamedPart{"hand", BonePart::hand},
+    NamedPart{"wrist", BonePart::hand},         NamedPart{"palm", BonePart::hand},
+    NamedPart{"upperleg", BonePart::upper_leg}, NamedPart{"upleg", BonePart::upper_leg},
+    NamedPart{"thigh", BonePart::upper_leg},    NamedPart{"hip", BonePart::upper_leg},
+    NamedPart{"lowerleg", BonePart::lower_leg}, NamedPart{"leg", BonePart::lower_leg},
+    NamedPart{"shin", BonePart::lower_leg},     NamedPart{"calf", BonePart::lower_leg},
+    NamedPart{"knee", BonePart::lower_leg},     NamedPart{"foot", BonePart::foot},
+    NamedPart{"ankle", BonePart::foot},         NamedPart{"toe", BonePart::toes},
+    NamedPart{"toes", BonePart::toes},          NamedPart{"toebase", BonePart::toes},
+    NamedPart{"ball", BonePart::toes},          NamedPart{"thumb", BonePart::thumb},
+    NamedPart{"index", BonePart::index_finger}, NamedPart{"middle", BonePart::middle_finger},
+    NamedPart{"ring", BonePart::ring_finger},   NamedPart{"little", BonePart::little_finger},
+    NamedPart{"pinky", BonePart::little_finger}};
 
 bool is_finger(BonePart part) { return part >= BonePart::thumb; }
 
@@ -167,6 +177,11 @@ class Finder {
       if (const auto bone = bone_of_name(skeleton_.nodes[i].name)) offer(*bone, static_cast<int>(i));
     }
     find_in_numbered_spine();
+    if (said_.empty()) {
+      for (const BoneSide side : {BoneSide::left, BoneSide::right}) find_in_limbs(side);
+      find_head_in_neck();
+      find_hips_between_legs();
+    }
     find_spine();
     return std::move(found_);
   }
@@ -191,7 +206,7 @@ class Finder {
     std::map<int, int> spine;
     for (size_t i = 0; i < skeleton_.nodes.size(); ++i) {
       if (!candidates_[i]) continue;
-      Words name = words_of(skeleton_.nodes[i].name);
+      NameTokens name = tokens_of(skeleton_.nodes[i].name);
       drop_prefixes(name.words);
       if (name.words.size() == 1 && name.words.front() == "spine") spine.emplace(name.number, static_cast<int>(i));
     }
@@ -202,6 +217,54 @@ class Finder {
     if (!found_.contains({BonePart::neck}) && spine.contains(4) && spine.contains(6))
       found_[{BonePart::neck}] = spine[4];
     if (!found_.contains({BonePart::head}) && spine.contains(6)) found_[{BonePart::head}] = spine[6];
+  }
+
+  // Nodes whose names differ by number alone and that hang one on another, from the body outwards; empty where they do
+  // not.
+  std::vector<int> chain_of(std::string_view text, BoneSide side) const {
+    std::vector<int> chain;
+    for (size_t i = 0; i < skeleton_.nodes.size(); ++i) {  // parents come first
+      if (!candidates_[i]) continue;
+      const Core core = core_of(skeleton_.nodes[i].name);
+      if (core.text != text || core.side != side) continue;
+      if (!chain.empty() && !is_at_or_above(skeleton_, chain.back(), static_cast<int>(i))) return {};
+      chain.push_back(static_cast<int>(i));
+    }
+    return chain;
+  }
+
+  // Limbs whose bones are all of one name, numbered this way or that: what hangs on what says which is which.
+  void find_in_limbs(BoneSide side) {
+    if (!found_.contains({BonePart::upper_leg, side})) {
+      const std::vector<int> legs = chain_of("leg", side);
+      constexpr std::array kParts = {BonePart::upper_leg, BonePart::lower_leg, BonePart::foot, BonePart::toes};
+      if (!legs.empty()) found_.erase({BonePart::lower_leg, side});  // "leg", where it is the only one
+      for (size_t i = 0; i < std::min(legs.size(), kParts.size()); ++i) found_.try_emplace({kParts[i], side}, legs[i]);
+    }
+    if (found_.contains({BonePart::lower_arm, side})) return;
+    const std::vector<int> arms = chain_of("arm", side);
+    if (arms.size() < 2) return;
+    constexpr std::array kParts = {BonePart::shoulder, BonePart::upper_arm, BonePart::lower_arm, BonePart::hand};
+    const size_t first = arms.size() < kParts.size() ? 1 : 0;
+    found_.erase({BonePart::upper_arm, side});
+    for (size_t i = 0; i < arms.size() && first + i < kParts.size(); ++i)
+      found_.try_emplace({kParts[first + i], side}, arms[i]);
+  }
+
+  void find_head_in_neck() {
+    const std::vector<int> necks = chain_of("neck", BoneSide::middle);
+    if (necks.size() > 1) found_.try_emplace({BonePart::head}, necks.back());
+  }
+
+  // What both legs hang on.
+  void find_hips_between_legs() {
+    const auto left = found_.find({BonePart::upper_leg, BoneSide::left});
+    const auto right = found_.find({BonePart::upper_leg, BoneSide::right});
+    if (found_.contains({BonePart::hips}) || left == found_.end() || right == found_.end()) return;
+    int node = skeleton_.nodes[static_cast<size_t>(left->second)].parent;
+    while (node >= 0 && !is_at_or_above(skeleton_, node, right->second))
+      node = skeleton_.nodes[static_cast<size_t>(node)].parent;
+    if (node >= 0) found_[{BonePart::hips}] = node;
   }
 
   // The nodes between hips and neck, however many and whatever their names.
@@ -239,11 +302,7 @@ std::string bone_text(const Bone& bone) {
 }
 
 std::optional<Bone> bone_of_name(std::string_view name) {
-  Words parsed = words_of(name);
-  const BoneSide side = take_side(parsed.words);
-  drop_prefixes(parsed.words);
-  std::string core;
-  for (const std::string& word : parsed.words) core += word;
+  const auto [core, side, last_number] = core_of(name);
   if (side == BoneSide::middle) {
     const auto part = part_named(kMiddleNames, core);
     return part ? std::optional(Bone{*part, side, 0}) : std::nullopt;
@@ -255,7 +314,7 @@ std::optional<Bone> bone_of_name(std::string_view name) {
   if (!part && core.ends_with("finger")) part = part_named(kSideNames, core.substr(0, core.size() - 6));
   if (!part) return std::nullopt;
   if (!is_finger(*part)) return Bone{*part, side, 0};
-  const int number = std::max(parsed.number, 1);
+  const int number = std::max(last_number, 1);
   return number <= kFingerBones ? std::optional(Bone{*part, side, number}) : std::nullopt;
 }
 

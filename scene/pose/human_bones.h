@@ -44,11 +44,14 @@ std::string bone_text(const Bone& bone);
 
 // The bone that a node of this name is in the skeletons of Mixamo and Ready Player Me (mixamorig:LeftForeArm), VRoid
 // (J_Bip_L_LowerArm), Unreal (lowerarm_l), Blender's Rigify (DEF-forearm.L), KayKit (lowerarm.l), Quaternius
-// (LowerArm.L) and the mannequin (forearm_l), whatever their case and prefix. Never a spine.
+// (LowerArm.L), Maya's joints (L_elbow_jnt) and the mannequin (forearm_l), whatever their case and prefix. Never a
+// spine.
 std::optional<Bone> bone_of_name(std::string_view name);
 
 // The node of each bone, among those whose `candidates` is true (one a node). Where several nodes have a bone's name,
-// the one nearest the root. A file that says itself which node is what (Skeleton::human_bones, VRM) is believed.
+// the one nearest the root. Where the bones of a leg, an arm or a neck differ by number alone (leg_joint_L_1, ..._2),
+// which hangs on which says what they are; a single leg bone is the upper one; hips that have no such name are what
+// both legs hang on. A file that says itself which node is what (Skeleton::human_bones, VRM) is believed.
 std::map<Bone, int> find_human_bones(const Skeleton& skeleton, const std::vector<bool>& candidates);
 
 // Nodes that can be bones: the joints of skins and what they hang on; without a skin every node. Meshes are often

@@ -17,6 +17,7 @@
 #include "scene/pose/body.h"
 #include "scene/pose/facing.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/stand.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -32,13 +33,11 @@ constexpr double kLeftOfHeight = 0.1;  // of a turn
 constexpr double kStraight = 0.087;    // sine of 5 degrees: a stance foot's direction this near to an axis is along it
 constexpr double kStanceAgrees = 0.6;  // of a clip's intervals: that many of them go where their median goes
 constexpr double kUpright = 0.75;  // of the default clip's first pose: clips in use that are lower do not stand upright
-constexpr double kSoleBand = 0.05;    // of the height above the lowest point: these vertices can touch the ground
-constexpr double kContact = 0.04;     // of the height above the clip's lowest sole point: in contact
+constexpr double kContact = 0.04;  // of the height above the clip's lowest sole point: in contact
 constexpr double kStillFoot = 0.02;   // of the height a second: a foot that moves more slowly stands still
 constexpr double kMovingFeet = 0.05;  // of the height: a clip that moves a sole by more moves the feet
 constexpr size_t kMaxSoles = 48;
 constexpr int kMotionSamples = 24;  // poses of each clip, for its ground speed
-constexpr double kBoundsRate = 30.0;
 constexpr double kPi = 3.14159265358979323846;
 
 // A word in lower case, in a name of any case.
@@ -48,76 +47,6 @@ bool holds(const std::string& name, const char* word) {
   return lower.find(word) != std::string::npos;
 }
 bool holds_walk(const std::string& name) { return holds(name, "walk"); }
-
-// The node whose travel is the character's: the skin's root, or without a skin the first joint's topmost ancestor.
-int travelling_node(const Skeleton& skeleton) {
-  if (skeleton.root_node >= 0) return skeleton.root_node;
-  if (skeleton.joints.empty()) return -1;
-  int node = skeleton.joints.front().node;
-  while (skeleton.nodes[static_cast<size_t>(node)].parent >= 0) node = skeleton.nodes[static_cast<size_t>(node)].parent;
-  return node;
-}
-
-glm::dvec3 skin_one(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>& palette) {
-  const glm::dvec4 position(mesh.positions[v], 1.0);
-  glm::dvec4 sum(0.0);
-  for (int i = 0; i < kInfluences; ++i) {
-    const double weight = mesh.weights[v][i];
-    if (weight != 0.0) sum += weight * (palette[mesh.joints[v][i]] * position);
-  }
-  return glm::dvec3(sum);
-}
-
-struct Range {
-  double low = std::numeric_limits<double>::max();
-  double high = std::numeric_limits<double>::lowest();
-  double size() const { return high > low ? high - low : 0.0; }
-};
-
-// Only the y row is worked out: this runs over every vertex of every pose of the default clip.
-Range posed_heights(const Mesh& mesh, const std::vector<glm::dmat4>& palette) {
-  Range range;
-  std::vector<glm::dvec4> rows;
-  rows.reserve(palette.size());
-  for (const glm::dmat4& m : palette) rows.emplace_back(m[0][1], m[1][1], m[2][1], m[3][1]);
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    const glm::dvec4 position(mesh.positions[v], 1.0);
-    double y = 0.0;
-    for (int i = 0; i < kInfluences; ++i) {
-      const double weight = mesh.weights[v][i];
-      if (weight != 0.0) y += weight * glm::dot(rows[mesh.joints[v][i]], position);
-    }
-    range.low = std::min(range.low, y);
-    range.high = std::max(range.high, y);
-  }
-  return range;
-}
-
-// Vertices that can touch the ground: the lowest of the bind pose. Held things (rigid meshes) count only where nothing
-// else exists.
-std::vector<uint32_t> find_soles(const Character& character, const std::vector<glm::dmat4>& bind) {
-  const Mesh& mesh = character.mesh;
-  const bool skinned = character.skeleton.root_node >= 0;
-  std::vector<std::pair<double, uint32_t>> heights;
-  heights.reserve(mesh.positions.size());
-  double low = std::numeric_limits<double>::max();
-  double high = std::numeric_limits<double>::lowest();
-  for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
-    if (skinned && character.skeleton.joints[mesh.joints[v][0]].rigid) continue;
-    const double y = skin_one(mesh, v, bind).y;
-    heights.emplace_back(y, v);
-    low = std::min(low, y);
-    high = std::max(high, y);
-  }
-  std::vector<uint32_t> band;
-  for (const auto& [y, v] : heights) {
-    if (y <= low + kSoleBand * (high - low)) band.push_back(v);
-  }
-  std::vector<uint32_t> soles;
-  const size_t step = band.size() / kMaxSoles + 1;
-  for (size_t i = 0; i < band.size(); i += step) soles.push_back(band[i]);
-  return soles;
-}
 
 // The last key interval of a clip: the shortest among the channels that reach its end.
 double last_interval(const Clip& clip) {
@@ -151,18 +80,18 @@ bool same_pose(const Skeleton& skeleton, const Body& body, const std::vector<glm
   return true;
 }
 
-// Rounded to a billionth of the character's size: poses between keys use libm, whose last bit differs by version, and
-// what is kept here goes into every bake's key.
-double settled(double value, double height) {
-  int exponent = 0;
-  std::frexp(height, &exponent);
-  return std::ldexp(std::nearbyint(std::ldexp(value, 30 - exponent)), exponent - 30);
-}
-
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+// Enough to measure every clip by.
+std::vector<uint32_t> thinned(const std::vector<uint32_t>& soles) {
+  std::vector<uint32_t> out;
+  const size_t step = soles.size() / kMaxSoles + 1;
+  for (size_t i = 0; i < soles.size(); i += step) out.push_back(soles[i]);
+  return out;
 }
 
 struct Measured {
@@ -342,7 +271,8 @@ int choose_default_clip(const Character& character, const std::vector<Measured>&
 }
 
 double first_height(const Character& character, int clip) {
-  return posed_heights(character.mesh, model_matrices(character, clip, 0.0)).size();
+  DrawnExtent extent(character);
+  return posed_height(character.mesh, extent, model_matrices(character, clip, 0.0));
 }
 
 // Placement::upright_clip.
@@ -360,52 +290,6 @@ int choose_upright_clip(const Character& character, const std::vector<std::strin
     tallest = clip;
   }
   return !in_use.empty() && most < kUpright * first_height(character, standard) ? standard : tallest;
-}
-
-// Where a character stands, in glTF units.
-struct Stand {
-  double height = 0;
-  double lowest = std::numeric_limits<double>::max();
-  glm::dvec3 pivot{0.0};
-};
-
-Stand measure_stand(const Character& character, const Body& body, double bind_height) {
-  const int clip = character.placement.upright_clip;
-  const double cycle = clip < 0 ? 0.0 : cycle_seconds(character, clip);
-  const int samples = cycle > 0.0 ? std::clamp(static_cast<int>(std::ceil(cycle * kBoundsRate)), 2, 150) : 1;
-  const int root = travelling_node(character.skeleton);
-  Stand out;
-  glm::dvec3 root_middle{0.0};
-  glm::dvec3 body_middle{0.0};
-  for (int i = 0; i < samples; ++i) {
-    const double phase = static_cast<double>(i) / samples;
-    const auto palette = model_matrices(character, clip, phase);
-    const Range range = posed_heights(character.mesh, palette);
-    if (i == 0) out.height = range.size();
-    out.lowest = std::min(out.lowest, range.low);
-    body_middle += body.centre(palette) / static_cast<double>(samples);
-    if (root < 0) continue;
-    glm::dvec4 at(0.0);
-    if (cycle <= 0) {
-      at = node_matrices(
-          character, clip,
-          clip < 0 ? 0.0 : character.clips[static_cast<size_t>(clip)].start)[static_cast<size_t>(root)][3];
-    } else {
-      const Clip& curves = character.clips[static_cast<size_t>(clip)];
-      const double progress = std::min(phase * cycle / curves.duration(), 1.0);
-      at = travel_undone(character.motion[static_cast<size_t>(clip)], progress) *
-           node_matrices(character, clip, curves.start + progress * curves.duration())[static_cast<size_t>(root)][3];
-    }
-    root_middle += glm::dvec3(at) / static_cast<double>(samples);
-  }
-  // A root that stands apart from the body, or stays behind it, is not where the character is.
-  out.pivot = root >= 0 && glm::length(horizontal(root_middle - body_middle)) <= kRootMotion * bind_height
-                  ? root_middle
-                  : body_middle;
-  out.height = settled(out.height, bind_height);
-  out.lowest = settled(out.lowest, bind_height);
-  for (int axis = 0; axis < 3; ++axis) out.pivot[axis] = settled(out.pivot[axis], bind_height);
-  return out;
 }
 
 // Puts a node that turns everything on top of the hierarchy.
@@ -469,11 +353,12 @@ int require_clip_or_none(const Character& character, const std::string& name_or_
 void normalise(Character& character, const NormaliseOptions& options) {
   assert(!character.mesh.positions.empty());
   orient(character, options);
-  const Mesh& mesh = character.mesh;
   const auto bind = joint_matrices(character, -1, 0.0);
-  const double bind_height = std::max(posed_heights(mesh, bind).size(), 1e-30);
+  DrawnExtent extent(character);
+  const double bind_height = std::max(posed_height(character.mesh, extent, bind), 1e-30);
   const Body body(character);
-  const auto soles = find_soles(character, bind);
+  const std::vector<uint32_t> all_soles = find_soles(character, bind);
+  const std::vector<uint32_t> soles = thinned(all_soles);
 
   // Posed in glTF space first: placement and motion are found there, then scaled.
   std::vector<Measured> measured;
@@ -495,14 +380,14 @@ void normalise(Character& character, const NormaliseOptions& options) {
   Placement placement = character.placement;
   placement.upright_clip = choose_upright_clip(character, options.clips);
   character.placement.upright_clip = placement.upright_clip;
-  const Stand stand = measure_stand(character, body, bind_height);
+  const Stand stand = measure_stand(character, body, all_soles, bind_height);
   for (ClipMotion& motion : character.motion) motion.ground_speed = settled(motion.ground_speed, bind_height);
   placement.height = stand.height;
   if (options.height) {
     placement.scale = stand.height > 0.0 ? *options.height / stand.height : 1.0;
     placement.height = stand.height * placement.scale;
     placement.model_from_gltf = glm::dmat4(placement.scale);
-    placement.model_from_gltf[3] = glm::dvec4(-stand.pivot.x * placement.scale, -stand.lowest * placement.scale,
+    placement.model_from_gltf[3] = glm::dvec4(-stand.pivot.x * placement.scale, -stand.ground * placement.scale,
                                               -stand.pivot.z * placement.scale, 1.0);
   }
   character.placement = placement;
@@ -552,7 +437,7 @@ std::string compute_content_hash(const Character& character) {
     hash.bytes(&m.emissive, sizeof m.emissive).value(m.emissive_image);
     hash.value(m.unlit).value(m.double_sided).value(m.slot);
     // Only where there is one, so that the hashes of most characters are those of earlier versions.
-    if (m.alpha_cutoff > 0) hash.value(m.alpha_cutoff);
+    if (m.alpha_cutoff > 0) hash.value(m.alpha_cutoff).text("levels hold what masks leave");
   }
   hash.value(character.images.size());
   for (const Texture& t : character.images) {

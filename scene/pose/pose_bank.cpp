@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/character/cut_out.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
@@ -33,6 +34,30 @@ BankClip describe(const Character& character, int clip) {
   return out;
 }
 
+// Bounds of what masks leave, where there are any; `matrices` of `joints` a sample.
+void leave_out_what_masks_cut(const Character& character, const std::vector<Mat3x4>& matrices, size_t joints,
+                              glm::vec3& low, glm::vec3& high) {
+  DrawnExtent extent(character);
+  if (!extent.cuts() || matrices.empty()) return;
+  const Mesh& mesh = character.mesh;
+  low = glm::vec3(std::numeric_limits<float>::max());
+  high = glm::vec3(std::numeric_limits<float>::lowest());
+  std::vector<double> along(mesh.positions.size());
+  for (size_t first = 0; first < matrices.size(); first += joints)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double sign : {-1.0, 1.0}) {
+        for (size_t v = 0; v < along.size(); ++v) {
+          along[v] = 0;
+          for (int i = 0; i < kInfluences; ++i)
+            along[v] +=
+                sign * static_cast<double>(mesh.weights[v][i] * glm::dot(matrices[first + mesh.joints[v][i]].rows[axis],
+                                                                         glm::vec4(mesh.positions[v], 1.0F)));
+        }
+        const auto most = static_cast<float>(sign * extent.most(along));
+        (sign < 0 ? low : high)[axis] = sign < 0 ? std::min(low[axis], most) : std::max(high[axis], most);
+      }
+}
+
 }  // namespace
 
 PoseBank::PoseBank(const Character& character, const std::vector<int>& clips, double rate) {
@@ -46,6 +71,7 @@ PoseBank::PoseBank(const Character& character, const std::vector<int>& clips, do
     }
     clips_.push_back(entry);
   }
+  leave_out_what_masks_cut(character, matrices_, static_cast<size_t>(joints_), bounds_min_, bounds_max_);
 }
 
 PoseBank PoseBank::exact(const Character& character, int clip, double time, bool raw) {
@@ -58,6 +84,8 @@ PoseBank PoseBank::exact(const Character& character, int clip, double time, bool
     bank.add_sample(character, model_matrices(character, clip, clip < 0 ? 0.0 : phase_of_time(character, clip, time)));
   }
   bank.clips_.push_back(entry);
+  leave_out_what_masks_cut(character, bank.matrices_, static_cast<size_t>(bank.joints_), bank.bounds_min_,
+                           bank.bounds_max_);
   return bank;
 }
 
@@ -75,6 +103,8 @@ PoseBank PoseBank::frames(const Character& character, const std::vector<int>& cl
     }
     bank.clips_.push_back(entry);
   }
+  leave_out_what_masks_cut(character, bank.matrices_, static_cast<size_t>(bank.joints_), bank.bounds_min_,
+                           bank.bounds_max_);
   return bank;
 }
 

@@ -10,6 +10,8 @@
 namespace crowdbench::scene {
 namespace {
 
+constexpr double kUpright = 0.5;  // cosine between spine and legs: of four legs it is near 0
+
 // Along the axes of the file: a figure that leans a little at rest goes on leaning.
 glm::dvec3 nearest_axis(const glm::dvec3& v) {
   glm::dvec3 out(0.0);
@@ -47,10 +49,34 @@ glm::dquat SkeletonRest::rotation(int node) const { return upright * rotation_of
 
 glm::dvec3 SkeletonRest::position(int node) const { return upright * place_of(world[at(node)]); }
 
+glm::dvec3 SkeletonRest::up_by_legs() const {
+  glm::dvec3 up(0.0);
+  for (const BoneSide side : {BoneSide::left, BoneSide::right}) {
+    const auto hip = place(BonePart::upper_leg, side);
+    auto below = place(BonePart::lower_leg, side);
+    if (!below) below = place(BonePart::foot, side);
+    if (!hip || !below) return glm::dvec3(0.0);
+    up += *hip - *below;
+  }
+  return up / 2.0;
+}
+
+glm::dvec3 SkeletonRest::up_by_head() const {
+  const auto hips = place(BonePart::hips);
+  auto top = place(BonePart::neck);
+  if (!top) top = place(BonePart::head);
+  return hips && top ? *top - *hips : glm::dvec3(0.0);
+}
+
 bool SkeletonRest::is_human() const {
-  for (const BoneSide side : {BoneSide::left, BoneSide::right})
-    if (!place(BonePart::upper_leg, side) || !place(BonePart::lower_leg, side)) return false;
-  return place(BonePart::hips).has_value();
+  if (!place(BonePart::hips) || !place(BonePart::upper_leg, BoneSide::left) ||
+      !place(BonePart::upper_leg, BoneSide::right))
+    return false;
+  const glm::dvec3 legs = up_by_legs();
+  const glm::dvec3 head = up_by_head();
+  const double lengths = glm::length(legs) * glm::length(head);
+  if (!(lengths > 0)) return glm::length(legs) + glm::length(head) > 0;
+  return glm::dot(legs, head) > kUpright * lengths;
 }
 
 std::optional<double> SkeletonRest::leg_length() const {
@@ -65,9 +91,8 @@ glm::dquat SkeletonRest::find_upright() const {
   if (!is_human()) return {1, 0, 0, 0};
   const glm::dvec3 left_leg = *place(BonePart::upper_leg, BoneSide::left);
   const glm::dvec3 right_leg = *place(BonePart::upper_leg, BoneSide::right);
-  const glm::dvec3 knees =
-      (*place(BonePart::lower_leg, BoneSide::left) + *place(BonePart::lower_leg, BoneSide::right)) / 2.0;
-  const glm::dvec3 up = nearest_axis((left_leg + right_leg) / 2.0 - knees);
+  const glm::dvec3 legs = up_by_legs();
+  const glm::dvec3 up = nearest_axis(glm::length(legs) > 0 ? legs : up_by_head());
   glm::dvec3 across = left_leg - right_leg;
   across -= glm::dot(across, up) * up;
   if (!(glm::length(across) > 1e-9 * size)) return {1, 0, 0, 0};

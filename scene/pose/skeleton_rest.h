@@ -29,12 +29,18 @@ struct SkeletonRest {
   // Of a node, turned upright.
   glm::dquat rotation(int node) const;
   glm::dvec3 position(int node) const;
-  // Has hips and legs.
+  // Has hips and two legs, of a bone or more each, and stands on them: the neck or head, where it is known, lies where
+  // the legs do not.
   bool is_human() const;
   // From the left hip over the knee to the ankle.
   std::optional<double> leg_length() const;
   // From the left leg to the right one is its width, from the knees to the hips its height; along the file's axes.
   glm::dquat find_upright() const;
+
+ private:
+  // From the legs' lower ends to the hips, else from the hips to the head; neither: zero.
+  glm::dvec3 up_by_legs() const;
+  glm::dvec3 up_by_head() const;
 };
 
 inline glm::dvec3 place_of(const glm::dmat4& transform) { return glm::dvec3(transform[3]); }

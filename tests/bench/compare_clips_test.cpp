@@ -234,7 +234,7 @@ TEST(CompareClips, AClipAndItsStackedHalves) {
   EXPECT_EQ(halves["by_frame"]["mae"][3], mae);
   EXPECT_EQ(halves["by_frame"]["mae"][1], 0);
   write_file(folder / "stacked.json", std::string_view("{}"));
-  EXPECT_NE(error_of({(folder / "stacked.mp4").string()}).find("is no manifest"), std::string::npos);
+  EXPECT_NE(error_of({(folder / "stacked.mp4").string()}).find("is not a manifest"), std::string::npos);
   write_file(folder / "stacked.json",
              std::string_view(R"({"format": "crowdbench-pair-1", "half": {"width": 64, "height": 900},
                "bar": {"height": 8}, "top": {"configuration": "a", "representation": "x"},

@@ -243,8 +243,9 @@ TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
       {"bench wrong.toml", "wrong.toml:3: `representation`: there is no representation 'flax'"},
       {"view wrong.toml", "wrong.toml:3: `representation`: there is no representation 'flax'"},
       {"render clip.toml --out x.png", "clip.toml:6: there is no clip 'wlak' of mannequin"},
+      {"render gone.toml --out x.png", "gone.toml:3: gone.glb: cannot open"},
       {"render clip.toml --out x.png --clip wlak", "--clip: there is no clip 'wlak' of mannequin"},
-      {"pose mannequin --clip wlak", "there is no clip 'wlak'; give a name or an index; it has walk, run, idle, wave"},
+      {"pose mannequin --clip wlak", "there is no clip 'wlak'; did you mean walk? It has walk, run, idle, wave"},
   };
   for (const auto& w : wrong) {
     SCOPED_TRACE(w.arguments);

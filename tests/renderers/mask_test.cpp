@@ -1,6 +1,9 @@
 // Masked figures: the holes of the mesh are holes in everything that is baked from it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "gl_test_support.h"
 
 namespace crowdbench::renderers {
@@ -14,20 +17,18 @@ using testing::frame_of_one;
 using testing::GlTest;
 using testing::make;
 
-// A card of 1 m x 1.6 m with 3 x 4 round holes, seen from both sides.
-scene::Character card_with_holes(float cutoff) {
+// A card of 1 m x 1.6 m, seen from both sides, with so many texels that are there or not.
+scene::Character masked_card(int width, int height, float cutoff, bool (*there)(int x, int y)) {
   scene::Character character = card(1.0F, 1.6F, glm::vec4(0.8F, 0.5F, 0.3F, 1.0F));
-  scene::Texture holes;
-  holes.image = Image8(96, 128, 4);
-  for (int y = 0; y < 128; ++y)
-    for (int x = 0; x < 96; ++x) {
-      const double dx = x % 32 - 15.5;
-      const double dy = y % 32 - 15.5;
-      uint8_t* texel = holes.image.at(x, y);
+  scene::Texture mask;
+  mask.image = Image8(width, height, 4);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      uint8_t* texel = mask.image.at(x, y);
       texel[0] = texel[1] = texel[2] = 255;
-      texel[3] = dx * dx + dy * dy < 100 ? 0 : 255;
+      texel[3] = there(x, y) ? 255 : 0;
     }
-  character.images.push_back(holes);
+  character.images.push_back(mask);
   scene::Material& material = character.materials.front();
   material.base_colour_image = 0;
   material.alpha_cutoff = cutoff;
@@ -35,6 +36,15 @@ scene::Character card_with_holes(float cutoff) {
   character.mesh.uvs.clear();
   for (const glm::vec3& p : character.mesh.positions) character.mesh.uvs.emplace_back(p.x + 0.5F, 1.0F - p.y / 1.6F);
   return character;
+}
+
+// 3 x 4 round holes.
+scene::Character card_with_holes(float cutoff) {
+  return masked_card(96, 128, cutoff, [](int x, int y) {
+    const double dx = x % 32 - 15.5;
+    const double dy = y % 32 - 15.5;
+    return dx * dx + dy * dy >= 100;
+  });
 }
 
 Capture draw(const scene::Cast& cast, const std::string& spec) {
@@ -53,6 +63,47 @@ double overlap(const Capture& a, const Capture& b) {
     any += a.ids.data[i] != 0 || b.ids.data[i] != 0 ? 1 : 0;
   }
   return double(both) / double(any);
+}
+
+struct Pattern {
+  const char* name;
+  bool (*there)(int x, int y);
+  double covers;  // of the card
+};
+const Pattern kPatterns[] = {{"stripes", [](int x, int) { return x / 4 % 2 == 0; }, 0.5},
+                             {"fine stripes", [](int x, int) { return x % 2 == 0; }, 0.5},
+                             {"checkers", [](int x, int y) { return (x / 2 + y / 2) % 2 == 0; }, 0.5},
+                             {"net", [](int x, int y) { return x % 8 == 0 || y % 8 == 0; }, 15.0 / 64},
+                             {"holes", [](int x, int y) { return x % 8 > 1 || y % 8 > 1; }, 60.0 / 64}};
+
+// Pixels that a crowd of cards covers which are so many pixels tall, at many places between pixels.
+double pixels_of(const scene::Character& card, const std::string& spec, double height) {
+  const scene::Cast cast = cast_of(card);
+  constexpr double kFov = 8.0;
+  constexpr int kSize = 360;
+  const double distance = 1.6 * kSize / height / (2 * std::tan(kFov * 3.14159265358979 / 360));
+  scene::Frame frame = frame_of_one(distance, 0, kSize, kSize, kFov);
+  const int each = static_cast<int>(kSize / (1.2 * height));
+  for (int i = 0; i < each * each; ++i)
+    add_agent(frame, cast,
+              {1.47 * (i % each - each / 2.0) + 0.37 * (i * 37 % 101) / 101, 1.83 * (i / each - each / 2.0), 0},
+              uint32_t(i + 1));
+  Renderer renderer(context(), cast);
+  const Capture capture = renderer.capture(frame, *make(cast, spec), {});
+  return static_cast<double>(std::ranges::count_if(capture.ids.data, [](uint32_t id) { return id != 0; }));
+}
+
+class MaskLevelsGl : public GlTest {};
+
+// A regular pattern averages to one grey: it must not vanish at a distance, nor close.
+TEST_F(MaskLevelsGl, PatternsCoverAsMuchAtADistanceAsNear) {
+  for (const double height : {200.0, 58.0, 37.0, 21.0, 11.0}) {
+    const double all = pixels_of(masked_card(128, 128, 0.0F, kPatterns[0].there), "mesh", height);
+    for (const Pattern& pattern : kPatterns) {
+      const double there = pixels_of(masked_card(128, 128, 0.5F, pattern.there), "mesh", height);
+      EXPECT_NEAR(there / all, pattern.covers, 0.03) << pattern.name << " " << height << " pixels tall";
+    }
+  }
 }
 
 struct Masked {

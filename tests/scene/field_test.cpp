@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/error.h"
 #include "scene/crowd/crowd.h"
+#include "scene/pose/body.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/pose_bank.h"
+#include "scene/pose/stand.h"
 #include "tests/scene/gltf_builder.h"
 #include "tests/scene/posed_height.h"
 
@@ -140,6 +144,64 @@ TEST(Undrawn, SharedVerticesCountOnceAndAreLimitedByWhatIsNamed) {
   EXPECT_EQ(c.mesh.primitives[1].first_vertex, 3U);
   options.limits.vertices = 5;
   EXPECT_THROW(load(b, options), Error);
+}
+
+// The card of 1 x 2 units with a masked picture of 64 x 64 texels; alpha: 0 to 1.
+Builder masked_card(double cutoff, const std::function<double(int x, int y)>& alpha) {
+  Image8 image(64, 64, 4);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      for (int c = 0; c < 4; ++c)
+        image.at(x, y)[c] = static_cast<uint8_t>(c == 3 ? std::lround(255 * alpha(x, y)) : 255);
+  const std::vector<uint8_t> png = encode_png(image);
+  Builder b = bending_card();
+  b.doc["images"][0]["bufferView"] = b.view(png.data(), png.size());
+  b.doc["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33071}}};
+  b.doc["materials"][0]["alphaMode"] = "MASK";
+  b.doc["materials"][0]["alphaCutoff"] = cutoff;
+  b.doc.erase("animations");
+  return b;
+}
+
+// A triangle reaches as far as its mask leaves it: the height and the ground are those of what is drawn, and so are the
+// bounds by which cameras look.
+TEST(Undrawn, WhatAMaskCutsOffATriangleCountsForNothing) {
+  struct Case {
+    const char* name;
+    double cutoff;
+    std::function<double(int, int)> alpha;
+    double low, high;  // what is left, units
+  };
+  const Case cases[] = {
+      {"upper half is clear", 0.5, [](int, int y) { return y >= 32 ? 1 : 0; }, 0, 1},
+      {"lower quarter is clear", 0.5, [](int, int y) { return y < 48 ? 1 : 0; }, 0.5, 2},
+      {"a disc", 0.5, [](int x, int y) { return std::hypot(x - 31.5, y - 31.5) < 16 ? 1 : 0; }, 0.5, 1.5},
+      {"one strand", 0.5, [](int x, int y) { return x == 41 && y > 7 ? 1 : 0; }, 0, 1.75},
+      {"a slope of alpha", 0.25, [](int, int y) { return y / 63.0; }, 0, 2 * (1 - (0.25 * 63 + 0.5) / 64)},
+  };
+  for (const Case& of : cases) {
+    Builder b = masked_card(of.cutoff, of.alpha);
+    const Character c = load(b, LoadOptions{});
+    const double texel = 2.0 / 64;
+    EXPECT_NEAR(1.75 / c.placement.scale, of.high - of.low, texel) << of.name;
+    EXPECT_NEAR(-c.placement.model_from_gltf[3].y / c.placement.scale, of.low, texel) << of.name;
+    const PoseBank bank = PoseBank::exact(c, -1, 0);
+    EXPECT_NEAR(static_cast<double>(bank.bounds_min().y), 0, texel) << of.name;
+    EXPECT_NEAR(static_cast<double>(bank.bounds_max().y), 1.75, texel * c.placement.scale) << of.name;
+  }
+}
+
+// Where vertices' alpha runs from 1 at the lower edge to 0 at the upper, a mask at 0.4 ends at 0.6 of the height.
+TEST(Undrawn, WhatVertexAlphaCutsOffCountsForNothing) {
+  Builder b = masked_card(0.4, [](int, int) { return 1; });
+  attributes(b)["COLOR_0"] = b.accessor<float>({1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 0}, "VEC4");
+  EXPECT_NEAR(1.75 / load(b, LoadOptions{}).placement.scale, 1.2, 0.01);
+}
+
+// The middle of the body is that of what is drawn of it.
+TEST(Undrawn, WhatAMaskCutsOffHasNoMass) {
+  const Character c = load(masked_card(0.5, [](int x, int) { return x < 16 ? 1 : 0; }).glb(), LoadOptions{});
+  EXPECT_NEAR(Body(c).centre(joint_matrices(c, -1, 0)).x, 0.125, 0.03);
 }
 
 // --- root motion is what the body does
@@ -413,6 +475,46 @@ TEST(Height, IsThatOfTheClipInUse) {
   EXPECT_EQ(load(b, options).placement.upright_clip, 1);
   options.normalise.clips = {"run"};  // whoever plays it is to blame, not the file
   EXPECT_EQ(load(b, options).placement.upright_clip, 0);
+}
+
+// --- the ground
+
+// Soles that stand at 0 for most of a cycle of 30 poses: a dip of a few poses does not lift the figure off the ground.
+TEST(Ground, IsWhereTheFigureStays) {
+  std::vector<double> lowest(30, 0.0);
+  for (size_t i = 10; i < 16; ++i) lowest[i] = 0.1;  // a leap
+  EXPECT_EQ(supporting_height(lowest, 2), 0.0);
+  lowest[20] = -0.05;
+  lowest[21] = -0.12;
+  lowest[22] = -0.05;
+  EXPECT_EQ(supporting_height(lowest, 2), 0.0);
+  lowest[3] = -0.015;  // within a hundredth of the height: soles roll
+  EXPECT_EQ(supporting_height(lowest, 2), -0.015);
+  for (size_t i = 0; i < 30; ++i) lowest[i] = static_cast<double>(i);
+  EXPECT_EQ(supporting_height(lowest, 2), 0.0) << "never stays";
+  EXPECT_EQ(supporting_height({1.5}, 2), 1.5);
+}
+
+// A blade on a node of the hand is below the soles in every pose, a toe in one: the feet stand all the same.
+TEST(Ground, WhatIsHeldHasNoSay) {
+  Builder b = walking_card();
+  b.doc["animations"][0]["name"] = "idle";
+  move(b, 0, 2, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, 0, 1});
+  b.doc["nodes"][1]["name"] = "hips";
+  b.doc["nodes"][2]["name"] = "hand_l";
+  b.doc["nodes"][2]["children"] = {3};
+  b.doc["nodes"].push_back({{"name", "blade"}, {"translation", {0, -1, 0}}});
+  b.doc["skins"][0]["joints"] = {1, 2, 3};
+  b.doc["skins"][0].erase("inverseBindMatrices");
+  nlohmann::json blade = primitive(b);
+  blade["attributes"]["POSITION"] = b.accessor<float>({0, -1, 0, 0.1F, -1, 0, 0.1F, 1, 0, 0, 1, 0}, "VEC3");
+  blade["attributes"]["JOINTS_0"] = b.accessor<uint8_t>({2, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0}, "VEC4");
+  attributes(b)["JOINTS_0"] = b.accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4");
+  b.doc["meshes"][0]["primitives"].push_back(blade);
+  const Character c = load(b, LoadOptions{});
+  EXPECT_NEAR(c.placement.model_from_gltf[3].y, 0, 1e-6);
+  b.doc["nodes"][2]["name"] = "tail";
+  EXPECT_NEAR(load(b, LoadOptions{}).placement.model_from_gltf[3].y / c.placement.scale, 1, 1e-6);
 }
 
 // --- clips

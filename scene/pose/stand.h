@@ -1,0 +1,46 @@
+// Where a character stands: how tall it is, where its ground is, and its middle. Internal to normalise.cpp, apart from
+// the rules that it states.
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/character/character.h"
+#include "scene/character/cut_out.h"
+#include "scene/pose/body.h"
+
+namespace crowdbench::scene {
+
+// In the palette's space and unit.
+glm::dvec3 skin_one(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>& palette);
+
+// Rounded to a billionth of the character's size: poses between keys use libm, whose last bit differs by version, and
+// what is kept goes into every bake's key.
+double settled(double value, double height);
+
+// From the lowest to the highest point that is drawn.
+double posed_height(const Mesh& mesh, DrawnExtent& extent, const std::vector<glm::dmat4>& palette);
+
+// Vertices that can touch the ground: the lowest of the bind pose, as far as they are drawn there. What is held has no
+// say where there is anything else: rigid meshes beside a skin (boots may be rigid too: not where they reach lower than
+// the skin), and what hangs on a hand node. bind: the palette of that pose.
+std::vector<uint32_t> find_soles(const Character& character, const std::vector<glm::dmat4>& bind);
+
+// The height that carries: the lowest at which the lowest points of a cycle's poses, evenly spaced, stay for a sixth of
+// it within a hundredth of the figure's height. A toe or a blade that dips below in a few frames does not lift the
+// figure off the ground; where a figure never stays, it is the lowest of all.
+double supporting_height(std::vector<double> lowest, double figure_height);
+
+// In glTF units.
+struct Stand {
+  double height = 0;
+  // supporting_height of the soles, or of the whole body, without what it holds, where that is at most a hundredth of
+  // the height lower (it is what touches) or more than a twentieth (it does not stand on its soles).
+  double ground = 0;
+  glm::dvec3 pivot{0.0};
+};
+// Of the upright clip, which Character::placement and motion hold already. soles: of find_soles.
+Stand measure_stand(const Character& character, const Body& body, const std::vector<uint32_t>& soles,
+                    double bind_height);
+
+}  // namespace crowdbench::scene
