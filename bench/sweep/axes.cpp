@@ -160,11 +160,13 @@ class AxesReader {
       throw Error(made.place, fmt::format("`{}` is of a camera's path", name), "vary it by named settings");
     if (key != nullptr) {
       made.whole = key->type == KeyType::integer || key->type == KeyType::seed;
-      values(made, node, [&](const TomlNode& value) { return value_of_key(*key, value, where_); });
+      values(made, node, [key, where = where_](const TomlNode& value) { return value_of_key(*key, value, where); });
     } else if (const size_t dot = name.find('.'); dot != std::string::npos && find_type(name.substr(0, dot))) {
       const renderers::RepresentationType& type = *find_type(name.substr(0, dot));
       const std::string option = known_option(type, name.substr(dot + 1), made.place);
-      values(made, node, [&](const TomlNode& value) { return value_of_option(type, option, value, where_); });
+      values(made, node, [&type, option, where = where_](const TomlNode& value) {
+        return value_of_option(type, option, value, where);
+      });
     } else if (node.is_list() && !node.list.empty() && node.list.front().is_table() && dot == std::string::npos) {
       named_settings(made, node);
     } else {
@@ -277,6 +279,7 @@ class AxesReader {
                     "choose another");
       AxisValue value;
       value.setting = {made.name, label->text, std::nullopt};
+      value.named = true;
       value.change = [entry, where = where_, folder = folder_](scene::Scenario& scenario) {
         change_by_table(scenario, entry, where, folder, nullptr, "label");
       };

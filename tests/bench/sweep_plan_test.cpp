@@ -72,11 +72,11 @@ TEST(SweepPlan, RangesStepEvenlyOrByFactors) {
 }
 
 TEST(SweepPlan, OptionsConcernTheRepresentationsThatHaveThem) {
-  const Plan plan = plan_of(R"(
+  const Plan plan = plan_of(R"toml(
 [axes]
 representation = ["mesh", "hybrid(mesh,relief)", "relief:rule=any"]
 relief.map = [32, 64]
-)");
+)toml");
   EXPECT_EQ(points_of(plan),
             (Strings{"100=mesh", "100=hybrid(mesh,relief:map=32)", "100=hybrid(mesh,relief:map=64)",
                      "100=relief:map=32,rule=any", "100=relief:map=64,rule=any"}));
