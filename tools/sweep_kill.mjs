@@ -20,10 +20,10 @@ writeFileSync(plan, `name = "kill"
 width = 64
 height = 48
 [[scenario.character]]
-source = "mannequin:triangles=300"
+source = "mannequin:triangles=500"
 [axes]
 crowd.agents = [1, 2, 3]
-representation = ["mesh", "mesh:triangles=100"]
+representation = ["mesh", "mesh:triangles=250"]
 [points]
 repetitions = 2
 [measure]

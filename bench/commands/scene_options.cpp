@@ -3,17 +3,14 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <variant>
 #include <vector>
 
 #include "bench/commands/command_line.h"
+#include "bench/stage/scenario_display.h"
 #include "core/error.h"
-#include "core/json.h"
 #include "core/version.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/open_character.h"
-#include "scene/scenario/scenario_keys.h"
 #include "scene/scenario/scenario_toml.h"
 #include "scene/scenario/scenario_writer.h"
 

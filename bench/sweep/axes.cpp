@@ -156,15 +156,19 @@ class AxesReader {
       if (other.name == name)
         throw Error(made.place, fmt::format("the axis `{}` is given twice", printable(name, 80)), "keep one of them");
     const Key* const key = find_key(name);
-    if (key != nullptr && key->table == "camera.key")
-      throw Error(made.place, fmt::format("`{}` is of a camera's path", name), "vary it by named settings");
+    if (is_table_of_keys(name) || (key != nullptr && key->table == "camera.key"))
+      throw Error(made.place,
+                  fmt::format("`{}` is {}", name, key == nullptr ? "a table of keys" : "of a camera's path"),
+                  "vary it by named settings: [[axes.NAME]]");
     if (key != nullptr) {
       made.whole = key->type == KeyType::integer || key->type == KeyType::seed;
-      values(made, node, [&](const TomlNode& value) { return value_of_key(*key, value, where_); });
+      values(made, node, [key, where = where_](const TomlNode& value) { return value_of_key(*key, value, where); });
     } else if (const size_t dot = name.find('.'); dot != std::string::npos && find_type(name.substr(0, dot))) {
       const renderers::RepresentationType& type = *find_type(name.substr(0, dot));
       const std::string option = known_option(type, name.substr(dot + 1), made.place);
-      values(made, node, [&](const TomlNode& value) { return value_of_option(type, option, value, where_); });
+      values(made, node, [&type, option, where = where_](const TomlNode& value) {
+        return value_of_option(type, option, value, where);
+      });
     } else if (node.is_list() && !node.list.empty() && node.list.front().is_table() && dot == std::string::npos) {
       named_settings(made, node);
     } else {
@@ -277,6 +281,7 @@ class AxesReader {
                     "choose another");
       AxisValue value;
       value.setting = {made.name, label->text, std::nullopt};
+      value.named = true;
       value.change = [entry, where = where_, folder = folder_](scene::Scenario& scenario) {
         change_by_table(scenario, entry, where, folder, nullptr, "label");
       };
@@ -394,23 +399,25 @@ std::vector<AxisValue> read_listed(const TomlNode& point, const std::string& whe
 
 std::vector<std::vector<AxisValue>> combine(const std::vector<Axis>& axes, const Sampling& sampling,
                                             const std::string& where) {
-  Alternatives all = {{}};
+  std::vector<Alternatives> dimensions;
   bool sampled = false;
+  size_t points = 1;
   for (const Axis& axis : axes) {
-    Alternatives here;
-    if (!axis.sampled())
-      for (const AxisValue& value : axis.values) here.push_back({value});
-    else if (!std::exchange(sampled, true))
-      here = drawn(axes, sampling);
-    else
-      continue;
-    if (all.size() * here.size() > kMostPoints)
+    if (axis.sampled() && std::exchange(sampled, true)) continue;
+    points *= axis.sampled() ? sampling.count : axis.values.size();
+    if (points > kMostPoints)
       throw Error(where, fmt::format("the axes span more than {} points", kMostPoints),
                   "give fewer values, or sample them: [points] sample = { method = \"halton\", count = 500 }");
+    Alternatives here;
+    for (const AxisValue& value : axis.values) here.push_back({value});
+    dimensions.push_back(axis.sampled() ? drawn(axes, sampling) : std::move(here));
+  }
+  Alternatives all = {{}};
+  for (const Alternatives& dimension : dimensions) {
     Alternatives next;
-    next.reserve(all.size() * here.size());
+    next.reserve(all.size() * dimension.size());
     for (const auto& before : all)
-      for (const auto& more : here) {
+      for (const auto& more : dimension) {
         next.push_back(before);
         next.back().insert(next.back().end(), more.begin(), more.end());
       }

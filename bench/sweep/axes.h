@@ -17,6 +17,7 @@ struct AxisValue {
   Setting setting;
   std::function<void(scene::Scenario&)> change;  // null where it is an option's
   std::string representation, option;            // of an option: the representation's name, and which option
+  bool named = false;                            // settings by their label: keys that are axes themselves go above them
 };
 
 struct Axis {

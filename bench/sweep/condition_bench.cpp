@@ -300,7 +300,7 @@ class ConditionBench::Impl {
     }
     const bool itself = &entry == &reference;
     if (plan_.measures.times) {
-      put_ratio(made.row, reference.times, entry.times);
+      if (!itself) put_ratio(made.row, reference.times, entry.times);
       made.ratios = ratio_rows(0, made.measurement->key, entry.times, reference.text,
                                itself ? nullptr : &reference.times, nullptr);
     }

@@ -14,6 +14,7 @@ namespace {
 constexpr double kConditionOverhead = 4;
 constexpr double kBake = 5;
 // Bytes in the file, as measured: a run's text and the rows of a condition, a point with its ratios, a sample, a score.
+constexpr double kFileBytes = 60'000;
 constexpr double kConditionBytes = 5000;
 constexpr double kPointBytes = 1600;
 constexpr double kSampleBytes = 34;
@@ -54,6 +55,7 @@ Estimate estimate(const Plan& plan, const Shard& shard, const std::filesystem::p
     result.bytes += static_cast<uint64_t>(bytes_of(plan, plan.conditions[c])) * result.repetitions;
     for (const PlannedPoint& point : plan.conditions[c].points) representations.insert(point.representation);
   }
+  result.bytes += static_cast<uint64_t>(kFileBytes);
   const size_t cells = result.conditions * result.repetitions;
   std::vector<double> before;
   std::error_code failed;
@@ -90,7 +92,9 @@ std::string dry_run_text(const Plan& plan, const Shard& shard, const Estimate& e
   if (!nothing)
     out += fmt::format("; about {} {}", duration_text(estimate.seconds),
                        estimate.measured ? "left, as the ones before took" : "at most");
-  out += fmt::format("; a file of about {:.1f} MB\n", static_cast<double>(estimate.bytes) / 1e6);
+  const auto bytes = static_cast<double>(estimate.bytes);
+  out += bytes < 1e6 ? fmt::format("; a file of about {:.0f} kB\n", bytes / 1e3)
+                     : fmt::format("; a file of about {:.1f} MB\n", bytes / 1e6);
   return out;
 }
 

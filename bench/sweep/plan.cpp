@@ -199,8 +199,9 @@ class Grouping {
 
   void add(const std::vector<AxisValue>& values) {
     scene::Scenario scenario = base_;
-    for (const AxisValue& value : values)
-      if (value.change) value.change(scenario);
+    for (const bool named : {true, false})
+      for (const AxisValue& value : values)
+        if (value.change && value.named == named) value.change(scenario);
     PlannedPoint point = point_of(scenario, values);
     if (!wanted(point)) return;
     try {

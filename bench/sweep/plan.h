@@ -11,7 +11,8 @@
 //   camera.fov_y_deg = { from = 20, to = 90 }      # ... without `steps`, what [points] `sample` draws from the range
 //   representation = ["flat", "relief"]      # what is drawn (a key like the others)
 //   relief.map = [64, 128]                   # an option, of every representation of that name, in hybrids too
-//   [[axes.types]]                           # any other name: named settings, each with keys as [scenario] has them
+//   [[axes.types]]                           # any other name: named settings, each with keys as [scenario] has them,
+//                                            # below what axes say of the same keys
 //   label = "ten"
 //   base = "../scenarios/character_types_10.toml"
 //   [points]                                 # all combinations of the axes; but for

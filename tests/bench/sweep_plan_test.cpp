@@ -72,13 +72,13 @@ TEST(SweepPlan, RangesStepEvenlyOrByFactors) {
 }
 
 TEST(SweepPlan, OptionsConcernTheRepresentationsThatHaveThem) {
-  const Plan plan = plan_of(R"(
+  const Plan plan = plan_of(R"toml(
 [axes]
 representation = ["mesh", "hybrid(mesh,relief)", "relief:rule=any"]
 relief.map = [32, 64]
-)");
+)toml");
   EXPECT_EQ(points_of(plan),
-            (Strings{"100=mesh", "100=hybrid(mesh,relief:map=32)", "100=hybrid(mesh,relief:map=64)",
+            (Strings{"100=mesh", "100=hybrid(mesh,(relief:map=32))", "100=hybrid(mesh,(relief:map=64))",
                      "100=relief:map=32,rule=any", "100=relief:map=64,rule=any"}));
   EXPECT_EQ(plan.conditions.size(), 1U);
   EXPECT_EQ(plan.conditions[0].points[0].settings.size(), 1U);  // the mesh has no map
@@ -217,8 +217,9 @@ TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
       {"[axes]\noccupancy = { from = 0.1, to = inf, steps = 2 }\n", "has no number as `to`"},
       {"[axes]\nrepresentation = [\"mesh\",\n \"flta\"]\n",
        "p.toml:3: `representation`: there is no representation 'flta'"},
-      {"[axes]\ncamera.key.time = [1]\n", "is of a camera's path"},
-      {"[axes]\ncamera = [1]\n", "is neither a key of a scenario nor an option"},
+      {"[axes]\ncamera.key.time = [1]\n", "`camera.key` is a table of keys"},
+      {"[axes]\n\"camera.key.time\" = [1]\n", "is of a camera's path"},
+      {"[axes]\ncamera = [1]\n", "`camera` is a table of keys"},
       {"[[axes.types]]\ncrowd.agents = 1\n", "p.toml:1: an entry of `types` has no label"},
       {"[[axes.types]]\nlabel = \"a\"\ncrowd.agnts = 1\n",
        "p.toml:3: unknown key `crowd.agnts`; did you mean `agents`?"},
@@ -242,7 +243,8 @@ TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
        "p.toml:4: `reference`: there is no representation 'msh'"},
       {"[axes]\nseed = [1]\n[[table]]\nrows = \"sede\"\nvalue = \"speed\"\n", "`rows`: there is no axis 'sede'"},
       {"[axes]\nseed = [1]\n[[table]]\nrows = \"seed\"\nvalue = \"sped\"\n", "did you mean `speed`?"},
-      {"[axes]\nseed = [1]\n[[table]]\nrows = \"seed\"\nvalue = \"cvvdp\"\n", "is not measured"},
+      {"[axes]\nseed = [1]\n[measure]\nscores = [\"flip\"]\n[[table]]\nrows = \"seed\"\nvalue = \"mae\"\n",
+       "is not measured"},
       {"[axes]\nseed = [1]\n[[table]]\nrows = \"seed\"\nvalue = \"agents_at_ms\"\n", "belong together"},
       {"name = 3\n[axes]\nseed = [1]\n", "p.toml:1: `name` is not a text"},
       {"[axes]\nseed = [1]\nlook_for = \"x\"\n", "the axis `look_for` is neither"},

@@ -22,7 +22,7 @@ constexpr const char* kTiny = R"(
 width = 64
 height = 48
 [[scenario.character]]
-source = "mannequin:triangles=300"
+source = "mannequin:triangles=500"
 [measure]
 rounds = 10
 time_limit_s = 0.02
@@ -36,8 +36,8 @@ class SweepsGl : public ::testing::Test {
     if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
     fs::create_directories(work_);
     write_file(work_ / "p.toml",
-               kTiny + std::string("crowd.agents = [1, 2, 3, 4, 5]\nrepresentation = [\"mesh:triangles=100\", "
-                                   "\"mesh:triangles=50\"]\n"));
+               kTiny + std::string("crowd.agents = [1, 2, 3, 4, 5]\nrepresentation = [\"mesh:triangles=250\", "
+                                   "\"mesh:triangles=200\"]\n"));
   }
   Outcome run(const std::string& arguments, bool with_stderr = true) const {
     return support::run_driver("cd '" + work_.string() + "' && CROWDBENCH_CACHE_DIR=../cache", arguments, with_stderr);
@@ -99,7 +99,7 @@ TEST_F(SweepsGl, ShardsMergeToTheSameWhateverTheirNumber) {
   const Outcome again = run("sweep p.toml --out m.sqlite");
   EXPECT_EQ(again.status, 0);
   EXPECT_NE(again.text.find("holds all of it already"), std::string::npos) << again.text;
-  EXPECT_NE(again.text.find("| 5 | mesh:triangles=50 |"), std::string::npos) << again.text;
+  EXPECT_NE(again.text.find("| 5 | mesh:triangles=200 |"), std::string::npos) << again.text;
   EXPECT_EQ(again.text.find("drawing on"), std::string::npos);
 }
 
@@ -141,7 +141,7 @@ TEST_F(SweepsGl, WhatDoesNotBelongTogetherIsNotMerged) {
 
 TEST_F(SweepsGl, AFailedPointIsARowAndTheOthersGoOn) {
   plan("f.toml",
-       "crowd.agents = [2, 3]\nrepresentation = [\"mesh:triangles=100\", \"flat:views=sphere-90x45,texels=1024\"]\n");
+       "crowd.agents = [2, 3]\nrepresentation = [\"mesh:triangles=250\", \"flat:views=sphere-90x45,texels=1024\"]\n");
   const Outcome outcome = run("sweep f.toml --out f.sqlite");
   EXPECT_EQ(outcome.status, 1) << outcome.text;
   EXPECT_NE(outcome.text.find("2 points done, 2 failed"), std::string::npos) << outcome.text;
@@ -165,7 +165,7 @@ TEST_F(SweepsGl, AFailedPointIsARowAndTheOthersGoOn) {
 }
 
 TEST_F(SweepsGl, SigtermEndsAfterThePointInHandAndTheRestIsMeasuredLater) {
-  plan("t.toml", "crowd.agents = [1, 2, 3, 4, 5, 6]\n[points]\nrepetitions = 20\n");
+  plan("t.toml", "crowd.agents = [1, 2, 3, 4, 5, 6]\n[points]\nrepetitions = 8\n");
   {
     support::RunningDriver driver({"sweep", "t.toml", "--out", "t.sqlite"}, work_, folder_.path());
     ASSERT_TRUE(driver.wait_until_it_says("drawing on", 60)) << driver.said();
@@ -178,7 +178,7 @@ TEST_F(SweepsGl, SigtermEndsAfterThePointInHandAndTheRestIsMeasuredLater) {
   }
   EXPECT_FALSE(fs::exists(work_ / "t.sqlite"));
   const size_t before = rows("t.sqlite.partial").runs.size();
-  EXPECT_LT(before, 120U);
+  EXPECT_LT(before, 48U);
   // What was begun is not measured anew, and not taken for another plan's.
   const std::string text = read_text(work_ / "t.toml");
   write_file(work_ / "u.toml", text.substr(0, text.find("[points]")));
@@ -189,7 +189,7 @@ TEST_F(SweepsGl, SigtermEndsAfterThePointInHandAndTheRestIsMeasuredLater) {
   const Outcome rest = run("sweep t.toml --out t.sqlite");
   EXPECT_EQ(rest.status, 0) << rest.text;
   EXPECT_NE(rest.text.find(fmt::format("{} taken from the file", before)), std::string::npos) << rest.text;
-  EXPECT_EQ(rows("t.sqlite").runs.size(), 120U);
+  EXPECT_EQ(rows("t.sqlite").runs.size(), 48U);
   EXPECT_FALSE(fs::exists(work_ / "t.sqlite.partial"));
   EXPECT_FALSE(fs::exists(work_ / "t.sqlite.lock"));
 }
@@ -197,7 +197,7 @@ TEST_F(SweepsGl, SigtermEndsAfterThePointInHandAndTheRestIsMeasuredLater) {
 TEST_F(SweepsGl, DryRunListsThePointsAndItsFileIsAboutAsLarge) {
   const Outcome dry = run("sweep p.toml --dry-run", false);
   EXPECT_EQ(dry.status, 0);
-  EXPECT_NE(dry.text.find("condition 5: crowd.agents = 5, representation = mesh:triangles=50\n"), std::string::npos)
+  EXPECT_NE(dry.text.find("condition 5: crowd.agents = 5, representation = mesh:triangles=200\n"), std::string::npos)
       << dry.text;
   EXPECT_NE(dry.text.find("p: 10 points in 5 conditions; about "), std::string::npos) << dry.text;
   EXPECT_FALSE(fs::exists(work_ / "p.sqlite"));

@@ -196,12 +196,12 @@ TEST_F(ScriptsGl, ReliefTears) {
   EXPECT_EQ(run("relief_tears.mjs", "").status, 2);
 }
 
-// Four moments here; `node tools/sweep_kill.mjs build/release/bin/crowdbench FOLDER` tries two hundred.
+// Three moments here; `node tools/sweep_kill.mjs build/release/bin/crowdbench FOLDER` tries two hundred.
 TEST_F(ScriptsGl, SweepKill) {
   NEEDS(Need{"node", "nodejs"});
-  const Outcome outcome = run("sweep_kill.mjs", driver_ + " kill 4");
+  const Outcome outcome = run("sweep_kill.mjs", driver_ + " kill 3");
   EXPECT_EQ(outcome.status, 0) << outcome.text;
-  EXPECT_TRUE(std::regex_search(outcome.text, std::regex("4 kills, [0-9]+ sweeps ended, 0 of them"))) << outcome.text;
+  EXPECT_TRUE(std::regex_search(outcome.text, std::regex("3 kills, [0-9]+ sweeps ended, 0 of them"))) << outcome.text;
   EXPECT_EQ(run("sweep_kill.mjs", "").status, 2);
 }
 
