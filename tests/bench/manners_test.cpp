@@ -351,9 +351,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
         command != "regress" && command != "history" && command != "export" && command != "correlate" &&
-        command != "compare" && command != "cache") {
-        command != "correlate" && command != "compare" && command != "cache" && !command.starts_with("study ")) {
-        command != "correlate" && command != "compare" && command != "cache" && command != "merge") {
+        command != "compare" && command != "cache" && command != "merge" && !command.starts_with("study ")) {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

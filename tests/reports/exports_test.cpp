@@ -161,20 +161,19 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
     "settings": "{\"seed\":\"1\"}", "state": "invalid", "reason": "nothing moved", "measurement": 4, "comparison": 6,
     "ratio": 1.25, "ratio_low": 1.125, "ratio_high": 1.5, "condition_s": 2.75}])")
                                                .dump());
-  EXPECT_EQ(all.at("cause_ranges").dump(), wanted(R"([{"id": 9, "run": 3, "representation": "flat",
+  EXPECT_EQ(all.at("cause_ranges").dump(), wanted(R"([{"id": 11, "run": 3, "representation": "flat",
     "reference": "mesh", "character": "mannequin", "unit": "agent", "from_px": 15.0, "below_px": 60.0, "units": 21,
     "total": 123456789, "residue": 0.0625, "dominant": "view", "share_low": 0.375, "share_high": 0.5,
     "words": "below 60 pixels: the stored view", "shares": [
     {"cause": "silhouette", "title": "the silhouette", "share": -0.25},
     {"cause": "view", "title": "the stored view", "share": 0.4375}]}])")
                                                .dump());
-  EXPECT_EQ(all.at("pops").dump(), wanted(R"([{"id": 10, "run": 3, "representation": "hybrid(mesh,flat)",
+  EXPECT_EQ(all.at("pops").dump(), wanted(R"json([{"id": 12, "run": 3, "representation": "hybrid(mesh,flat)",
     "character": "mannequin", "from": "mesh", "to": "flat", "agent": 12, "tick": 31, "frames": 4, "complete": false,
     "distance_m": 20.5, "pixels_px": 321, "worst_tick": 33, "display": "standard_fhd: ...", "pop_scores": [
-    {"name": "pop_flip", "value": 0.125}, {"name": "pop_luma", "value": null}]
-}])")
+    {"name": "pop_flip", "value": 0.125}, {"name": "pop_luma", "value": null}]}])json")
                                        .dump());
-EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
+  EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
     "reference": "mesh", "character": "mannequin", "agents": 9, "requested_occupancy": 0.25, "tick": 11,
     "height_px": 64.5, "azimuth_deg": 45.5, "elevation_deg": 15.5, "clip": "walk", "time_s": 0.75,
     "agent": 12, "distance_m": 23.5, "pixels_per_texel": 0.5, "alone_px": 1300, "visible_px": 1200,
