@@ -22,7 +22,7 @@ namespace {
 constexpr uint64_t kBlockPurpose = 0x626c6f63;  // "bloc"
 constexpr double kMostCorrelation = 0.95;
 constexpr double kNoticed = 0.8416;         // the normal quantile of 0.8
-constexpr double kNoticedByTests = 1.2816;  // of 0.9
+constexpr double kNoticedByTests = 1.6449;  // of 0.95
 
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);

@@ -28,7 +28,7 @@ Interval block_bootstrap_median(std::span<const double> values, uint64_t seed, d
 
 // The variance of a mean of these values over that of as many independent ones, (1 + r) / (1 - r) of a first-order
 // autoregression; 1 where the serial correlation r is not above what independent values of this number show one time in
-// ten.
+// twenty: a test that took more for correlation would come short of its level where there is none.
 double serial_inflation(std::span<const double> values);
 // A one-sided p value of a rank test, whose law asks for independent values, where the variance is that many times
 // larger: the normal deviate that it stands for is divided by the root of it. p in [0, 1]; inflation at least 1.
