@@ -21,7 +21,8 @@ namespace {
 
 constexpr uint64_t kBlockPurpose = 0x626c6f63;  // "bloc"
 constexpr double kMostCorrelation = 0.95;
-constexpr double kNoticed = 0.8416;  // the normal quantile of 0.8
+constexpr double kNoticed = 0.8416;         // the normal quantile of 0.8
+constexpr double kNoticedByTests = 1.6449;  // of 0.95
 
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
@@ -80,12 +81,16 @@ Interval block_bootstrap_median(std::span<const double> values, uint64_t seed, d
   return {widened(quantile(medians, tail)), widened(quantile(medians, 1 - tail))};
 }
 
-std::vector<double> block_medians(std::span<const double> values) {
-  const size_t block = block_length(values);
-  std::vector<double> medians;
-  for (size_t from = 0; from + block <= values.size(); from += block)
-    medians.push_back(median(values.subspan(from, block)));
-  return medians;
+double serial_inflation(std::span<const double> values) {
+  const double r = std::min(serial_correlation(values), kMostCorrelation);
+  const bool noticed = r * std::sqrt(static_cast<double>(values.size())) >= kNoticedByTests;
+  return noticed ? (1 + r) / (1 - r) : 1;
+}
+
+double inflated_p(double p, double inflation) {
+  assert(p >= 0 && p <= 1 && inflation >= 1);
+  if (inflation == 1 || p == 0 || p == 1) return p;
+  return normal_cdf(normal_quantile(p) / std::sqrt(inflation));
 }
 
 }  // namespace crowdbench

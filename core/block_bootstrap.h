@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/statistics.h"
 
@@ -27,8 +26,12 @@ size_t block_length(std::span<const double> values);
 Interval block_bootstrap_median(std::span<const double> values, uint64_t seed, double confidence = 0.95,
                                 size_t resamples = kBootstrapResamples);
 
-// The medians of successive blocks of block_length(values), what is left at the end without a whole block left out: the
-// values themselves where nothing is correlated. What tests that ask for independent values are given.
-std::vector<double> block_medians(std::span<const double> values);
+// The variance of a mean of these values over that of as many independent ones, (1 + r) / (1 - r) of a first-order
+// autoregression; 1 where the serial correlation r is not above what independent values of this number show one time in
+// twenty: a test that took more for correlation would come short of its level where there is none.
+double serial_inflation(std::span<const double> values);
+// A one-sided p value of a rank test, whose law asks for independent values, where the variance is that many times
+// larger: the normal deviate that it stands for is divided by the root of it. p in [0, 1]; inflation at least 1.
+double inflated_p(double p, double inflation);
 
 }  // namespace crowdbench

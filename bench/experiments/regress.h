@@ -22,7 +22,7 @@ struct RegressLimits {
   double detect = 0.05;        // what the data must be able to exclude; else they are not enough
   double level = 0.05;         // of slower and of faster, after the correction over all points
   Correction correction = Correction::holm;
-  size_t least_rounds = 9;    // of either side, independent ones; fewer are not enough
+  size_t least_rounds = 9;    // of either side; fewer are not enough
   double score_share = 0.02;  // a score may move away from "equal" by this share of its distance from there
   std::map<std::string, double> score_tolerances;  // by name, in the score's unit, instead
   double picture_share = 0.001;                    // of a picture's pixels that may differ by more than picture_levels
@@ -49,8 +49,8 @@ struct TimePoint : RegressPoint {
   PointKey key;
   std::string yardstick;  // what its time is divided by: the reference's canonical text, or "its floor"
   std::string metric;     // "cpu", "wall" or "gpu"
-  std::string unit;       // what the values are of: "rounds" (medians of blocks where rounds are alike), "runs", or
-                          // "intervals" (of the stored medians, where no samples are kept)
+  std::string unit;       // what the values are of: "rounds", "runs", or "intervals" (of the stored medians, where no
+                          // samples are kept)
   size_t baseline_values = 0, current_values = 0;
   double baseline = 0, current = 0;   // medians of the ratio
   double change = 0;                  // current / baseline - 1

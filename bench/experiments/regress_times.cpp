@@ -70,6 +70,7 @@ void add_row(TimesByKey& all, const StoreContents& contents, const RunRow& run, 
   if (row.key.representation == row.reference) {
     add_floor(series, contents, run, row.key);
     if (!series.median) return;
+    series.runs.push_back({*series.median});
   } else {
     const MeasurementRow* reference = find_reference(contents, row);
     if (reference == nullptr) return;
@@ -94,10 +95,21 @@ std::vector<double> values_by(const TimeSeries& series, bool by_run) {
       values.push_back(median(run));
       continue;
     }
-    const std::vector<double> blocks = block_medians(run);
-    values.insert(values.end(), blocks.begin(), blocks.end());
+    values.insert(values.end(), run.begin(), run.end());
   }
   return values;
+}
+
+// Of the difference of both sides, by how much successive rounds of a run are alike.
+double inflation_of(const TimeSeries& baseline, const TimeSeries& current) {
+  double sum = 0;
+  double rounds = 0;
+  for (const TimeSeries* series : {&baseline, &current})
+    for (const std::vector<double>& run : series->runs) {
+      sum += serial_inflation(run) * static_cast<double>(run.size());
+      rounds += static_cast<double>(run.size());
+    }
+  return rounds > 0 ? sum / rounds : 1;
 }
 
 std::vector<double> moved(std::vector<double> values, double by) {
@@ -110,16 +122,19 @@ double detectable_of(double error, const RegressLimits& limits, double least_eff
 }
 
 void compare_values(TimePoint& point, const std::vector<double>& baseline, const std::vector<double>& current,
-                    const RegressLimits& limits) {
+                    double inflation, const RegressLimits& limits) {
   const double step = std::log1p(point.least_effect);
   const Shift shift = hodges_lehmann(current, baseline);
   point.baseline = std::exp(median(baseline));
   point.current = std::exp(median(current));
   point.change = std::expm1(shift.estimate);
-  point.interval = {std::expm1(shift.interval.low), std::expm1(shift.interval.high)};
-  point.p_slower = mann_whitney(current, moved(baseline, step)).p_greater;
-  point.p_faster = mann_whitney(current, moved(baseline, -step)).p_less;
-  const double error = (shift.interval.high - shift.interval.low) / (2 * normal_quantile(0.975));
+  const auto widened = [&](double end) {
+    return std::expm1(shift.estimate + (end - shift.estimate) * std::sqrt(inflation));
+  };
+  point.interval = {widened(shift.interval.low), widened(shift.interval.high)};
+  point.p_slower = inflated_p(mann_whitney(current, moved(baseline, step)).p_greater, inflation);
+  point.p_faster = inflated_p(mann_whitney(current, moved(baseline, -step)).p_less, inflation);
+  const double error = (shift.interval.high - shift.interval.low) * std::sqrt(inflation) / (2 * normal_quantile(0.975));
   point.detectable = detectable_of(error, limits, point.least_effect);
 }
 
@@ -150,12 +165,10 @@ std::string change_text(const TimePoint& point) {
 }
 
 void judge(TimePoint& point, const RegressLimits& limits) {
-  const bool too_few =
-      point.unit == "rounds" && std::min(point.baseline_values, point.current_values) < limits.least_rounds;
-  if (too_few) {
+  if (point.unit == "rounds" && std::min(point.baseline_values, point.current_values) < limits.least_rounds) {
     point.verdict = Verdict::unclear;
-    point.reason = fmt::format("{} and {} independent rounds, {} are needed", point.baseline_values,
-                               point.current_values, limits.least_rounds);
+    point.reason = fmt::format("{} and {} rounds, {} are needed", point.baseline_values, point.current_values,
+                               limits.least_rounds);
   } else if (point.adjusted_slower <= limits.level) {
     point.verdict = Verdict::worse;
     point.reason = fmt::format("slower by {}, more than {:.2g} %", change_text(point), 100 * point.least_effect);
@@ -192,24 +205,23 @@ TimePoint compare_times(const TimeKey& key, const TimeSeries& baseline, const Ti
   point.key = key.key;
   point.metric = current.metric;
   point.least_effect = std::max({limits.least_effect, baseline.control, current.control});
-  if (current.median) {
-    point.yardstick = kFloor;
+  const bool by_run = std::min(baseline.runs.size(), current.runs.size()) >= kRunsAsValues;
+  point.yardstick = current.median ? kFloor : "the reference";
+  if (current.median && !by_run) {
     point.unit = "intervals";
     point.baseline_values = point.current_values = 1;
     compare_intervals(point, baseline, current, limits);
     return point;
   }
-  const bool by_run = std::min(baseline.runs.size(), current.runs.size()) >= kRunsAsValues;
   const std::vector<double> before = values_by(baseline, by_run);
   const std::vector<double> after = values_by(current, by_run);
-  point.yardstick = "the reference";
   point.unit = by_run ? "runs" : "rounds";
   point.baseline_values = before.size();
   point.current_values = after.size();
   if (before.empty() || after.empty())
     point.detectable = std::numeric_limits<double>::infinity();
   else
-    compare_values(point, before, after, limits);
+    compare_values(point, before, after, by_run ? 1 : inflation_of(baseline, current), limits);
   return point;
 }
 

@@ -12,7 +12,8 @@ struct TimeSeries {
   std::string scenario, metric;
   std::vector<std::vector<double>> runs;
   double control = 0;  // the largest change that a control of it shows where nothing changed; 0: none
-  // Of the reference, whose floor's samples are not kept: the logarithm of the stored ratio, and its standard error.
+  // Of the reference, whose floor's samples are not kept: the logarithm of the stored ratio of the latest run, which is
+  // the one value of each of its runs, and its standard error.
   std::optional<double> median, error;
 };
 struct TimeKey {

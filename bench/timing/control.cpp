@@ -18,11 +18,11 @@ namespace {
 // Fewer values cannot come to a p of 5 %: with five of one sign it is 1 / 16.
 constexpr size_t kLeastValues = 6;
 
-double detectable_change(std::span<const double> logarithms) {
+double detectable_change(std::span<const double> logarithms, double inflation) {
   if (logarithms.size() < kLeastValues) return std::numeric_limits<double>::infinity();
   const Interval interval = hodges_lehmann(logarithms).interval;
   const double z_level = normal_quantile(1 - kControlLevel / 2);
-  const double error = 0.5 * (interval.high - interval.low) / z_level;
+  const double error = 0.5 * (interval.high - interval.low) / z_level * std::sqrt(inflation);
   return std::expm1((z_level + normal_quantile(kControlPower)) * error);
 }
 
@@ -32,11 +32,11 @@ Control judge_ratios(std::span<const double> ratios, uint64_t seed, size_t resam
   std::vector<double> logarithms;
   logarithms.reserve(ratios.size());
   for (const double ratio : ratios) logarithms.push_back(std::log(ratio));
-  const std::vector<double> independent = block_medians(logarithms);
+  const double inflation = serial_inflation(logarithms);
   Control control;
   control.ratio = {median(ratios), block_bootstrap_median(ratios, seed, 0.95, resamples), ratios.size()};
-  control.p = wilcoxon_signed_rank(independent).p_two_sided;
-  control.detectable = detectable_change(independent);
+  control.p = 2 * inflated_p(wilcoxon_signed_rank(logarithms).p_two_sided / 2, inflation);
+  control.detectable = detectable_change(logarithms, inflation);
   control.differs = control.p <= kControlLevel;
   return control;
 }

@@ -22,8 +22,8 @@ struct Control {
                           // change would be, as there are too few rounds
   bool differs = false;   // p <= kControlLevel
 };
-// first, second: of the same rounds. Where successive ratios are alike, test and detectable change are of medians of
-// blocks of rounds (core/block_bootstrap.h). std::nullopt: no pair, or the metric is not available.
+// first, second: of the same rounds. Where successive ratios are alike, test and detectable change are of the
+// larger variance that comes of it (core/block_bootstrap.h). std::nullopt: no pair, or the metric is not available.
 std::optional<Control> judge_control(std::span<const SampleRow> first, std::span<const SampleRow> second, Metric metric,
                                      uint64_t seed);
 // The same of ratios by round, at least one, all positive. resamples: of the interval.

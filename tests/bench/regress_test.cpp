@@ -30,13 +30,16 @@ struct Build {
   int rounds = 96;
 };
 
-std::vector<uint8_t> picture(int shift) {
+// Made once for each shift.
+const std::vector<uint8_t>& picture(int shift) {
+  static std::map<int, std::vector<uint8_t>> all;
+  if (const auto made = all.find(shift); made != all.end()) return made->second;
   Image8 image(64, 48, 3);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c)
         image.at(x, y)[c] = static_cast<uint8_t>(((x + shift) / 4 + y / 4) % 2 == 0 ? 40 : 200);
-  return encode_png(image);
+  return all[shift] = encode_png(image);
 }
 
 // A result file of one run: three crowds, a reference and two others, their A/A, one comparison with its pictures.
@@ -118,7 +121,7 @@ TEST(Regress, APlantedSlowDownOfThreePercentIsFoundAtItsPlaceAlone) {
     EXPECT_NE(point_of(report, "relief:boxes=2", 100).verdict, Verdict::worse);
     EXPECT_NE(point_of(report, "flat", 1000).verdict, Verdict::worse);
   }
-  EXPECT_GE(found, 48U);
+  EXPECT_GE(found, 40U) << "a power of 80 % at 96 rounds, 2 % of scatter and 0.3 % from process to process";
   const TimePoint point = point_of(compare({}, {.slower_at_1000 = 1.03}, 101), "relief:boxes=2", 1000);
   EXPECT_NEAR(point.change, 0.03, 0.015);
   EXPECT_EQ(point.unit, "rounds");
@@ -232,7 +235,7 @@ TEST(Regress, OtherDevicesAreNotCompared) {
 // CROWDBENCH_LONG_FORM=1: how often each size of change is called a regression, by rounds and scatter.
 TEST(Regress, PowerByRoundsAndScatter) {
   const bool long_form = std::getenv("CROWDBENCH_LONG_FORM") != nullptr;
-  const uint64_t runs = long_form ? 400 : 10;
+  const uint64_t runs = long_form ? 200 : 10;
   if (long_form)
     std::cout << "| rounds | scatter of a frame | unchanged: regression | not enough data | 3 % slower: found |\n"
                  "|--:|--:|--:|--:|--:|\n";

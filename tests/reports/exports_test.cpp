@@ -93,9 +93,9 @@ StoreContents full_contents() {
   all.thresholds = {full_threshold(3, 7)};
   all.thresholds[0].id = 8;
   all.cause_ranges = {full_cause_range(3)};
-  all.cause_ranges[0].id = 9;
+  all.cause_ranges[0].id = 11;
   all.pops = {full_pop(3)};
-  all.pops[0].id = 10;
+  all.pops[0].id = 12;
   return all;
 }
 
@@ -122,7 +122,7 @@ const char* const kFullMeasurement = R"({"id": 4, "run": 3, "representation": "f
 // Columns in this order, which spreadsheets and scripts of others have come to know.
 TEST(Exports, JsonHasEveryColumnUnderItsName) {
   const auto all = nlohmann::ordered_json::parse(results_json(full_contents()));
-  ASSERT_EQ(all.size(), 8U) << all;
+  ASSERT_EQ(all.size(), 10U) << all;
   const auto wanted = [](const char* text) { return nlohmann::ordered_json::parse(text); };
   EXPECT_EQ(all.at("runs").at(0).dump(), wanted(kFullRun).dump());
   auto measurement = all.at("measurements").at(0);
