@@ -70,9 +70,10 @@ AnalysisSettings settings_of(const Options& o) {
   s.seed = o.seed;
   s.margin = o.margin;
   s.ties = chosen<TieRule>(o.ties, "--ties", {{"drop", TieRule::drop}, {"split", TieRule::split}, {"no", TieRule::no}});
-  s.curve.curve = chosen<Curve>(
-      o.curve, "--curve",
-      {{"logistic", Curve::logistic}, {"cumgauss", Curve::cumulative_gaussian}, {"weibull", Curve::weibull}});
+  s.curve.curve = chosen<studies::Curve>(o.curve, "--curve",
+                                         {{"logistic", studies::Curve::logistic},
+                                          {"cumgauss", studies::Curve::cumulative_gaussian},
+                                          {"weibull", studies::Curve::weibull}});
   s.curve.falling = o.falling;
   set_rate(o.guess, "--guess", 0.95, s.curve.guess_rate, s.curve.guess);
   set_rate(o.lapse, "--lapse", 0.5, s.curve.lapse_rate, s.curve.lapse);
