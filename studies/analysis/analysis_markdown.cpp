@@ -93,7 +93,7 @@ std::string curves(const TaskResult& t, const AnalysisSettings& s) {
       curve_name(s.curve.curve), s.curve.falling ? ", falling" : "", s.curve.level);
   for (const CurveResult& c : t.curves) {
     const CurveFit& f = c.fit;
-    if (f.state != CurveState::fitted) {
+    if (f.state != CurveState::fitted && f.state != CurveState::step) {
       out += fmt::format("| {} | {} | {} | - | - | - | - | - | - | - |\n", cell(c.condition), state_text(f.state),
                          number(f.threshold));
       continue;

@@ -26,7 +26,7 @@ uint64_t binomial_draw(uint64_t n, double p, uint64_t seed, size_t resample, siz
 std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span<const Level> levels,
                                                   std::span<const std::vector<Level>> groups,
                                                   const CurveSettings& settings, uint64_t seed, size_t resamples) {
-  if (fit.state != CurveState::fitted || resamples == 0) return std::nullopt;
+  if (!fit.threshold || resamples == 0) return std::nullopt;
   const std::vector<Level> merged = merged_levels(levels);
   CurveBootstrap out;
   out.resamples = resamples;

@@ -41,12 +41,15 @@ class Profile {
       }
       return problem_.penalised(p);
     };
-    // From where the last one ended, and from a shallow curve: beyond the data the best is often flat.
+    // From where the last one ended, from a shallower curve and from one of middling slope: beyond the data the best is
+    // often flat, and an estimate that is a step is left by none of its neighbours.
     Minimum best = minimise_by_simplex(objective, from_, bounds, steps);
-    std::vector<double> shallow = from_;
-    shallow[0] += problem_.is_weibull() ? -1 : 1;
-    shallow[0] = std::clamp(shallow[0], bounds.low[0], bounds.high[0]);
-    if (Minimum other = minimise_by_simplex(objective, shallow, bounds, steps); other.value < best.value) best = other;
+    for (const double log_scale : {from_[0] + (problem_.is_weibull() ? -1 : 1),
+                                   problem_.is_weibull() ? std::log(4) : std::log(problem_.spread() / 10)}) {
+      std::vector<double> start = from_;
+      start[0] = std::clamp(log_scale, bounds.low[0], bounds.high[0]);
+      if (Minimum other = minimise_by_simplex(objective, start, bounds, steps); other.value < best.value) best = other;
+    }
     from_ = best.x;
     return best.value;
   }
@@ -174,10 +177,10 @@ CurveFit fit_curve(std::span<const Level> levels, const CurveSettings& settings)
   if (fit.state != CurveState::fitted) return fit;
   const Problem problem(merged, settings);
   fit = curve::fit_point(problem, std::nullopt);
-  if (fit.state != CurveState::fitted) return fit;
-  standard_errors(problem, fit);
+  if (fit.state != CurveState::fitted && fit.state != CurveState::step) return fit;
+  if (fit.state == CurveState::fitted) standard_errors(problem, fit);
   fit.location_profile = profile_ends(problem, fit, std::nullopt, fit.at.location);
-  fit.threshold_profile = profile_ends(problem, fit, settings.level, *fit.threshold);
+  if (fit.threshold) fit.threshold_profile = profile_ends(problem, fit, settings.level, *fit.threshold);
   return fit;
 }
 

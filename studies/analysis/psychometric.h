@@ -85,7 +85,8 @@ struct CurveFit {
   };
   Ends location_profile, threshold_profile;
 };
-// levels: any order; x at least 0 for Weibull, else a bug. Of a fit that is not `fitted` only what exists is set.
+// levels: any order; x at least 0 for Weibull, else a bug. A step has a threshold with an interval, and no standard
+// errors; of other states only what exists is set.
 CurveFit fit_curve(std::span<const Level> levels, const CurveSettings& settings);
 
 // Percentile intervals of refits to answers drawn anew: parametric (binomial, from the fitted curve) where `groups` is

@@ -6,19 +6,15 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "studies/analysis/analysis_output.h"
+#include "tests/studies/answer_tables.h"
 #include "tests/studies/ground_truth.h"
 
 namespace crowdbench::studies {
 namespace {
 
-using Expected = nlohmann::json;
+using test::answers_of;
 
-Answers answers_of(const std::string& text, const std::string& columns = "") {
-  const Table table = parse_table(text, "t.csv");
-  Answers out;
-  add_answers(out, table, columns.empty() ? columns_by_name(table) : parse_column_map(columns, "--columns"));
-  return out;
-}
+using Expected = nlohmann::json;
 
 Expected json_of(const Analysis& analysis) { return Expected::parse(analysis_json(analysis).dump()); }
 

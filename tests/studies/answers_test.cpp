@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/studies/answer_tables.h"
 
 namespace crowdbench::studies {
 namespace {
+
+using test::answers_of;
 
 std::string refusal(const std::string& text, const std::string& columns = "") {
   try {
@@ -19,13 +22,6 @@ std::string refusal(const std::string& text, const std::string& columns = "") {
     EXPECT_EQ(what.find('\n'), std::string::npos) << "one line";
     return what;
   }
-}
-
-Answers answers_of(const std::string& text, const std::string& columns = "") {
-  const Table table = parse_table(text, "t.csv");
-  Answers out;
-  add_answers(out, table, columns.empty() ? columns_by_name(table) : parse_column_map(columns, "--columns"));
-  return out;
 }
 
 TEST(Tables, TakeWhatSpreadsheetsWrite) {

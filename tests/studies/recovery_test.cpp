@@ -89,7 +89,7 @@ TEST(Recovery, ThresholdOfPsychometricFunctionIsCovered) {
       levels.push_back(level);
     }
     const CurveFit fit = fit_curve(levels, settings);
-    ASSERT_EQ(fit.state, CurveState::fitted);
+    ASSERT_TRUE(fit.state == CurveState::fitted || fit.state == CurveState::step) << state_text(fit.state);
     covered +=
         fit.threshold_profile.low.value_or(-1e9) <= threshold && threshold <= fit.threshold_profile.high.value_or(1e9)
             ? 1
