@@ -214,7 +214,9 @@ ViewSampling sample_polypostors(const scene::Character& character, const std::sh
             bytes += static_cast<double>(image_bytes(plan, tier, rect.width, rect.height)) / clip.frames;
           }
     }
-  out.texture_bytes = static_cast<uint64_t>(bytes) * (options.key == KeyChoice::two_keys ? 2 : 1);
+  // As many keys as it takes are two of a part where little twists.
+  const bool several = options.key == KeyChoice::two_keys || options.key == KeyChoice::enough;
+  out.texture_bytes = static_cast<uint64_t>(bytes) * (several ? 2 : 1);
   return out;
 }
 

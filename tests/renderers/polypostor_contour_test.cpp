@@ -117,5 +117,35 @@ TEST(PolypostorContour, SimplePolygonsAreToldFromKnots) {
   EXPECT_FALSE(is_simple({{0, 0}, {2, 2}, {2, 0}, {0, 2}}));
 }
 
+TEST(PolypostorContour, SimplerLinesStayNear) {
+  Polyline disc;
+  for (int i = 0; i < 64; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 64;
+    disc.emplace_back(10 * std::cos(angle), 10 * std::sin(angle));
+  }
+  const Polyline simpler = simplify(disc, 0.2);
+  EXPECT_LT(simpler.size(), 32U);
+  EXPECT_GE(simpler.size(), 8U);
+  for (const glm::dvec2& p : disc) EXPECT_LE(nearest_point(simpler, p).distance, 0.2);
+  const Polyline square = {{0, 0}, {2, 0}, {4, 0}, {4, 4}, {0, 4}};
+  EXPECT_EQ(simplify(square, 0.1), (Polyline{{0, 0}, {4, 0}, {4, 4}, {0, 4}}));
+}
+
+TEST(PolypostorContour, TornIsWhatIsSeenToStandOutOrLack) {
+  const auto box = [](double right) { return Polyline{{0, 0}, {right, 0}, {right, 10}, {0, 10}}; };
+  const auto mask = [](double right) {
+    return rasterise(std::vector<glm::dvec2>{{0, 0}, {right, 0}, {right, 10}, {0, 0}, {right, 10}, {0, 10}});
+  };
+  EXPECT_EQ(torn_area(box(10), box(10), mask(10), 0.5), 0);
+  EXPECT_EQ(torn_area(box(10.4), box(10), mask(10), 0.5), 0) << "within the slack";
+  // Three texels too wide, or too narrow: 2.5 beyond the slack along an edge of ten, and what of the edges beside it.
+  const double wide = torn_area(box(13), box(10), mask(10), 0.5);
+  EXPECT_NEAR(wide, 25 + 2 * 0.5 * 2.5 * 2.5, 5);
+  EXPECT_NEAR(torn_area(box(7), box(10), mask(10), 0.5), wide, 5);
+  // Neither is seen where the rest of the figure lies there.
+  EXPECT_EQ(torn_area(box(13), box(10), mask(20), 0.5), 0);
+  EXPECT_LT(torn_area(box(7), box(10), mask(20), 0.5), wide / 2);
+}
+
 }  // namespace
 }  // namespace crowdbench::renderers

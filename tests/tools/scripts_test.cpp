@@ -143,7 +143,7 @@ TEST_F(ScriptsGl, LodEqual) {
 
 TEST_F(ScriptsGl, PolypostorFigures) {
   NEEDS(Need{"node", "nodejs"});
-  for (const char* table : {"memory", "quality", "flicker", "characters", "speed", "bake"}) {
+  for (const char* table : {"memory", "quality", "flicker", "characters", "tears", "speed", "bake"}) {
     const Outcome outcome = run("polypostor_figures.mjs", driver_ + " " + table + " --tiny");
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     expect_tables("\n" + outcome.text, table == std::string("quality") ? 2 : 1);
