@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "core/error.h"
+#include "scene/character/cut_out.h"
 #include "scene/character/drawn.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/body.h"
@@ -189,6 +190,11 @@ TEST(Undrawn, WhatAMaskCutsOffATriangleCountsForNothing) {
     const PoseBank bank = PoseBank::exact(c, -1, 0);
     EXPECT_NEAR(static_cast<double>(bank.bounds_min().y), 0, texel) << of.name;
     EXPECT_NEAR(static_cast<double>(bank.bounds_max().y), 1.75, texel * c.placement.scale) << of.name;
+    DrawnExtent extent(c);
+    const auto points = extent.outer_points(skin_positions(c.mesh, model_matrices(c, -1, 0)));
+    const auto [lowest, highest] = std::ranges::minmax(points, {}, &glm::dvec3::y);
+    EXPECT_NEAR(lowest.y, 0, texel * c.placement.scale) << of.name;
+    EXPECT_NEAR(highest.y, 1.75, texel * c.placement.scale) << of.name;
   }
 }
 
