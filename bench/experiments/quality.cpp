@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/progress.h"
 #include "metrics/picture_causes.h"
+#include "scene/character/cut_out.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
 
@@ -159,7 +160,10 @@ class Comparison {
     auto posed = first_poses_.find(view.clip);
     if (posed == first_poses_.end()) {
       const auto palette = scene::model_matrices(*setup_.character, view.clip, 0.0);
-      posed = first_poses_.emplace(view.clip, scene::skin_positions(setup_.character->mesh, palette)).first;
+      scene::DrawnExtent extent(*setup_.character);
+      posed =
+          first_poses_.emplace(view.clip, extent.outer_points(scene::skin_positions(setup_.character->mesh, palette)))
+              .first;
     }
     const std::tuple key(view.clip, view.azimuth_deg, view.height_px);
     const auto [found, fresh] = distances_.try_emplace(key);

@@ -15,6 +15,7 @@ constexpr double kFewest = 32;
 constexpr double kMost = 2048;
 constexpr int kHalvings = 14;  // of a step, to the edge
 constexpr int kMomentSide = 8;
+constexpr double kOuter = 0.2;  // of the height
 
 int64_t wrapped(int64_t i, int64_t size, bool repeat, bool mirrored) {
   if (!repeat) return std::clamp<int64_t>(i, 0, size - 1);
@@ -181,6 +182,36 @@ DrawnExtent::DrawnExtent(const Character& character) {
   }
 }
 
+const std::vector<TrianglePlace>& DrawnExtent::outline(Triangle& triangle) {
+  if (!triangle.looked_at) triangle.outline = cut_outs_[triangle.cut_out].outline(triangle.corners.data());
+  triangle.looked_at = true;
+  return triangle.outline;
+}
+
+std::vector<glm::dvec3> DrawnExtent::outer_points(std::span<const glm::dvec3> posed) {
+  std::vector<double> heights;
+  for (const glm::dvec3& p : posed) heights.push_back(p.y);
+  const double high = most(heights);
+  for (double& height : heights) height = -height;
+  const double low = -most(heights);
+  const double margin = kOuter * (high - low);
+  std::vector<glm::dvec3> out;
+  for (const Primitive* p : whole_)
+    for (const glm::dvec3& point : posed.subspan(p->first_vertex, p->vertex_count)) out.push_back(point);
+  for (Triangle& triangle : cut_) {
+    const std::array<glm::dvec3, 3> corners = {posed[triangle.corners[0]], posed[triangle.corners[1]],
+                                               posed[triangle.corners[2]]};
+    const auto [bottom, top] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
+    if (top < high - margin && bottom > low + margin)
+      out.insert(out.end(), corners.begin(), corners.end());
+    else
+      for (const TrianglePlace& place : outline(triangle))
+        out.push_back(place.x * corners[0] + place.y * corners[1] + place.z * corners[2]);
+  }
+  if (out.empty()) out.assign(posed.begin(), posed.end());
+  return out;
+}
+
 double DrawnExtent::most(std::span<const double> values) {
   double best = std::numeric_limits<double>::lowest();
   for (const Primitive* p : whole_)
@@ -194,9 +225,7 @@ double DrawnExtent::most(std::span<const double> values) {
   std::ranges::sort(farther, [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [reach, triangle] : farther) {
     if (reach <= best) break;
-    if (!triangle->looked_at) triangle->outline = cut_outs_[triangle->cut_out].outline(triangle->corners.data());
-    triangle->looked_at = true;
-    for (const TrianglePlace& place : triangle->outline) {
+    for (const TrianglePlace& place : outline(*triangle)) {
       double value = 0;
       for (int i = 0; i < 3; ++i) value += place[i] * values[triangle->corners[static_cast<size_t>(i)]];
       best = std::max(best, value);

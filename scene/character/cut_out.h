@@ -55,6 +55,10 @@ class DrawnExtent {
   // The largest value over what is drawn of a function that is linear over every triangle, such as a coordinate of a
   // posed mesh. values: one a vertex. Where masks leave nothing at all: over all vertices.
   double most(std::span<const double> values);
+  // Points that reach, up and down, as far as what is drawn does, from any eye that is level with it: vertices, and of
+  // triangles that masks may cut and that end within a fifth of the height from top or bottom what is left of them.
+  // posed: one a vertex.
+  std::vector<glm::dvec3> outer_points(std::span<const glm::dvec3> posed);
 
  private:
   struct Triangle {
@@ -63,6 +67,8 @@ class DrawnExtent {
     bool looked_at = false;
     std::vector<TrianglePlace> outline;
   };
+  const std::vector<TrianglePlace>& outline(Triangle& triangle);
+
   std::vector<CutOut> cut_outs_;         // by material
   std::vector<const Primitive*> whole_;  // those that nothing cuts
   std::vector<Triangle> cut_;

@@ -200,6 +200,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
 
 TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
   write_file(work_ / "wrong.toml", "seed = 4\n\nrepresentation = \"flax\"\n");
+  write_file(work_ / "gone.toml", "[[character]]\nsource = \"mannequin\"\nanimations = [\"gone.glb\"]\n");
   write_file(work_ / "clip.toml",
              "[[character]]\nclips = [\"walk\"]\n\n[[character]]\nsource = \"mannequin\"\nclips = [\"wlak\"]\n");
   const struct {

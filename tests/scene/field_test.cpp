@@ -7,6 +7,8 @@
 #include <functional>
 
 #include "core/error.h"
+#include "scene/character/cut_out.h"
+#include "scene/character/drawn.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/body.h"
 #include "scene/pose/pose.h"
@@ -188,6 +190,11 @@ TEST(Undrawn, WhatAMaskCutsOffATriangleCountsForNothing) {
     const PoseBank bank = PoseBank::exact(c, -1, 0);
     EXPECT_NEAR(static_cast<double>(bank.bounds_min().y), 0, texel) << of.name;
     EXPECT_NEAR(static_cast<double>(bank.bounds_max().y), 1.75, texel * c.placement.scale) << of.name;
+    DrawnExtent extent(c);
+    const auto points = extent.outer_points(skin_positions(c.mesh, model_matrices(c, -1, 0)));
+    const auto [lowest, highest] = std::ranges::minmax(points, {}, &glm::dvec3::y);
+    EXPECT_NEAR(lowest.y, 0, texel * c.placement.scale) << of.name;
+    EXPECT_NEAR(highest.y, 1.75, texel * c.placement.scale) << of.name;
   }
 }
 
@@ -545,6 +552,39 @@ TEST(Strictness, KeysBeforeZeroAreShifted) {
   EXPECT_EQ(c.clips[0].end, 1.0);
   EXPECT_EQ(c.clips[0].channels[1].times.front(), 0.5);
   EXPECT_TRUE(warned(c, "begins at -0.5 s, before 0"));
+}
+
+// Of keys at one time the last counts from then on; until then the curve goes to the first.
+TEST(Strictness, KeysAtOneTimeMakeTheCurveJump) {
+  Builder b = walking_card();
+  move(b, 0, 2, "translation", {0, 0.5F, 0.5F, 0.5F, 1, 1}, {0, 1, 0, 0, 2, 0, 0, 9, 0, 0, 4, 0, 0, 5, 0, 0, 6, 0});
+  const Character c = load(b);
+  EXPECT_TRUE(warned(c, "keys 1 and 2 are both at 0.5 s"));
+  const auto at = [&](double time) { return node_matrices(c, 0, time)[2][3].y; };
+  EXPECT_NEAR(at(0.25), 1.5, 1e-3);
+  EXPECT_NEAR(at(0.4999), 2, 1e-3);
+  EXPECT_EQ(at(0.5), 4);
+  EXPECT_NEAR(at(0.75), 4.5, 1e-3);
+  EXPECT_EQ(at(1), 6);
+  EXPECT_EQ(c.clips[0].end, 1.0);
+}
+
+TEST(Strictness, APrimitiveThatRepeatsAnotherIsDrawnOnce) {
+  Builder b = bending_card();
+  b.doc["meshes"][0]["primitives"].push_back(primitive(b));
+  const Character c = load(b);
+  EXPECT_EQ(c.triangles(), 2U);
+  EXPECT_EQ(c.file_triangles, 4U);
+  EXPECT_EQ(count_vertices(c.mesh), 4U);
+  EXPECT_EQ(c.file_vertices, 4U);
+  EXPECT_TRUE(warned(c, "is drawn once"));
+  // In another material it is drawn, and its vertices are shared.
+  b.doc["materials"].push_back({{"doubleSided", true}});
+  b.doc["meshes"][0]["primitives"][1]["material"] = 1;
+  const Character two = load(b);
+  EXPECT_EQ(two.triangles(), 4U);
+  EXPECT_EQ(two.mesh.positions.size(), 8U);
+  EXPECT_EQ(count_vertices(two.mesh), 4U);
 }
 
 TEST(Strictness, AMatrixThatIsOffByRoundingIsSnapped) {

@@ -58,6 +58,20 @@ TEST(GltfExtensions, InstancesThatAreNotRequiredAreDrawnOnceWithAWarning) {
   b.doc["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
   b.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = 0;
   EXPECT_EQ(warnings_with(load(b), "EXT_mesh_gpu_instancing"), 1U);
+  EXPECT_EQ(warnings_with(load(b), "gltf-transform uninstance"), 1U) << "what helps";
+  b.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = {{"attributes", json::object()}};
+  b.doc.erase("extensionsUsed");
+  EXPECT_EQ(warnings_with(load(b), "EXT_mesh_gpu_instancing"), 1U) << "not said to be used";
+}
+
+TEST(GltfExtensions, VrmAndOthersMayBeRequired) {
+  Builder b = bending_card();
+  for (const char* name : {"VRM", "VRMC_vrm", "VRMC_springBone", "VRMC_materials_mtoon", "MSFT_lod",
+                           "KHR_audio_emitter", "KHR_physics_rigid_bodies"}) {
+    b.doc["extensionsUsed"] = {name};
+    b.doc["extensionsRequired"] = {name};
+    EXPECT_EQ(warnings_with(load(b), name), name == std::string("MSFT_lod") ? 0U : 1U) << name;
+  }
 }
 
 TEST(GltfExtensions, DiffuseOfTheOlderMaterialModelIsTheBaseColour) {

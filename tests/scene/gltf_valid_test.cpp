@@ -175,6 +175,8 @@ TEST(GltfValid, MissingNormalsAreFlatAndKeepTheFilesVertices) {
   // Two faces over the edge 0-2 at right angles: 3 leaves the plane.
   primitive(b)["attributes"]["POSITION"] = b.accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, "VEC3");
   json second = primitive(b);
+  second["material"] = 1;
+  b.doc["materials"].push_back(b.doc["materials"][0]);
   b.doc["meshes"][0]["primitives"].push_back(second);
   const Character c = load(b);
   EXPECT_EQ(c.triangles(), 4U);

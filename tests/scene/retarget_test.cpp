@@ -161,6 +161,63 @@ TEST(HumanBones, RigifyNumbersItsSpine) {
   EXPECT_EQ(bones.at({BonePart::spine, BoneSide::middle, 1}), node_named(c, "DEF-spine.003"));
 }
 
+// Nodes by name, each with its parent's index.
+Skeleton skeleton_of(const std::vector<std::pair<const char*, int>>& nodes) {
+  Skeleton skeleton;
+  for (const auto& [name, parent] : nodes) {
+    Node node;
+    node.name = name;
+    node.parent = parent;
+    skeleton.nodes.push_back(node);
+  }
+  return skeleton;
+}
+
+// Upwards on one arm, downwards on the other, as converters leave it.
+TEST(HumanBones, LimbsOfOneNameAreToldApartByWhatHangsOnWhat) {
+  const Skeleton skeleton = skeleton_of({{"Skeleton_torso_joint_1", -1},
+                                         {"torso_joint_2", 0},
+                                         {"Skeleton_neck_joint_1", 1},
+                                         {"Skeleton_neck_joint_2", 2},
+                                         {"Skeleton_arm_joint_L__4_", 1},
+                                         {"Skeleton_arm_joint_L__3_", 4},
+                                         {"Skeleton_arm_joint_L__2_", 5},
+                                         {"leg_joint_L_1", 0},
+                                         {"leg_joint_L_2", 7},
+                                         {"leg_joint_L_3", 8},
+                                         {"leg_joint_L_5", 9},
+                                         {"leg_joint_R_1", 0}});
+  const auto bones = find_human_bones(skeleton, std::vector<bool>(skeleton.nodes.size(), true));
+  EXPECT_EQ(bones.at({BonePart::hips}), 0);
+  EXPECT_EQ(bones.at({BonePart::spine}), 1);
+  EXPECT_EQ(bones.at({BonePart::neck}), 2);
+  EXPECT_EQ(bones.at({BonePart::head}), 3);
+  EXPECT_EQ(bones.at({BonePart::upper_arm, BoneSide::left}), 4);
+  EXPECT_EQ(bones.at({BonePart::lower_arm, BoneSide::left}), 5);
+  EXPECT_EQ(bones.at({BonePart::hand, BoneSide::left}), 6);
+  EXPECT_EQ(bones.at({BonePart::upper_leg, BoneSide::left}), 7);
+  EXPECT_EQ(bones.at({BonePart::lower_leg, BoneSide::left}), 8);
+  EXPECT_EQ(bones.at({BonePart::foot, BoneSide::left}), 9);
+  EXPECT_EQ(bones.at({BonePart::toes, BoneSide::left}), 10);
+  EXPECT_EQ(bones.at({BonePart::upper_leg, BoneSide::right}), 11) << "a single leg bone is the upper one";
+  EXPECT_FALSE(bones.contains({BonePart::lower_leg, BoneSide::right}));
+}
+
+// Short figures have legs of one bone: they walk all the same.
+TEST(Retarget, LegsOfOneBoneAreEnough) {
+  Character figure = mannequin();
+  for (Node& node : figure.skeleton.nodes)
+    if (node.name.starts_with("shin") || node.name.starts_with("foot") || node.name.starts_with("toes"))
+      node.name = "boot part of " + node.name.substr(0, 2) + node.name.back();
+  figure.clips.clear();
+  add_clips_of(mannequin(), figure);
+  EXPECT_FALSE(figure.clips.empty());
+  const bool swings = std::ranges::any_of(figure.clips.front().channels, [&](const Channel& channel) {
+    return figure.skeleton.nodes[static_cast<size_t>(channel.node)].name == "thigh_l";
+  });
+  EXPECT_TRUE(swings);
+}
+
 TEST(HumanBones, AFileThatNamesThemIsBelieved) {
   Character c = still_mannequin();
   c.skeleton.human_bones = {{"leftUpperArm", node_named(c, "hand_r")}, {"leftIndexProximal", node_named(c, "head")}};

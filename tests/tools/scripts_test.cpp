@@ -35,6 +35,7 @@ const std::map<std::string, std::string> kScripts = {
     {"figures.sh", "Figures"},
     {"gpu_check.sh", "Bundle"},
     {"lod_equal.mjs", "LodEqual"},
+    {"masked_hair.mjs", "MaskedHair"},
     {"polypostor_figures.mjs", "PolypostorFigures"},
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
@@ -139,6 +140,17 @@ TEST_F(ScriptsGl, LodEqual) {
   EXPECT_EQ(again.text, outcome.text) << "what was measured is kept";
   EXPECT_EQ(run("lod_equal.mjs", driver_ + " levels --heights 1").status, 2);
   EXPECT_EQ(run("lod_equal.mjs", driver_).status, 2);
+}
+
+TEST_F(ScriptsGl, MaskedHair) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("masked_hair.mjs", driver_ + " hair --tiny");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_TRUE(
+      std::regex_search(outcome.text, std::regex(R"(\n\| masked cards \| rigid:poses=2 \| 60 \| [01]\.\d+ \| )")))
+      << outcome.text;
+  EXPECT_EQ(outcome.text.find("NaN"), std::string::npos) << outcome.text;
+  EXPECT_EQ(run("masked_hair.mjs", driver_).status, 2);
 }
 
 TEST_F(ScriptsGl, PolypostorFigures) {
