@@ -170,6 +170,7 @@ std::string value_text(const std::vector<MeasuredValue>& values, int digits) {
   std::vector<double> numbers;
   for (const MeasuredValue& value : values) numbers.push_back(value.value);
   std::sort(numbers.begin(), numbers.end());
+  if (numbers.front() == numbers.back()) return fmt::format("{:.{}f}", numbers.front(), digits);
   const double middle = 0.5 * (numbers[(numbers.size() - 1) / 2] + numbers[numbers.size() / 2]);
   return fmt::format("{:.{}f} (of {})", middle, digits, numbers.size());
 }

@@ -6,7 +6,7 @@
 // milliseconds, between the points of the axis crowd.agents along a power law.
 //
 // Where several points fall into one cell (repetitions, axes that are neither rows nor columns), it holds their median
-// and how many they are.
+// and how many they are; one value where all are equal.
 #pragma once
 #include <string>
 #include <vector>
