@@ -146,19 +146,19 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
     {"cause": "silhouette", "title": "the silhouette", "share": -0.25},
     {"cause": "view", "title": "the stored view", "share": 0.4375}]}])")
                                                .dump());
-  EXPECT_EQ(all.at("pops").dump(), wanted(R"([{"id": 10, "run": 3, "representation": "hybrid(mesh,flat)",
+  EXPECT_EQ(all.at("pops").dump(), wanted(R"x([{"id": 10, "run": 3, "representation": "hybrid(mesh,flat)",
     "character": "mannequin", "from": "mesh", "to": "flat", "agent": 12, "tick": 31, "frames": 4, "complete": false,
     "distance_m": 20.5, "pixels_px": 321, "worst_tick": 33, "display": "standard_fhd: ...", "pop_scores": [
     {"name": "pop_flip", "value": 0.125}, {"name": "pop_luma", "value": null}]
-}])")
+}])x")
                                        .dump());
-EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
+  EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
     "reference": "mesh", "character": "mannequin", "agents": 9, "requested_occupancy": 0.25, "tick": 11,
     "height_px": 64.5, "azimuth_deg": 45.5, "elevation_deg": 15.5, "clip": "walk", "time_s": 0.75,
     "agent": 12, "distance_m": 23.5, "pixels_per_texel": 0.5, "alone_px": 1300, "visible_px": 1200,
     "state": "counted", "display": "standard_fhd: ...", "display_given": true,
     "scores": {"psnr": "inf", "ssim": null}, "reasons": {"ssim": "smaller than 11 pixels"}}])")
-                                            .dump());
+                                              .dump());
 }
 
 TEST(Exports, CsvHasTheColumnsOfMeasurementAndRun) {
