@@ -28,9 +28,9 @@ Image16 widen(const Image8& image);
 // Source-over onto one colour, on the encoded values (not linear light), rounded down to 8 bits: floor(c a + b (1 -
 // a)), a the straight alpha. Down, because ImageMagick's flatten, which made the expected values, does so in every
 // pixel; the nearest value would move MAE by up to 0.002. ColorVideoVDP's expected values of such pictures were made of
-// nearest values instead: what `over` gives scores up to 9e-4 JOD beside them (tests/metrics/cvvdp_test.cpp states both
-// conventions); no one rounding meets all of both. 3 channels come back. Pictures without alpha keep their
-// values (16 bits are rounded down to 8).
+// nearest values instead: what `over` gives scores up to 9.1e-4 JOD beside them (tests/metrics/cvvdp_test.cpp states
+// both conventions); no one rounding meets all of both. 3 channels come back. Pictures without alpha keep their values
+// (16 bits are rounded down to 8).
 Image8 over(const Image8& image, const std::array<uint8_t, 3>& colour);
 Image8 over(const Image16& image, const std::array<uint8_t, 3>& colour);
 

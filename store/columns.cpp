@@ -634,7 +634,7 @@ const Table<CauseRangeRow>& table<CauseRangeRow>() {
        .rows = "cause_ranges",
        .meaning = "What the squared error of figures of one range of heights comes from (`quality --causes`, `distance "
                   "--causes`); the shares of the causes in `cause_share`.",
-       .since = 3},
+       .since = 4},
       &StoreContents::cause_ranges,
       id_field<&R::id>(),
       run_field<&R::run>(),
@@ -666,7 +666,7 @@ const Table<CauseShareRow>& table<CauseShareRow>() {
        .meaning = "The share that one cause has of the squared error of a range of heights.",
        .owner = "cause_range",
        .within = "cause",
-       .since = 3},
+       .since = 4},
       nullptr,
       field<&R::cause>({.name = "cause", .meaning = "its name: \"view\", \"silhouette\", ..."}),
       field<&R::title>({.name = "title", .meaning = "the same for people"}),
@@ -684,7 +684,7 @@ const Table<PopRow>& table<PopRow>() {
        .rows = "pops",
        .meaning = "A switch of an agent in a sequence of frames (`popping`), by how visible it is: its scores are in "
                   "`pop_score`.",
-       .since = 3},
+       .since = 4},
       &StoreContents::pops,
       id_field<&R::id>(),
       run_field<&R::run>(),
@@ -714,7 +714,7 @@ const Table<PopScoreRow>& table<PopScoreRow>() {
        .meaning = "One score of a switch: the worst of its steps.",
        .owner = "pop",
        .within = "name",
-       .since = 3},
+       .since = 4},
       nullptr,
       field<&R::name>({.name = "name", .meaning = "as `schema --scores` lists those of switches"}),
       field<&R::value>({.name = "value", .meaning = "absent: nothing of the agent is seen, or it does not exist"}));

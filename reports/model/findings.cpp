@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "reports/model/number_text.h"
@@ -21,7 +22,8 @@ std::vector<std::string> representations_of(const std::vector<Row>& rows, int64_
   return names;
 }
 
-std::string percent_of(double share) { return fmt::format("{:.0f} %", 100 * share); }
+// Never "-0 %".
+std::string percent_of(double share) { return fmt::format("{} %", std::lround(100 * share)); }
 
 std::string values_text(const PopRow& pop, const std::vector<ScoreDoc>& docs) {
   std::vector<std::string> texts;

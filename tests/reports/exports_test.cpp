@@ -179,7 +179,7 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
     "agent": 12, "distance_m": 23.5, "pixels_per_texel": 0.5, "alone_px": 1300, "visible_px": 1200,
     "state": "counted", "display": "standard_fhd: ...", "display_given": true,
     "scores": {"psnr": "inf", "ssim": null}, "reasons": {"ssim": "smaller than 11 pixels"}}])")
-                                            .dump());
+                                              .dump());
 }
 
 TEST(Exports, CsvHasTheColumnsOfMeasurementAndRun) {

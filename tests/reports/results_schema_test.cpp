@@ -24,7 +24,8 @@ TEST(ResultsSchema, JsonDescribesTablesAndColumns) {
       EXPECT_TRUE(columns.emplace(name + "." + column.at("name").get<std::string>(), column).second);
   }
   EXPECT_EQ(tables, (std::set<std::string>{"run", "measurement", "sample", "ratio", "control", "comparison", "score",
-                                           "picture", "sweep", "sweep_point", "curve", "curve_bin", "threshold"}));
+                                           "picture", "sweep", "sweep_point", "curve", "curve_bin", "threshold",
+                                           "cause_range", "cause_share", "pop", "pop_score"}));
   EXPECT_EQ(columns.at("run.cpu_mhz").at("unit"), "MHz");
   EXPECT_EQ(columns.at("run.cpu_mhz").at("optional"), true);
   EXPECT_EQ(columns.at("run.cpu_mhz").at("since"), 2);
