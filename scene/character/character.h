@@ -1,10 +1,10 @@
 // Character: an immutable rigged, animated mesh as every representation receives it.
 //
 // Spaces. "glTF space" is the file's own default scene after all node transforms, +Y up (turned where `turn_deg` or
-// `up` ask for it). "Model space" is what the crowd uses: metres, the character facing +Z, the lowest posed point of
-// the upright clip (see Placement) at y = 0, the pivot at x = z = 0: the mean ground projection over that clip of the
-// skin's root, or of the body's centre of mass where the root lies elsewhere. `Placement::model_from_gltf` maps one to
-// the other; with height "as_is" it is the identity.
+// `up` ask for it). "Model space" is what the crowd uses: metres, the character facing +Z, the height at which its
+// soles stay in the upright clip (see Placement and pose/stand.h) at y = 0, the pivot at x = z = 0: the mean ground
+// projection over that clip of the skin's root, or of the body's centre of mass where the root lies elsewhere.
+// `Placement::model_from_gltf` maps one to the other; with height "as_is" it is the identity.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -192,7 +192,7 @@ TEST(Undrawn, WhatAMaskCutsOffATriangleCountsForNothing) {
     EXPECT_NEAR(static_cast<double>(bank.bounds_max().y), 1.75, texel * c.placement.scale) << of.name;
     DrawnExtent extent(c);
     const auto points = extent.outer_points(skin_positions(c.mesh, model_matrices(c, -1, 0)));
-    const auto [lowest, highest] = std::ranges::minmax(points, {}, &glm::dvec3::y);
+    const auto [lowest, highest] = std::ranges::minmax(points, {}, [](const glm::dvec3& p) { return p.y; });
     EXPECT_NEAR(lowest.y, 0, texel * c.placement.scale) << of.name;
     EXPECT_NEAR(highest.y, 1.75, texel * c.placement.scale) << of.name;
   }
