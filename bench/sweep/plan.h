@@ -26,7 +26,7 @@
 //   reference = "mesh"                       # what ratios and scores are against
 //   aa = true                                # time the reference twice, as if it were two: the A/A pair
 //   together = 16                            # more points of one scenario make several conditions
-//   times = true, rounds = 24, time_limit_s = 10, scores = ["flip"], pictures = false, bake_budget_mib = 512
+//   times = true, rounds = 24, time_limit_s = 10, scores = [...], pictures = false, bake_budget_mib = 512
 //   [[table]]                                # after the last point, one Markdown table each (sweep_table.h)
 //   rows = "crowd.agents"
 //   columns = "representation"
