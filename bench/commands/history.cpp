@@ -124,7 +124,7 @@ void add_history(Command& app, Run& run) {
   auto options = std::make_shared<Options>();
   command->add_option("FILE", options->files, "result files of `bench`, in any order")
       ->required()
-      ->type_name("FILE.sqlite...");
+      ->type_name("FILE.sqlite");
   command->add_option("--window", options->window, "runs that are looked at together")
       ->type_name("N")
       ->capture_default_str()

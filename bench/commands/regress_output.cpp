@@ -57,7 +57,7 @@ std::string method(const RegressReport& report) {
   return fmt::format(
       "Ratios to the reference of the same rounds (the reference: to its own floor). Slower: a rank test says that the "
       "ratio grew by more than {:.2g} % (or than what a control shows without any change), level {:g}, correction over "
-      "all points: {}. Unclear: a slow-down of {:.2g} % is not excluded. A slow-down of the reference makes all others "
+      "all points: {}. Unclear: a slow-down of {:.3g} % is not excluded. A slow-down of the reference makes all others "
       "faster; it shows in the reference's own line.",
       100 * limits.least_effect, limits.level, correction_name(limits.correction), 100 * limits.detect);
 }

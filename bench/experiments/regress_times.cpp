@@ -177,7 +177,7 @@ void judge(TimePoint& point, const RegressLimits& limits) {
     point.reason = fmt::format("faster: {}", change_text(point));
   } else if (point.interval.high > limits.detect) {
     point.verdict = Verdict::unclear;
-    point.reason = fmt::format("{}: a slow-down of {:.2g} % is not excluded", change_text(point), 100 * limits.detect);
+    point.reason = fmt::format("{}: a slow-down of {:.3g} % is not excluded", change_text(point), 100 * limits.detect);
   } else {
     point.verdict = Verdict::same;
     point.reason = change_text(point);
