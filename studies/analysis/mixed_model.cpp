@@ -20,8 +20,8 @@ namespace {
 using mixed::Likelihood;
 using mixed::Scales;
 
-// Largest |eta| that an estimate may need: beyond, every chance is 0 or 1 and the likelihood is flat.
-constexpr double kInfinite = 25;
+// |eta| beyond which chances are within 5e-5 of 0 or 1, where a search may stop that has no end.
+constexpr double kInfinite = 10;
 
 Eigen::VectorXd vector_of(std::span<const double> values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -279,6 +279,12 @@ void set_effects(MixedFit& fit, const Eigen::MatrixXd& back, const Eigen::Vector
   }
 }
 
+// Whether the likelihood holds the fixed effects anywhere: not where it is flat.
+bool is_held(const std::optional<Eigen::MatrixXd>& covariance) {
+  constexpr double kFlat = 10;  // logits by standard deviation of a variable
+  return covariance && covariance->diagonal().maxCoeff() < kFlat * kFlat;
+}
+
 double largest_eta(const Likelihood& model, const Eigen::VectorXd& beta) {
   double out = 0;
   for (const MixedRow& cell : model.cells()) out = std::max(out, std::fabs(vector_of(cell.fixed).dot(beta)));
@@ -323,7 +329,8 @@ MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
   const Optimum best = optimise(model, unknowns, pooled);
   const Scales scales = unknowns.scales_of(best.x);
   const Eigen::VectorXd beta = unknowns.effects_of(best.x);
-  if (largest_eta(model, beta) > kInfinite && largest_eta(model, pooled.beta) < kInfinite) {
+  const std::optional<Eigen::MatrixXd> covariance = fixed_covariance(model, unknowns, best);
+  if (largest_eta(model, beta) > kInfinite && !is_held(covariance)) {
     fit.state = MixedState::separated;
     return fit;
   }
@@ -335,7 +342,7 @@ MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
   if (settings.slopes && settings.correlated)
     fit.intercept_slope_covariance = scales.intercept * scales.cross / units.slope();
   if (settings.clips) fit.clip_variance = scales.clip * scales.clip;
-  set_effects(fit, units.back(), beta, fixed_covariance(model, unknowns, best));
+  set_effects(fit, units.back(), beta, covariance);
   for (const Likelihood::Mode& mode : model.modes(scales, beta)) {
     fit.modes.push_back(mode.intercept);
     fit.mode_sds.push_back(mode.sd);

@@ -166,6 +166,11 @@ TEST(MixedModel, SaysWhatHasNoEstimate) {
   // One level has both answers: still no end to the slope.
   EXPECT_EQ(fit_mixed(rows([](uint32_t p, int x) { return x > 0 || (x == 0 && p % 2 == 0); }), {}).state,
             MixedState::separated);
+  // With guesses a step is not parted by any direction, and has no estimate all the same.
+  EXPECT_EQ(
+      fit_mixed(rows([](uint32_t p, int x) { return x > 0 || (x + static_cast<int>(p)) % 2 == 0; }), {.guess = 0.5})
+          .state,
+      MixedState::separated);
   // One participant who always says yes is no separation.
   const MixedFit one =
       fit_mixed(rows([](uint32_t p, int x) { return p == 3 || x + static_cast<int>(p * 5 % 4) > 1; }), {});
