@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -25,6 +26,9 @@ std::vector<Part> read_parts(const MergeRequest& request) {
   std::vector<Part> parts;
   for (const std::filesystem::path& path : request.shards) {
     throw_if_interrupted();
+    std::error_code failed;
+    // A shard that was not finished: what is missing is said of all together.
+    if (!std::filesystem::exists(path, failed)) continue;
     parts.push_back({path, read_store(path, true, true)});
     if (parts.back().contents.sweeps.size() != 1)
       throw Error(path.string(), "is not a shard of a sweep", "name files that `crowdbench sweep` made");
@@ -219,6 +223,7 @@ class Merger {
 MergeOutcome merge_shards(const MergeRequest& request) {
   MergeOutcome outcome;
   const std::vector<Part> parts = read_parts(request);
+  if (parts.empty()) throw MissingShards{"none of the shards is there"};
   require_one_plan(parts);
   check_provenance(parts, request.mixed, outcome.remarks);
   check_complete(parts, request.allow_missing, outcome.remarks);
