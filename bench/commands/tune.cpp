@@ -214,7 +214,7 @@ void add_tune(Command& app, Run& run) {
       "allowed the cheapest is taken, for the scenario's agents and camera. Exit status 1: nothing is allowed "
       "somewhere.\n\n"
       "Examples:\n"
-      "  crowdbench tune --representation flat,relief,mesh:triangles=500\n"
+      "  crowdbench tune --representation flat,relief\n"
       "  crowdbench tune street.toml --character knight.glb --threshold ssim=0.9 --pop-threshold ssim=0.8 --fade 8 "
       "--json");
   auto options = std::make_shared<Options>();

@@ -130,7 +130,7 @@ TEST_F(CompareFolders, ScoresAreChosenAndBounded) {
   EXPECT_EQ(out["bounds"][0]["pass"], false);
   EXPECT_EQ(error_of({a.string(), b.string(), "--scores", "flop"}),
             "--scores: there is no score 'flop'; did you mean 'flip'?");
-  EXPECT_NE(error_of({a.string(), b.string(), "--colours", "jet"}).find("choose own, error, magma or viridis"),
+  EXPECT_NE(error_of({a.string(), b.string(), "--colours", "jet"}).find("choose own, plain, error, magma or viridis"),
             std::string::npos);
 }
 

@@ -192,7 +192,8 @@ TEST(PopMapCommandGl, WritesThePage) {
   };
   EXPECT_EQ(count("<h2>"), 2U);
   EXPECT_EQ(count("data-plot="), 2U);
-  EXPECT_EQ(count("<img "), 2U * (4 + 4)) << "four of the worst cell, four ticks of the fade";
+  EXPECT_EQ(count("<img "), 2U * (4 + 4 + 1))
+      << "four of the worst cell, four ticks of the fade, the bar of the difference";
 }
 
 }  // namespace

@@ -269,8 +269,10 @@ TEST(Timing, RowsAreFilledByHandWorkedAggregates) {
   // Frame times 1..100 ms: median 50.5, 5th percentile 5.95, 95th 95.05, 99th 99.01 (linear between order statistics),
   // slowest 1 % is the one frame of 100 ms: 10 fps.
   VariantTimes times;
-  for (int i = 0; i < 100; ++i)
-    times.samples.push_back({i, 0, int64_t{1'000'000} * (i + 1), int64_t{2'000'000} * (i + 1), 5, std::nullopt});
+  for (int i = 0; i < 100; ++i) {  // in an order in which neighbours are not alike
+    const int64_t ms = 37 * i % 100 + 1;
+    times.samples.push_back({i, 0, 1'000'000 * ms, 2'000'000 * ms, 5, std::nullopt});
+  }
   times.warmup_frames = 4;
   times.settled = true;
   MeasurementRow row;

@@ -198,8 +198,14 @@ TEST_P(EmissionGl, TheWholeLightIsTheMeshs) {
     const scene::Frame frame = picture(pixels, 0, false);
     const glm::dvec3 wanted = whole(draw(frame, kReference, 5));
     const glm::dvec3 shown = whole(draw(frame, GetParam().spec, 5));
-    // A twentieth: what a box's sharp corners lose to a silhouette of texels.
-    for (int c = 0; c < 2; ++c) EXPECT_NEAR(shown[c] / wanted[c], 1, 0.05) << pixels << " pixels";
+    // A twentieth: what a box's sharp corners lose to a silhouette of texels. Polypostors have outlines as an eye five
+    // heights away sees them, to whom the front, 0.25 m before the pivot, is larger.
+    const bool fitted = GetParam().spec.starts_with("polypostor");
+    const double nearer = fitted ? 5 * kTall / (5 * kTall - 0.25) : 1;
+    for (int c = 0; c < 2; ++c) {
+      EXPECT_GT(shown[c] / wanted[c], 0.95) << pixels << " pixels";
+      EXPECT_LT(shown[c] / wanted[c], 1.05 * nearer * nearer) << pixels << " pixels";
+    }
   }
   const glm::dvec3 front = whole(draw(picture(120, 0, false), kReference));
   const scene::Frame behind = picture(120, 0.5, false);

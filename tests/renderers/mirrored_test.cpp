@@ -87,9 +87,11 @@ TEST_P(MirroredGl, ANodeMirrorsAsDataDo) {
   const Capture node = drawn(by_node);
   const Capture data = drawn(by_data);
   ASSERT_GT(testing::covered(data), 1500U);
-  // The same figure but for rounding, which moves an outline by a hair.
-  EXPECT_LE(testing::different_ids(node, data), testing::covered(data) / 500);
-  EXPECT_LE(testing::mean_colour_difference(node, data), 0.25);
+  // The same figure but for rounding, which moves an outline by a hair. Where outlines are fitted it also decides
+  // between corners that are as good as each other.
+  const bool fitted = std::string_view(GetParam()).starts_with("polypostor");
+  EXPECT_LE(testing::different_ids(node, data), testing::covered(data) / (fitted ? 75 : 500));
+  EXPECT_LE(testing::mean_colour_difference(node, data), fitted ? 1.5 : 0.25);
   // Seen from this side at this moment, a figure that is not mirrored is another one.
   EXPECT_GT(testing::different_ids(drawn(plain), data), testing::covered(data) / 20);
 }
