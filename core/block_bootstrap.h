@@ -21,8 +21,8 @@ size_t block_length(std::span<const double> values);
 // successive rounds) are drawn with replacement. Where blocks are longer than 1 the percentile interval is widened
 // about the median by what is known to be lacking: sqrt(n / (n - b)), as blocks of b see less than the whole variance,
 // and Student's t with n / b - 1 degrees of freedom over the normal quantile, as no more than n / b values are
-// independent; it ends where the values do. With blocks of 1 it is bootstrap_median(). values: at least one, in the order measured. A function of
-// its arguments.
+// independent; it ends where the values do. With blocks of 1 it is bootstrap_median(). values: at least one, in the
+// order measured. A function of its arguments.
 Interval block_bootstrap_median(std::span<const double> values, uint64_t seed, double confidence = 0.95,
                                 size_t resamples = kBootstrapResamples);
 
