@@ -101,7 +101,7 @@ std::string switch_text(const TuneReport& report, size_t i) {
       one.certainty.decided()
           ? fmt::format("in resamples {:.1f} to {:.1f} pixels", one.certainty.height_px->low,
                         one.certainty.height_px->high)
-          : fmt::format("undecided: {:.0f} % of the resamples switch between these two", 100 * one.certainty.share);
+          : fmt::format("undecided: {:.1f} % of the resamples switch between these two", 100 * one.certainty.share);
   std::string text = fmt::format(
       "from {:.1f} pixels ({:.1f} m) on {} instead of {}; {}\n  the switch shows {} {:.{}f}; Unity {:.4f} of the "
       "screen's "

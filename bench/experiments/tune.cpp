@@ -269,7 +269,7 @@ class Tuning {
       one.height_px = request_.heights_px[change.bin];
       one.certainty = certainty_of(change, result_.again, request_.heights_px);
       one.pop = pop(change.from, change.to, change.bin);
-      if (one.certainty.height_px)
+      if (one.certainty.decided())
         one.hysteresis = std::sqrt(one.certainty.height_px->high / one.certainty.height_px->low) - 1;
       result_.switches.push_back(one);
     }

@@ -65,7 +65,7 @@ struct TuneSwitch {
   double height_px = 0;  // the tallest that `to` may draw: what is at least so small is far
   SwitchCertainty certainty;
   TunePop pop;
-  double hysteresis = 0;  // for hybrid: half of the certainty's interval, as a factor above 1
+  double hysteresis = 0;  // for hybrid: half of the interval of a decided switch, as a factor above 1
 };
 
 struct TuneResult {
