@@ -173,6 +173,7 @@ Option* Option::power_of_two(uint64_t least, uint64_t most) {
 
 Option* Option::output_file() {
   option_->check(writable(require_writable_file));
+  output_ = true;
   return this;
 }
 
@@ -216,6 +217,18 @@ Option* Option::excludes(const std::string& name) {
   return this;
 }
 
+namespace {
+
+// Devices and pipes may be written to from several sides.
+bool is_same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code fault;
+  if (fs::exists(a, fault)) return fs::is_regular_file(a, fault) && fs::equivalent(a, b, fault);
+  return fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
+}
+
+}  // namespace
+
 Command* Command::add_subcommand(const std::string& name, const std::string& description) {
   app_.require_subcommand(1);
   return commands_.emplace_back(std::make_unique<Command>(*app_.add_subcommand(name, description))).get();
@@ -234,6 +247,25 @@ Option* Command::add_flag(const std::string& name, bool& target, const std::stri
   return options_
       .emplace_back(std::make_unique<Option>(app_.add_flag(name, target, description)->disable_flag_override()))
       .get();
+}
+
+void Command::require_outputs_apart() const {
+  for (const auto& command : commands_) command->require_outputs_apart();
+  if (!app_.parsed()) return;
+  for (const auto& output : options_) {
+    if (!output->output_) continue;
+    for (const std::string& file : output->option_->results()) {
+      for (const auto& other : options_) {
+        if (other == output) continue;
+        for (const std::string& text : other->option_->results()) {
+          if (!is_same_file(file, text)) continue;
+          throw Error(output->option_->get_name(),
+                      fmt::format("'{}' is also what {} names", printable(file, 80), other->option_->get_name()),
+                      "choose another file to write");
+        }
+      }
+    }
+  }
 }
 
 #define CROWDBENCH_OPTION_TYPE(...) \
@@ -266,6 +298,7 @@ int run_command_line(int argc, char** argv, const About& about, const std::funct
     fmt::print(stderr, "{}: {}\n", about.name, usage_message(app, error));
     return 2;
   }
+  program.require_outputs_apart();
   return run();
 }
 

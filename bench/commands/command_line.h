@@ -38,7 +38,9 @@ class Option {
   Option* excludes(const std::string& name);
 
  private:
+  friend class Command;
   CLI::Option* option_;
+  bool output_ = false;  // output_file()
 };
 
 // A program or one of its commands.
@@ -57,6 +59,10 @@ class Command {
   template <typename T>
   Option* add_option(const std::string& name, T& target, const std::string& description);
   Option* add_flag(const std::string& name, bool& target, const std::string& description);
+
+  // Throws Error: a file to be written, of the command that was given, is one that it reads too, or that another option
+  // writes.
+  void require_outputs_apart() const;
 
  private:
   CLI::App& app_;

@@ -10,6 +10,7 @@
 
 #include "core/command_line.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/progress.h"
 
 namespace crowdbench::bench {
@@ -38,16 +39,28 @@ class TemporaryFolder {
   fs::path path_;
 };
 
+std::string last_line(const fs::path& log) {
+  std::error_code missing;
+  if (!fs::exists(log, missing)) return "it said nothing";
+  std::string text = read_text(log);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  const size_t from = text.rfind('\n');
+  return text.empty() ? "it said nothing" : printable(text.substr(from == std::string::npos ? 0 : from + 1), 300);
+}
+
 StoreContents run_once(const std::string& program, const std::string& arguments, const fs::path& file) {
   const std::string out = shell_quoted(file.string());
   const std::string command =
       fmt::format("{} bench {} --out {} >/dev/null 2>{}.log", shell_quoted(program), arguments, out, out);
   const int status = std::system(command.c_str());
   throw_if_interrupted();
-  if (WIFSIGNALED(status) || (WIFEXITED(status) && WEXITSTATUS(status) >= 128)) throw Interrupted();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) > 1 || !fs::exists(file))
-    throw Error(program, fmt::format("`bench {}` failed", arguments),
-                "run it by itself to see why; --program takes programs of crowdbench");
+  // By the shell's way of telling a signal. A program that crashed is not one that somebody stopped.
+  const int ended = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  if (ended == 128 + SIGINT || ended == 128 + SIGTERM)
+    throw Error(program, fmt::format("`bench {}` was stopped from outside", arguments), "run regress again");
+  if (ended > 1 || !fs::exists(file))
+    throw Error(program, fmt::format("`bench {}` failed: {}", arguments, last_line(file.string() + ".log")),
+                "--program takes programs of crowdbench; run it by itself to see more");
   return read_store(file, true);
 }
 

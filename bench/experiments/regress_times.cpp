@@ -79,7 +79,7 @@ void add_row(TimesByKey& all, const StoreContents& contents, const RunRow& run, 
     for (double& value : logarithms) value = std::log(value);
     series.runs.push_back(std::move(logarithms));
   }
-  const auto [place, fresh] = all.try_emplace({run.scenario_hash, row.key}, series);
+  const auto [place, fresh] = all.try_emplace({run.scenario_hash, row.reference, row.key}, series);
   if (fresh) return;
   TimeSeries& known = place->second;
   known.control = std::max(known.control, series.control);

@@ -18,6 +18,7 @@ struct TimeSeries {
 };
 struct TimeKey {
   std::string scenario_hash;
+  std::string reference;
   PointKey key;
   auto operator<=>(const TimeKey&) const = default;
 };

@@ -91,7 +91,7 @@ std::string dry_run_text(const Plan& plan, const Shard& shard, const Estimate& e
   const bool nothing = estimate.held >= estimate.conditions * estimate.repetitions;
   if (!nothing)
     out += fmt::format("; about {} {}", duration_text(estimate.seconds),
-                       estimate.measured ? "left, as the ones before took" : "at most");
+                       estimate.measured ? "left, as the ones before took" : "by a rough guess");
   const auto bytes = static_cast<double>(estimate.bytes);
   out += bytes < 1e6 ? fmt::format("; a file of about {:.0f} kB\n", bytes / 1e3)
                      : fmt::format("; a file of about {:.1f} MB\n", bytes / 1e6);

@@ -11,7 +11,7 @@
 namespace crowdbench::reports {
 
 std::vector<HistorySeries> history_of(std::span<const StoreContents> files, const ChangePointOptions& options) {
-  using SeriesKey = std::tuple<std::string, std::string, std::string, PointKey>;
+  using SeriesKey = std::tuple<std::string, std::string, std::string, std::string, PointKey>;
   std::map<SeriesKey, HistorySeries> all;
   for (const StoreContents& contents : files) {
     std::map<int64_t, const RunRow*> runs;
@@ -21,7 +21,7 @@ std::vector<HistorySeries> history_of(std::span<const StoreContents> files, cons
       if (found == runs.end() || row.kind != "speed" || row.metric != found->second->headline || !(row.low > 0))
         continue;
       const RunRow& run = *found->second;
-      HistorySeries& series = all[{run.scenario_hash, run.gl_renderer, row.metric, row.of}];
+      HistorySeries& series = all[{run.scenario_hash, run.gl_renderer, row.metric, row.to, row.of}];
       series.scenario = run.scenario_name;
       series.key = row.of;
       series.metric = row.metric;

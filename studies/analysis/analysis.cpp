@@ -102,7 +102,14 @@ std::optional<Equivalence> equivalence_of(const Rows& rows, const AnalysisSettin
     const Decided all = decided(rows, s.ties);
     shares.push_back({all.yes, all.of});
   }
-  return judge_equivalence(shares, {.chance = s.chance, .margin = *s.margin, .alpha = s.alpha, .power = s.power});
+  Equivalence out =
+      judge_equivalence(shares, {.chance = s.chance, .margin = *s.margin, .alpha = s.alpha, .power = s.power});
+  // One participant's trials say nothing of others.
+  if (shares.size() == 1 && !by_participant(rows).empty()) {
+    out.verdict = Verdict::not_enough_data;
+    out.more_participants = std::max<uint64_t>(1, out.more_participants);
+  }
+  return out;
 }
 
 ConditionResult condition_of(const std::string& name, const Rows& rows, const AnalysisSettings& s) {
@@ -244,22 +251,37 @@ std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& rows, 
 
 // ---- ranking
 
-Wins wins_of(const Rows& rows, size_t items) {
-  Wins out(items, std::vector<double>(items, 0));
+// Items of a task, by their place in Answers::items: those of others and of catch trials are not in its ranking.
+using Places = std::map<uint32_t, uint32_t>;
+Places places_of(const Rows& rows) {
+  Places out;
+  for (const Answer* row : rows)
+    for (const uint32_t item : {*row->item_a, *row->item_b}) out.emplace(item, 0U);
+  uint32_t next = 0;
+  for (auto& [item, place] : out) place = next++;
+  return out;
+}
+
+Wins wins_of(const Rows& rows, const Places& places) {
+  Wins out(places.size(), std::vector<double>(places.size(), 0));
   for (const Answer* row : rows) {
     const double half = static_cast<double>(row->ties) / 2;
-    out[*row->item_a][*row->item_b] += static_cast<double>(row->yes) + half;
-    out[*row->item_b][*row->item_a] += static_cast<double>(row->no) + half;
+    const size_t a = places.at(*row->item_a);
+    const size_t b = places.at(*row->item_b);
+    out[a][b] += static_cast<double>(row->yes) + half;
+    out[b][a] += static_cast<double>(row->no) + half;
   }
   return out;
 }
 
 RankingResult ranking_of(const Answers& answers, const Rows& rows, const AnalysisSettings& s) {
   RankingResult out;
-  out.items = answers.items;
+  const Places places = places_of(rows);
+  for (const auto& [item, place] : places) out.items.push_back(answers.items[item]);
   std::vector<Comparison> comparisons;
   for (const Answer* row : rows)
-    comparisons.push_back({*row->item_a, *row->item_b, row->shown_first_is_a, row->yes, row->ties, row->no});
+    comparisons.push_back(
+        {places.at(*row->item_a), places.at(*row->item_b), row->shown_first_is_a, row->yes, row->ties, row->no});
   const auto known = static_cast<size_t>(
       std::count_if(rows.begin(), rows.end(), [](const Answer* row) { return row->shown_first_is_a.has_value(); }));
   if (known != 0 && known != rows.size())
@@ -271,11 +293,11 @@ RankingResult ranking_of(const Answers& answers, const Rows& rows, const Analysi
     const double chi_squared = std::max(0.0, 2 * (out.worths.log_likelihood - without.log_likelihood));
     out.position = LikelihoodRatio{chi_squared, chi_squared_tail(chi_squared, 1)};
   }
-  const Wins wins = wins_of(rows, out.items.size());
+  const Wins wins = wins_of(rows, places);
   out.jod = fit_jod(wins, JodPrior::none);
   out.jod_with_prior = fit_jod(wins, JodPrior::gaussian);
   std::vector<Wins> people;
-  for (const auto& [participant, theirs] : by_participant(rows)) people.push_back(wins_of(theirs, out.items.size()));
+  for (const auto& [participant, theirs] : by_participant(rows)) people.push_back(wins_of(theirs, places));
   if (people.size() > 1 && s.resamples > 0 && out.jod_with_prior.state == WorthState::fitted)
     out.intervals =
         bootstrap_jod(people, bootstrap_draws(people.size(), s.resamples, s.seed), JodPrior::gaussian, s.confidence);

@@ -357,6 +357,19 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     }
 }
 
+TEST_F(Manners, WhatIsReadIsNotWrittenOver) {
+  write_file(work_ / "answers.csv", "answer\nyes\nno\n");
+  for (const char* line : {"study analyze --table answers.csv --markdown answers.csv",
+                           "study analyze --table answers.csv --markdown ./answers.csv",
+                           "export answers.csv --csv new.csv --scores-csv ./new.csv"}) {
+    const Outcome outcome = run(line);
+    EXPECT_EQ(outcome.status, 2) << line;
+    EXPECT_NE(outcome.text.find("is also what"), std::string::npos) << outcome.text;
+  }
+  EXPECT_EQ(read_text(work_ / "answers.csv"), "answer\nyes\nno\n");
+  EXPECT_FALSE(fs::exists(work_ / "new.csv"));
+}
+
 // ---- what was done
 
 TEST_F(MannersGl, RenderEndsWithWhatItDrew) {

@@ -150,5 +150,26 @@ TEST(AnalysisOfTables, SpoiltTablesAreRefusedInOneLine) {
   EXPECT_LT(taken, 3500U);
 }
 
+TEST(Analysis, ARankingHoldsTheItemsOfItsOwnTask) {
+  const Expected got =
+      json_of(analyse(answers_of("task,item_a,item_b,yes,ties,no\nt1,x,y,6,0,4\nt2,u,v,3,0,7\n"), {.resamples = 0}));
+  ASSERT_EQ(got.at("tasks").size(), 2U);
+  for (const Expected& task : got.at("tasks")) {
+    EXPECT_EQ(task.at("ranking").at("state"), "fitted") << task.dump(1);
+    EXPECT_EQ(task.at("ranking").at("items").size(), 2U);
+  }
+}
+
+TEST(Analysis, OneParticipantIsNotEnoughForEquivalence) {
+  std::string text = "participant,condition,yes,ties,no\n";
+  text += "1,near,200,0,200\n";
+  const Analysis analysis = analyse(answers_of(text), {.margin = 0.1, .resamples = 0});
+  const auto& equivalence = analysis.tasks.at(0).conditions.at(0).equivalence;
+  ASSERT_TRUE(equivalence);
+  EXPECT_LE(equivalence->exact.p, 0.05) << "its trials alone would say so";
+  EXPECT_EQ(equivalence->verdict, Verdict::not_enough_data);
+  EXPECT_GE(equivalence->more_participants, 1U);
+}
+
 }  // namespace
 }  // namespace crowdbench::studies
