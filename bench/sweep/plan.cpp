@@ -380,7 +380,8 @@ Plan parse_plan(const std::string& toml, const std::string& where, const std::fi
   for (const Condition& condition : plan.conditions)
     for (const PlannedPoint& point : condition.points) digest.text(plan.key(condition, point, 0));
   // Conditions are known by their numbers: how they were made is part of what they are.
-  plan.hash = digest.value(int64_t{plan.repetitions}).value(static_cast<int64_t>(plan.measures.together)).hex().substr(0, 16);
+  plan.hash =
+      digest.value(int64_t{plan.repetitions}).value(static_cast<int64_t>(plan.measures.together)).hex().substr(0, 16);
   return plan;
 }
 
