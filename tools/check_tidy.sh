@@ -27,7 +27,7 @@ const entries = JSON.parse(fs.readFileSync(commands, "utf8"))
 const single = entries.flatMap(({ directory, file: unit, command, sources }) =>
   sources.map((file) => ({ directory, file, command: command.replace(unit, file) })));
 const files = wanted.length ? wanted : entries.map((entry) => entry.file);
-fs.writeFileSync(`${out}/compile_commands.json`, JSON.stringify(wanted.length ? single : entries));
+fs.writeFileSync(`${out}/compile_commands.json`, JSON.stringify(wanted.length ? single : entries.map(({ sources, ...entry }) => entry)));
 fs.writeFileSync(`${out}/files`, files.map((file) => `${file}\n`).join(""));
 SCRIPT
 xargs -a "$database/files" -P "$jobs" -n 1 clang-tidy -p "$database" --config-file="$top/.clang-tidy" --quiet \
