@@ -77,8 +77,9 @@ Interval block_bootstrap_median(std::span<const double> values, uint64_t seed, d
   const double independent = static_cast<double>(n) / static_cast<double>(block);
   const double wider = std::sqrt(static_cast<double>(n) / static_cast<double>(n - block)) *
                        student_t_quantile(1 - tail, std::max(1.0, independent - 1)) / normal_quantile(1 - tail);
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-  const auto widened = [&](double end) { return std::clamp(centre + (end - centre) * wider, *least, *greatest); };
+  const double least = *std::min_element(values.begin(), values.end());
+  const double greatest = *std::max_element(values.begin(), values.end());
+  const auto widened = [&](double end) { return std::clamp(centre + (end - centre) * wider, least, greatest); };
   return {widened(quantile(medians, tail)), widened(quantile(medians, 1 - tail))};
 }
 

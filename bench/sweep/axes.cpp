@@ -373,7 +373,7 @@ std::vector<AxisValue> read_listed(const TomlNode& point, const std::string& whe
     TomlNode out;
     out.line = node.line;
     if (node.is_table()) {
-      for (const auto& [name, inner] : node.table) out.table.emplace_back(name, listed(inner));
+      for (const auto& [name, inner] : node.table) out.table.push_back({name, listed(inner)});
       return out;
     }
     out.type = TomlNode::Type::list;

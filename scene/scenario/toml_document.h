@@ -9,7 +9,7 @@ namespace crowdbench::scene {
 
 struct TomlNode {
   enum class Type : uint8_t { boolean, integer, number, text, list, table, time };
-  using Entry = std::pair<std::string, TomlNode>;
+  struct Entry;
 
   Type type = Type::table;
   size_t line = 1;  // of the text, where the value stands
@@ -30,6 +30,11 @@ struct TomlNode {
   double as_number() const { return is_integer() ? static_cast<double>(integer) : number; }
   const TomlNode* find(const std::string& name) const;  // in its table; nullptr
   const char* type_name() const;                        // "a truth value", "a list", ... for people
+};
+// A key and its value.
+struct TomlNode::Entry {
+  std::string first;
+  TomlNode second;
 };
 
 // The document's table. Throws Error with file and line; hostile text (deep nesting, more than 256 KiB, lines above

@@ -200,7 +200,7 @@ void read_answer(const Columns& columns, const Table::Row& row, Answer& out) {
 
 // Of a catch trial with items: whether the answer is the expected one.
 void read_catch(const Columns& columns, const Table::Row& row, Answer& out) {
-  const std::string kind = columns.field(row, Role::catch_kind);
+  const std::string& kind = columns.field(row, Role::catch_kind);
   const std::string word = lower(kind);
   if (word.empty() || word == "0" || word == "no" || word == "none" || word == "false") return;
   out.catch_kind = kind;
