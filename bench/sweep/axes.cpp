@@ -380,11 +380,13 @@ std::vector<AxisValue> read_listed(const TomlNode& point, const std::string& whe
     out.list = {node};
     return out;
   };
-  for (const auto& [name, node] : point.table) {
+  for (const TomlNode::Entry& entry : point.table) {
+    const std::string& name = entry.first;
+    const TomlNode& node = entry.second;
     const auto axis = std::find_if(axes.begin(), axes.end(), [&](const Axis& a) { return a.name == name; });
     const bool named = axis != axes.end() && find_key(name) == nullptr;
     if (!named) {
-      ranges.table.emplace_back(name, listed(node));
+      ranges.table.push_back({name, listed(node)});
       continue;
     }
     const auto value = std::find_if(axis->values.begin(), axis->values.end(),

@@ -16,7 +16,6 @@ namespace crowdbench::bench::sweep {
 namespace {
 
 constexpr const char* kRepresentation = "representation";
-constexpr const char* kAgents = "crowd.agents";
 constexpr const char* kAgentsAt = "agents_at_ms";
 
 struct MeasuredValue {
