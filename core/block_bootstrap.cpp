@@ -24,13 +24,6 @@ constexpr double kMostCorrelation = 0.95;
 constexpr double kNoticed = 0.8416;         // the normal quantile of 0.8
 constexpr double kNoticedByTests = 1.6449;  // of 0.95
 
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*std::max_element(values.begin(), middle) + *middle);
-}
-
 }  // namespace
 
 double serial_correlation(std::span<const double> values) {
@@ -70,7 +63,7 @@ Interval block_bootstrap_median(std::span<const double> values, uint64_t seed, d
       const size_t start = random_below(seed, r * blocks + b, kBlockPurpose, n);
       for (size_t i = b * block; i < std::min(n, (b + 1) * block); ++i) drawn[i] = values[(start + i - b * block) % n];
     }
-    medians[r] = median_of(drawn);
+    medians[r] = median_in_place(drawn);
   }
   const double tail = 0.5 * (1 - confidence);
   const double centre = median(values);

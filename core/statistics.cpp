@@ -28,13 +28,6 @@ std::vector<double> sorted_copy(std::span<const double> values) {
   return sorted;
 }
 
-double median_in_place(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*std::max_element(values.begin(), middle) + *middle);
-}
-
 // log y of a curve at log x, which lies within its range.
 double log_y_at(const Curve& curve, double log_x) {
   size_t i = 0;
@@ -63,6 +56,13 @@ double log_y_at(const Curve& curve, double log_x) {
 double quantile(std::span<const double> values, double q) {
   assert(!values.empty() && q >= 0 && q <= 1);
   return quantile_of_sorted(sorted_copy(values), q);
+}
+
+double median_in_place(std::span<double> values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*std::max_element(values.begin(), middle) + *middle);
 }
 
 double median(std::span<const double> values) {

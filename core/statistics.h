@@ -13,6 +13,8 @@ namespace crowdbench {
 double quantile(std::span<const double> values, double q);
 // The 0.5-quantile: the middle value, or the mean of the two middle ones.
 double median(std::span<const double> values);
+// The same, which reorders them.
+double median_in_place(std::span<double> values);
 
 // The figures that a set of frame times is reported by. All in the unit of the input, save fps.
 struct Summary {

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "core/statistics.h"
 #include "metrics/picture_causes.h"
 
 namespace crowdbench::metrics {
@@ -144,12 +145,6 @@ struct DepthGap {
   bool rigid = false;  // most of it by the same
 };
 
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::optional<DepthGap> depth_gap(const AgentPictures& agent, const Motion& motion, const Range& range) {
   if (agent.source.depth.empty() || agent.test.depth.empty()) return std::nullopt;
   const Sampler sampler(agent, motion);
@@ -168,8 +163,8 @@ std::optional<DepthGap> depth_gap(const AgentPictures& agent, const Motion& moti
     }
   if (gaps.empty()) return std::nullopt;
   DepthGap out;
-  out.median = median_of(gaps);
-  out.depth = median_of(depths);
+  out.median = median_in_place(gaps);
+  out.depth = median_in_place(depths);
   const double within = std::max(0.5 * kSurfaceTolerance, 0.1 * std::abs(out.median));
   const auto same =
       std::count_if(gaps.begin(), gaps.end(), [&](double g) { return std::abs(g - out.median) <= within; });

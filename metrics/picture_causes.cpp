@@ -9,6 +9,7 @@
 
 #include "core/colour.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "metrics/agent_motion.h"
 #include "metrics/sizes.h"
 
@@ -191,8 +192,7 @@ class Telling {
           farther[id].push_back(gap);
     for (auto& [id, gaps] : farther) {
       if (changes_[id].farther) continue;
-      std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
-      changes_[id].farther = gaps[gaps.size() / 2];
+      changes_[id].farther = median_in_place(gaps);
     }
   }
 

@@ -2,12 +2,12 @@
 // it may be absent. From this come the SQL schema, writing, reading, migration, every export and the documentation
 // (`crowdbench schema --results`).
 //
-// A new column: a member in store/rows.h and a line in store/columns.cpp with `.since` = kStoreSchemaVersion + 1, which
-// then is the version. It must be one that may be absent: older files have no value for it, and none is invented.
+// A new column: a member in store/rows.h and a line in store/columns*.cpp with `.since` = kStoreSchemaVersion + 1,
+// which then is the version. It must be one that may be absent: older files have no value for it, and none is invented.
 // A new score needs no column: scores are rows of name and value.
 //
 // A new table (answers of a study, verdicts of a regression): in store/rows.h a struct that begins with `int64_t id`
-// and a vector of them in StoreContents; in store/columns.cpp its table<...>(), with `.since`; here its name in
+// and a vector of them in StoreContents; in store/columns*.cpp its table<...>(), with `.since`; here its name in
 // StoreTables and the declaration of its table<...>(); at the end of store/store.cpp the line that makes
 // StoreWriter::write for it. Rows that belong to one row of another table (samples to a measurement) have an `owner`
 // instead of an id, and a line in Owned below. Schema, reading, migration, JSON and documentation follow.

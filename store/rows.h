@@ -1,5 +1,5 @@
 // The rows of the result store as plain structs. What each field means, with its unit and its name in SQL and in every
-// export, is said once, in store/columns.cpp; `crowdbench schema --results` prints it. std::nullopt: not available.
+// export, is said once, in store/columns*.cpp; `crowdbench schema --results` prints it. std::nullopt: not available.
 #pragma once
 #include <compare>
 #include <cstdint>

@@ -51,7 +51,11 @@ ScoreValue parse_score_value(const std::string& text, const std::string& option,
   }
   if (!fine)
     throw Error(option, fmt::format("'{}' is not a bound", printable(text)), "write SCORE=VALUE: mae=2 or ssim=0.98");
-  return {&score_named(text.substr(0, equals), option, table), value};
+  const metrics::Score& score = score_named(text.substr(0, equals), option, table);
+  if (value < score.least || value > score.greatest)
+    throw Error(option, fmt::format("{} is never {:g}", score.name, value),
+                fmt::format("choose from {:g} to {:g}", score.least, score.greatest));
+  return {&score, value};
 }
 
 namespace {

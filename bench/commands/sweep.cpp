@@ -33,8 +33,10 @@ fs::path out_of(const Options& options, const sweep::Shard& shard) {
 
 int write_jobs(const Options& options, const sweep::Plan& plan, const fs::path& out) {
   const uint32_t shards = options.slurm ? *options.slurm : *options.openjd;
-  const sweep::ShardJobs jobs{plan.name, program_directory() / "crowdbench", fs::absolute(options.plan),
-                              fs::absolute(out), shards};
+  sweep::ShardJobs jobs{plan.name, program_directory() / "crowdbench", fs::absolute(options.plan), fs::absolute(out),
+                        shards};
+  if (!options.device.empty()) jobs.options = {"--device", options.device};
+  if (options.mixed) jobs.options.emplace_back("--mixed");
   const std::string stem = fs::path(out).replace_extension().string();
   if (options.openjd) {
     const std::string file = stem + ".openjd.json";
@@ -134,12 +136,16 @@ void add_sweep(Command& app, Run& run) {
   command->add_option("--markdown", options->markdown, "the tables of the end")->type_name("FILE.md")->output_file();
   Option* slurm = command->add_option("--slurm", options->slurm, "write a Slurm job array of K shards, and its merge")
                       ->type_name("K")
-                      ->whole_number(1, sweep::kMostShards);
+                      ->whole_number(1, sweep::kMostShards)
+                      ->excludes("--shard")
+                      ->excludes("--markdown");
   command->add_flag("--submit", options->submit, "hand them to sbatch")->needs(slurm);
   command->add_option("--openjd", options->openjd, "write an Open Job Description template of K shards and their merge")
       ->type_name("K")
       ->whole_number(1, sweep::kMostShards)
-      ->excludes(slurm);
+      ->excludes(slurm)
+      ->excludes("--shard")
+      ->excludes("--markdown");
   add_device_option(*command, options->device);
   add_json_option(*command, options->json, "print every row of the result file as JSON instead of the tables");
   command->callback([options, &run] { run = [options] { return run_sweep_command(*options); }; });

@@ -154,6 +154,8 @@ int run_tune(const Options& options, metrics::ScoreTable table) {
     report.request.character = cast.characters[0];
     report.request.clip = options.clip.empty() ? cast.characters[0]->placement.default_clip
                                                : scene::require_clip_or_none(*cast.characters[0], options.clip);
+    const scene::PoseBank bank(*cast.characters[0], {report.request.clip}, 30);
+    report.bounds = glm::dvec3(bank.bounds_max() - bank.bounds_min());
     const auto context = open_context(options.scene.device);
     progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
     const Staged staged = stage_scenario(chosen.scenario, cast, *context);

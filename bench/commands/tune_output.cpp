@@ -6,7 +6,6 @@
 
 #include "bench/commands/score_json.h"
 #include "core/error.h"
-#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -18,11 +17,9 @@ double depth_of(const TuneReport& report, double height_px) {
   return depth_of_height(report.request.character->placement.height, height_px, lens.height, lens.fov_y);
 }
 
-// Of the clip's posed bounds, which engines measure by.
 EngineSizes engines_at(const TuneReport& report, double height_px) {
-  const scene::PoseBank bank(*report.request.character, {report.request.clip}, 30);
   const SwitchCostRequest& lens = report.request.cost;
-  return engine_sizes(glm::dvec3(bank.bounds_max() - bank.bounds_min()), depth_of(report, height_px), lens.fov_y,
+  return engine_sizes(report.bounds, depth_of(report, height_px), lens.fov_y,
                       static_cast<double>(lens.width) / lens.height);
 }
 
@@ -41,6 +38,15 @@ Json candidate_json(const TuneReport& report, size_t c) {
     row["interval"] = error.values.empty() ? Json(nullptr) : interval_json(error.interval);
     row["agent_ns"] = result.refused[c].empty() ? Json(result.table.cost[c][b]) : Json(nullptr);
     out["heights"].push_back(row);
+  }
+  out["costs"] = Json::array();
+  for (size_t h = 0; h < result.costs.costs[c].size(); ++h) {
+    const AgentCost& cost = result.costs.costs[c][h];
+    out["costs"].push_back({{"height_px", result.cost_heights_px[h]},
+                            {"agents", result.costs.agents[h]},
+                            {"agent_ns", cost.ns},
+                            {"interval", cost.resolved ? interval_json(cost.interval) : Json(nullptr)},
+                            {"resolved", cost.resolved}});
   }
   return out;
 }
@@ -132,6 +138,11 @@ void print_tune(const TuneReport& report) {
   for (size_t c = 0; c < report.request.candidates.size(); ++c)
     if (!result.refused[c].empty()) fmt::print("{} is left out: {}\n", name_of(report, c), result.refused[c]);
   print_heights(report);
+  for (size_t c = 0; c < report.request.candidates.size(); ++c)
+    for (size_t h = 0; h < result.costs.costs[c].size(); ++h)
+      if (!result.costs.costs[c][h].resolved)
+        fmt::print("{} at {:.1f} pixels: one more agent is within the noise; the whole frame's time over its agents\n",
+                   name_of(report, c), result.cost_heights_px[h]);
   if (!result.plan) {
     fmt::print("{}\n", no_plan_text(report));
     return;

@@ -22,8 +22,6 @@ using scene::TomlNode;
 constexpr size_t kMostAxes = 32;
 constexpr size_t kMostValues = 10'000;
 
-std::string place_of(const std::string& where, const TomlNode& node) { return fmt::format("{}:{}", where, node.line); }
-
 // "crowd.agents"; a list's table stands for each of its entries.
 std::string name_of(const Key& key) { return key.table.empty() ? key.name : key.table + "." + key.name; }
 
@@ -78,10 +76,10 @@ AxisValue value_of_key(const Key& key, const TomlNode& node, const std::string& 
   if (key.table.empty() && key.name == "representation") try {
       out.setting.text = renderers::parse_spec(out.setting.text).text();
     } catch (const Error& error) {
-      throw Error(place_of(where, node),
+      throw Error(node.place(where),
                   "`representation`: " + error.where + (error.where.empty() ? "" : ": ") + error.wrong, error.advice);
     }
-  out.change = [&key, value, place = place_of(where, node)](scene::Scenario& scenario) {
+  out.change = [&key, value, place = node.place(where)](scene::Scenario& scenario) {
     set_key(scenario, key, value, place);
   };
   return out;
@@ -100,10 +98,10 @@ AxisValue value_of_option(const renderers::RepresentationType& type, const std::
   else if (node.is_boolean())
     text = node.boolean ? "1" : "0";
   else
-    throw Error(place_of(where, node), fmt::format("`{}.{}` holds {}", type.name, option, node.type_name()),
+    throw Error(node.place(where), fmt::format("`{}.{}` holds {}", type.name, option, node.type_name()),
                 "give texts or numbers");
   if (text.empty() || text.find_first_of(",:()= \t\n") != std::string::npos)
-    throw Error(place_of(where, node),
+    throw Error(node.place(where),
                 fmt::format("`{}.{}` holds '{}', which is no option's value", type.name, option, printable(text, 60)),
                 "give one value without commas, colons and brackets");
   out.setting = {type.name + "." + option, text, node.is_number() ? std::optional(node.as_number()) : std::nullopt};
@@ -128,7 +126,7 @@ class AxesReader {
   std::vector<Axis> run(const TomlNode& axes) {
     level("", axes);
     if (axes_.size() > kMostAxes)
-      throw Error(place_of(where_, axes), fmt::format("{} axes", axes_.size()),
+      throw Error(axes.place(where_), fmt::format("{} axes", axes_.size()),
                   fmt::format("give up to {}", kMostAxes));
     return std::move(axes_);
   }
@@ -136,7 +134,7 @@ class AxesReader {
  private:
   void level(const std::string& above, const TomlNode& table) {
     if (!table.is_table())
-      throw Error(place_of(where_, table), fmt::format("`{}` is {}", above.empty() ? "axes" : above, table.type_name()),
+      throw Error(table.place(where_), fmt::format("`{}` is {}", above.empty() ? "axes" : above, table.type_name()),
                   "write it as a table: [axes]");
     for (const auto& [part, node] : table.table) {
       const std::string name = above.empty() ? part : above + "." + part;
@@ -151,7 +149,7 @@ class AxesReader {
   void axis(const std::string& name, const TomlNode& node) {
     Axis made;
     made.name = name;
-    made.place = place_of(where_, node);
+    made.place = node.place(where_);
     for (const Axis& other : axes_)
       if (other.name == name)
         throw Error(made.place, fmt::format("the axis `{}` is given twice", printable(name, 80)), "keep one of them");
@@ -214,7 +212,7 @@ class AxesReader {
       const std::string& text = made.values.back().setting.text;
       for (size_t i = 0; i + 1 < made.values.size(); ++i)
         if (made.values[i].setting.text == text)
-          throw Error(place_of(where_, value),
+          throw Error(value.place(where_),
                       fmt::format("the axis `{}` has {} twice", made.name, printable(text, 60)),
                       "[points] `repetitions` measures all points several times");
     }
@@ -224,7 +222,7 @@ class AxesReader {
     const TomlNode* const node = table.find(name);
     if (node == nullptr || !node->is_number() || !std::isfinite(node->as_number()))
       throw Error(
-          node == nullptr ? made.place : place_of(where_, *node),
+          node == nullptr ? made.place : node->place(where_),
           fmt::format("the range of `{}` {} `{}`", made.name, node == nullptr ? "lacks" : "has no number as", name),
           "write { from = 1, to = 100, steps = 5 }");
     return node->as_number();
@@ -234,13 +232,13 @@ class AxesReader {
   void range(Axis& made, const TomlNode& table, const Read& read) {
     for (const auto& [name, node] : table.table)
       if (name != "from" && name != "to" && name != "steps" && name != "scale")
-        throw Error(place_of(where_, node), fmt::format("unknown key `{}` of a range", printable(name, 60)),
+        throw Error(node.place(where_), fmt::format("unknown key `{}` of a range", printable(name, 60)),
                     "a range has from, to, steps and scale");
     made.from = number(made, table, "from");
     made.to = number(made, table, "to");
     if (const TomlNode* const scale = table.find("scale")) {
       if (!scale->is_text() || (scale->text != "linear" && scale->text != "log"))
-        throw Error(place_of(where_, *scale), fmt::format("`scale` of `{}` is not known", made.name),
+        throw Error(scale->place(where_), fmt::format("`scale` of `{}` is not known", made.name),
                     "choose \"linear\" or \"log\"");
       made.log = scale->text == "log";
     }
@@ -258,7 +256,7 @@ class AxesReader {
       return;
     }
     if (!steps->is_integer() || steps->integer < 2 || steps->integer > static_cast<int64_t>(kMostValues))
-      throw Error(place_of(where_, *steps), fmt::format("`steps` of `{}` is not a number of values", made.name),
+      throw Error(steps->place(where_), fmt::format("`steps` of `{}` is not a number of values", made.name),
                   fmt::format("give 2 to {}", kMostValues));
     for (int64_t i = 0; i < steps->integer; ++i) {
       AxisValue value =
@@ -274,10 +272,10 @@ class AxesReader {
     for (const TomlNode& entry : list.list) {
       const TomlNode* const label = entry.is_table() ? entry.find("label") : nullptr;
       if (label == nullptr || !label->is_text() || label->text.empty() || label->text.size() > 100)
-        throw Error(place_of(where_, entry), fmt::format("an entry of `{}` has no label", made.name),
+        throw Error(entry.place(where_), fmt::format("an entry of `{}` has no label", made.name),
                     "add label = \"...\": tables call it so");
       if (!labels.insert(label->text).second)
-        throw Error(place_of(where_, *label), fmt::format("the label '{}' is given twice", printable(label->text)),
+        throw Error(label->place(where_), fmt::format("the label '{}' is given twice", printable(label->text)),
                     "choose another");
       AxisValue value;
       value.setting = {made.name, label->text, std::nullopt};
@@ -344,11 +342,11 @@ void change_by_table(scene::Scenario& scenario, const TomlNode& table, const std
   const TomlNode* const base = table.find("base");
   if (base != nullptr) {
     if (!base->is_text() || base->text.empty())
-      throw Error(place_of(where, *base), fmt::format("`base` is {}", base->type_name()), "name a scenario file");
+      throw Error(base->place(where), fmt::format("`base` is {}", base->type_name()), "name a scenario file");
     const std::filesystem::path file = folder / base->text;
     std::error_code failed;
     if (!std::filesystem::is_regular_file(file, failed))
-      throw Error(place_of(where, *base), fmt::format("`base`: there is no file '{}'", printable(file.string())),
+      throw Error(base->place(where), fmt::format("`base`: there is no file '{}'", printable(file.string())),
                   "its path is seen from the plan's folder");
     scene::TomlNode document = scene::parse_toml(read_text(file, scene::kScenarioBytes), file.string());
     document.line = 1;
@@ -392,7 +390,7 @@ std::vector<AxisValue> read_listed(const TomlNode& point, const std::string& whe
     const auto value = std::find_if(axis->values.begin(), axis->values.end(),
                                     [&](const AxisValue& v) { return node.is_text() && v.setting.text == node.text; });
     if (value == axis->values.end())
-      throw Error(place_of(where, node), fmt::format("`{}` has no such label", name), "choose one of its labels");
+      throw Error(node.place(where), fmt::format("`{}` has no such label", name), "choose one of its labels");
     labelled.push_back(*value);
   }
   for (Axis& axis : read_axes(ranges, where, folder)) labelled.push_back(std::move(axis.values.at(0)));

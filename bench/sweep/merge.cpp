@@ -4,9 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <system_error>
 
 #include "core/error.h"
@@ -16,60 +19,67 @@
 namespace crowdbench::bench::sweep {
 namespace {
 
-struct Part {
+struct ShardFile {
   std::filesystem::path path;
   StoreContents contents;
   const SweepRow& sweep() const { return contents.sweeps.front(); }
 };
 
-std::vector<Part> read_parts(const MergeRequest& request) {
-  std::vector<Part> parts;
+bool is_result_file(const std::filesystem::path& path) {
+  std::array<char, 16> head{};
+  std::ifstream file(path, std::ios::binary);
+  return file.read(head.data(), head.size()) && std::string_view(head.data(), 15) == "SQLite format 3";
+}
+
+std::vector<ShardFile> read_shards(const MergeRequest& request) {
+  std::vector<ShardFile> shard_files;
   for (const std::filesystem::path& path : request.shards) {
     throw_if_interrupted();
     std::error_code failed;
     // A shard that was not finished: what is missing is said of all together.
     if (!std::filesystem::exists(path, failed)) continue;
-    parts.push_back({path, read_store(path, true, true)});
-    if (parts.back().contents.sweeps.size() != 1)
+    shard_files.push_back({path, read_store(path, true, true)});
+    if (shard_files.back().contents.sweeps.size() != 1)
       throw Error(path.string(), "is not a shard of a sweep", "name files that `crowdbench sweep` made");
   }
-  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.sweep().shard < b.sweep().shard; });
-  return parts;
+  std::sort(shard_files.begin(), shard_files.end(),
+            [](const ShardFile& a, const ShardFile& b) { return a.sweep().shard < b.sweep().shard; });
+  return shard_files;
 }
 
-void require_one_plan(const std::vector<Part>& parts) {
-  const SweepRow& first = parts.front().sweep();
-  std::map<uint32_t, const Part*> by_shard;
-  for (const Part& part : parts) {
-    const SweepRow& row = part.sweep();
+void require_one_plan(const std::vector<ShardFile>& shard_files) {
+  const SweepRow& first = shard_files.front().sweep();
+  std::map<uint32_t, const ShardFile*> by_shard;
+  for (const ShardFile& held : shard_files) {
+    const SweepRow& row = held.sweep();
     if (row.plan_hash != first.plan_hash)
-      throw Error(part.path.string(), fmt::format("is of another plan than {}", parts.front().path.string()),
+      throw Error(held.path.string(), fmt::format("is of another plan than {}", shard_files.front().path.string()),
                   "merge the shards of one plan");
     if (row.shards != first.shards)
       throw Error(
-          part.path.string(),
-          fmt::format("is one of {} shards, {} one of {}", row.shards, parts.front().path.string(), first.shards),
+          held.path.string(),
+          fmt::format("is one of {} shards, {} one of {}", row.shards, shard_files.front().path.string(), first.shards),
           "merge shards that were cut alike");
-    if (const auto [place, fresh] = by_shard.emplace(row.shard, &part); !fresh)
-      throw Error(part.path.string(), fmt::format("is shard {} again, as {}", row.shard, place->second->path.string()),
+    if (const auto [place, fresh] = by_shard.emplace(row.shard, &held); !fresh)
+      throw Error(held.path.string(), fmt::format("is shard {} again, as {}", row.shard, place->second->path.string()),
                   "name each shard once");
   }
 }
 
-// Throws where parts come from different programs or drivers; or remarks it.
-void check_provenance(const std::vector<Part>& parts, bool mixed, std::vector<std::string>& remarks) {
+// Throws where shards come from different programs or drivers; or remarks it.
+void check_provenance(const std::vector<ShardFile>& shard_files, bool mixed, std::vector<std::string>& remarks) {
   const auto check = [&](const char* what, const auto& of) {
-    const Part& first = parts.front();
-    for (const Part& part : parts) {
-      for (const RunRow& run : part.contents.runs) {
+    const ShardFile& first = shard_files.front();
+    for (const ShardFile& held : shard_files) {
+      for (const RunRow& run : held.contents.runs) {
         const std::string expected = of(first.sweep());
         const std::string found = of(run);
         if (found == expected) continue;
         const std::string text = fmt::format("{} is '{}', that of {} is '{}'", what, printable(found, 80),
                                              first.path.string(), printable(expected, 80));
         if (!mixed)
-          throw Error(part.path.string(), text, "measure it anew with the same, or merge them nonetheless: --mixed");
-        remarks.push_back(part.path.string() + ": " + text);
+          throw Error(held.path.string(), text, "measure it anew with the same, or merge them nonetheless: --mixed");
+        remarks.push_back(held.path.string() + ": " + text);
         return;
       }
     }
@@ -79,13 +89,13 @@ void check_provenance(const std::vector<Part>& parts, bool mixed, std::vector<st
   check("its driver's version", [](const auto& row) { return row.gl_version; });
 }
 
-void check_complete(const std::vector<Part>& parts, bool allow_missing, std::vector<std::string>& remarks) {
-  const SweepRow& sweep = parts.front().sweep();
+void check_complete(const std::vector<ShardFile>& shard_files, bool allow_missing, std::vector<std::string>& remarks) {
+  const SweepRow& sweep = shard_files.front().sweep();
   std::set<uint32_t> here;
   std::set<std::pair<uint32_t, uint32_t>> cells;
-  for (const Part& part : parts) {
-    here.insert(part.sweep().shard);
-    for (const SweepPointRow& row : part.contents.sweep_points) cells.emplace(row.condition, row.repetition);
+  for (const ShardFile& held : shard_files) {
+    here.insert(held.sweep().shard);
+    for (const SweepPointRow& row : held.contents.sweep_points) cells.emplace(row.condition, row.repetition);
   }
   std::vector<uint32_t> missing;
   size_t of_missing = 0;
@@ -105,7 +115,7 @@ void check_complete(const std::vector<Part>& parts, bool allow_missing, std::vec
   remarks.push_back(text);
 }
 
-// Gives every row of the parts its new place, condition by condition.
+// Gives every row of the shards its new place, condition by condition.
 class Merger {
  public:
   Merger(StoreWriter& store, const SweepRow& first) : store_(store) {
@@ -116,28 +126,28 @@ class Merger {
     contents_.sweeps.back().id = store_.write(row);
   }
 
-  void run(const std::vector<Part>& parts) {
+  void run(const std::vector<ShardFile>& shard_files) {
     struct Place {
       uint32_t condition, repetition;
-      const Part* part;
+      const ShardFile* held;
       int64_t run;
       auto operator<=>(const Place&) const = default;
     };
     std::set<Place> places;
-    for (const Part& part : parts)
-      for (const SweepPointRow& row : part.contents.sweep_points)
-        places.insert({row.condition, row.repetition, &part, row.run});
-    std::map<const Part*, Index> indices;
-    for (const Part& part : parts) indices.emplace(&part, Index(part.contents));
+    for (const ShardFile& held : shard_files)
+      for (const SweepPointRow& row : held.contents.sweep_points)
+        places.insert({row.condition, row.repetition, &held, row.run});
+    std::map<const ShardFile*, Index> indices;
+    for (const ShardFile& held : shard_files) indices.emplace(&held, Index(held.contents));
     for (const Place& place : places) {
       throw_if_interrupted();
-      add(indices.at(place.part), place.run);
+      add(indices.at(place.held), place.run, place.held->path);
     }
   }
   StoreContents take() { return std::move(contents_); }
 
  private:
-  // Rows of a part by their run.
+  // Rows of a shard by their run.
   struct Index {
     explicit Index(const StoreContents& all) {
       for (const RunRow& row : all.runs) runs[row.id] = &row;
@@ -169,8 +179,12 @@ class Merger {
     return found == ids.end() ? std::nullopt : std::optional(found->second);
   }
 
-  void add(const Index& index, int64_t old_run) {
-    const int64_t run = write(*index.runs.at(old_run), contents_.runs);
+  void add(const Index& index, int64_t old_run, const std::filesystem::path& path) {
+    const auto found = index.runs.find(old_run);
+    if (found == index.runs.end())
+      throw Error(path.string(), fmt::format("a point is of run {}, which it does not hold", old_run),
+                  "the file is damaged: measure the shard again");
+    const int64_t run = write(*found->second, contents_.runs);
     std::map<int64_t, int64_t> measurements;
     std::map<int64_t, int64_t> comparisons;
     for (const MeasurementRow* old : rows_of(index.measurements, old_run)) {
@@ -222,17 +236,20 @@ class Merger {
 
 MergeOutcome merge_shards(const MergeRequest& request) {
   MergeOutcome outcome;
-  const std::vector<Part> parts = read_parts(request);
-  if (parts.empty()) throw MissingShards{"none of the shards is there"};
-  require_one_plan(parts);
-  check_provenance(parts, request.mixed, outcome.remarks);
-  check_complete(parts, request.allow_missing, outcome.remarks);
+  // A file that is not one of results is somebody's, a plan's for example.
+  if (std::filesystem::exists(request.out) && !is_result_file(request.out))
+    throw Error(request.out.string(), "is there and is not a result file", "choose another file to merge into");
+  const std::vector<ShardFile> shard_files = read_shards(request);
+  if (shard_files.empty()) throw MissingShards{"none of the shards is there"};
+  require_one_plan(shard_files);
+  check_provenance(shard_files, request.mixed, outcome.remarks);
+  check_complete(shard_files, request.allow_missing, outcome.remarks);
   PendingFile pending(request.out);
   {
     StoreWriter store(pending.path());
     store.begin();
-    Merger merger(store, parts.front().sweep());
-    merger.run(parts);
+    Merger merger(store, shard_files.front().sweep());
+    merger.run(shard_files);
     store.commit();
     outcome.contents = merger.take();
   }

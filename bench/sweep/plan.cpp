@@ -19,8 +19,6 @@ namespace {
 
 using scene::TomlNode;
 
-std::string place_in(const std::string& where, const TomlNode& node) { return fmt::format("{}:{}", where, node.line); }
-
 // A table of the plan, read key by key; every fault names its line.
 class TableReader {
  public:
@@ -37,10 +35,10 @@ class TableReader {
   const TomlNode* find(const char* key) const { return table_.find(key); }
   std::string place(const char* key) const {
     const TomlNode* const node = find(key);
-    return place_in(where_, node == nullptr ? table_ : *node);
+    return (node == nullptr ? table_ : *node).place(where_);
   }
   [[noreturn]] void fail(const TomlNode& node, const std::string& wrong, const std::string& advice) const {
-    throw Error(place_in(where_, node), wrong, advice);
+    throw Error(node.place(where_), wrong, advice);
   }
 
   void text(const char* key, std::string& out) const {
@@ -156,7 +154,7 @@ struct PointsTable {
 
 void read_sample(const TomlNode& node, const std::string& where, PointsTable& out) {
   const TableReader table(node, "sample", where, {"method", "count", "seed"});
-  out.sample_place = place_in(where, node);
+  out.sample_place = node.place(where);
   std::string method = "halton";
   table.text("method", method);
   if (method != "halton" && method != "random")
@@ -182,7 +180,7 @@ PointsTable read_points(const TomlNode* node, const std::string& where, const st
       table.fail(*list, fmt::format("`where` is {}", list->type_name()), "give a list of conditions in quotes");
     for (const TomlNode& text : texts) {
       if (!text.is_text()) table.fail(text, fmt::format("`where` holds {}", text.type_name()), "write it in quotes");
-      out.where.emplace_back(text.text, place_in(where, text), names);
+      out.where.emplace_back(text.text, text.place(where), names);
     }
   }
   if (const TomlNode* const sample = table.find("sample")) read_sample(*sample, where, out);
@@ -305,7 +303,7 @@ std::vector<TableRequest> read_tables(const TableReader& top, const std::string&
   for (const TomlNode* const node : top.tables("table")) {
     const TableReader table(*node, "table", where, {"title", "rows", "columns", "value", "at"});
     TableRequest request;
-    request.place = place_in(where, *node);
+    request.place = node->place(where);
     table.text("title", request.title);
     table.text("rows", request.rows);
     table.text("columns", request.columns);

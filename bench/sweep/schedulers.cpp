@@ -51,6 +51,16 @@ std::filesystem::path shard_file(const std::filesystem::path& out, uint32_t shar
   return fmt::format("{}{}{}", before, shard, after);
 }
 
+namespace {
+
+std::string quoted_options(const ShardJobs& jobs) {
+  std::string out;
+  for (const std::string& option : jobs.options) out += " " + shell_quoted(option);
+  return out;
+}
+
+}  // namespace
+
 std::string slurm_array(const ShardJobs& jobs) {
   const auto [before, after] = around_number(jobs.out, jobs.shards);
   return fmt::format(R"(#!/bin/sh
@@ -64,7 +74,7 @@ std::string slurm_array(const ShardJobs& jobs) {
 # Two minutes before its time is over the shard is told to end after the point in hand; it then exits with 75.
 #SBATCH --signal=B:TERM@120
 #SBATCH --requeue
-{program} sweep {plan} --shard "$SLURM_ARRAY_TASK_ID/{shards}" \
+{program} sweep {plan} --shard "$SLURM_ARRAY_TASK_ID/{shards}"{options} \
   --out {before}"$SLURM_ARRAY_TASK_ID"{after} &
 shard=$!
 trap 'kill -TERM "$shard"' TERM
@@ -77,8 +87,8 @@ exit "$status"
 )",
                      fmt::arg("name", plain_name(jobs.name)), fmt::arg("shards", jobs.shards),
                      fmt::arg("program", shell_quoted(jobs.program.string())),
-                     fmt::arg("plan", shell_quoted(jobs.plan.string())), fmt::arg("before", shell_quoted(before)),
-                     fmt::arg("after", shell_quoted(after)));
+                     fmt::arg("plan", shell_quoted(jobs.plan.string())), fmt::arg("options", quoted_options(jobs)),
+                     fmt::arg("before", shell_quoted(before)), fmt::arg("after", shell_quoted(after)));
 }
 
 std::string slurm_merge(const ShardJobs& jobs) {
@@ -108,6 +118,7 @@ std::string openjd_template(const ShardJobs& jobs) {
   Json shard_args =
       Json::array({"sweep", jobs.plan.string(), "--shard", fmt::format("{{{{Task.Param.Shard}}}}/{}", jobs.shards),
                    "--out", fmt::format("{}{{{{Task.Param.Shard}}}}{}", before, after)});
+  for (const std::string& option : jobs.options) shard_args.push_back(option);
   Json merge_args = Json::array({"merge", jobs.out.string()});
   for (uint32_t shard = 1; shard <= jobs.shards; ++shard)
     merge_args.push_back(shard_file(jobs.out, shard, jobs.shards).string());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace crowdbench::bench::sweep {
 
@@ -13,6 +14,7 @@ struct ShardJobs {
   std::filesystem::path plan;
   std::filesystem::path out;  // the merged file; shards are beside it
   uint32_t shards = 1;
+  std::vector<std::string> options = {};  // of each shard's `sweep`: "--device", "0"
 };
 
 // "textures.sqlite" to "textures-2-of-8.sqlite".

@@ -211,7 +211,10 @@ std::string cell_of(const Views& views, const TableRequest& request, const Measu
                     const std::string& column) {
   std::vector<MeasuredValue> values;
   std::map<double, std::vector<double>> by_agents;
+  const bool by_representation = request.rows == kRepresentation || request.columns == kRepresentation;
   for (const PointView& view : views) {
+    // What points are held against is a point of its own only where representations are told apart.
+    if (view.row->role == "reference" && !by_representation) continue;
     if (!is_at(view, request.rows, row) || !is_at(view, request.columns, column)) continue;
     const std::optional<MeasuredValue> value = measure.of(view);
     if (!value) continue;

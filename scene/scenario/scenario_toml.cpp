@@ -17,8 +17,6 @@ namespace {
 constexpr size_t kTextBytes = 1024;  // fits a line even when every byte is written as an escape
 constexpr size_t kTextCount = 256;
 
-std::string at_line(const std::string& where, const TomlNode& node) { return fmt::format("{}:{}", where, node.line); }
-
 std::string full_name(const std::string& table, const std::string& name) {
   return table.empty() ? name : table + "." + name;
 }
@@ -85,7 +83,7 @@ class Reader {
   }
 
   [[noreturn]] void fail(const TomlNode& value, const std::string& wrong, const std::string& advice) const {
-    throw Error(at_line(where_, value), fmt::format("`{}` {}", full_name(key_.table, key_.name), wrong), advice);
+    throw Error(value.place(where_), fmt::format("`{}` {}", full_name(key_.table, key_.name), wrong), advice);
   }
 
  private:
@@ -158,7 +156,7 @@ class Parser {
       if (entry.first != not_ours) take_entry("", entry, 0);
     const TomlNode* const camera = document.find("camera");
     if (camera != nullptr && camera->find("key") != nullptr && camera->table.size() > 1)
-      throw Error(at_line(where_, *camera), "`camera` has keys of its own and a path of [[camera.key]]",
+      throw Error(camera->place(where_), "`camera` has keys of its own and a path of [[camera.key]]",
                   "keep one of them");
   }
 
@@ -183,7 +181,7 @@ class Parser {
 
   void take(const Key& key, const TomlNode& value, size_t index) {
     key.set(scenario_, index, Reader(where_, key).read(value));
-    if (places_ != nullptr) (*places_)[key_place(key.table, key.name, index)] = at_line(where_, value);
+    if (places_ != nullptr) (*places_)[key_place(key.table, key.name, index)] = value.place(where_);
   }
 
   void open(const KeyTable& inner, const TomlNode& entry) {
@@ -194,18 +192,18 @@ class Parser {
     }
     if (!inner.list) {
       if (!entry.is_table())
-        throw Error(at_line(where_, entry), fmt::format("`{}` is {}", inner.name, entry.type_name()),
+        throw Error(entry.place(where_), fmt::format("`{}` is {}", inner.name, entry.type_name()),
                     fmt::format("write it as a table: [{}]", inner.name));
       return table(inner.name, entry, 0);
     }
     const std::string advice = fmt::format("write each as a table of its own: [[{}]]", inner.name);
     if (!entry.is_list())
-      throw Error(at_line(where_, entry), fmt::format("`{}` is {}", inner.name, entry.type_name()), advice);
+      throw Error(entry.place(where_), fmt::format("`{}` is {}", inner.name, entry.type_name()), advice);
     const auto& list = entry.list;
     const bool characters = inner.name == "character";
     const size_t limit = characters ? kScenarioCharacters : kScenarioCameraKeys;
     if (list.empty() || list.size() > limit)
-      throw Error(at_line(where_, entry), fmt::format("`{}` has {} entries", inner.name, list.size()),
+      throw Error(entry.place(where_), fmt::format("`{}` has {} entries", inner.name, list.size()),
                   fmt::format("give 1 to {}", limit));
     if (characters)
       scenario_.characters.assign(list.size(), CharacterEntry{});
@@ -213,7 +211,7 @@ class Parser {
       scenario_.camera.keys.assign(list.size(), Scenario{}.camera.keys.front());
     for (size_t i = 0; i < list.size(); ++i) {
       if (!list[i].is_table())
-        throw Error(at_line(where_, list[i]), fmt::format("`{}` holds {}", inner.name, list[i].type_name()), advice);
+        throw Error(list[i].place(where_), fmt::format("`{}` holds {}", inner.name, list[i].type_name()), advice);
       table(inner.name, list[i], i);
     }
   }
@@ -231,7 +229,7 @@ class Parser {
     // A key that exists in another table is more often misplaced than misspelt.
     for (const Key& key : scenario_keys())
       if (key.name == name) advice = fmt::format("did you mean `{}`?", full_name(key.table, key.name));
-    throw Error(at_line(where_, value), fmt::format("unknown key `{}`", printable(full_name(table, name), 100)),
+    throw Error(value.place(where_), fmt::format("unknown key `{}`", printable(full_name(table, name), 100)),
                 advice);
   }
 
@@ -293,7 +291,7 @@ Scenario parse_scenario(const std::string& toml, const std::string& where, KeyPl
   change_scenario(scenario, document, where, places);
   check_scenario(scenario, [&](const char* name) {
     const TomlNode* const given = document.find(name);
-    return at_line(where, given != nullptr ? *given : document);
+    return (given != nullptr ? *given : document).place(where);
   });
   return scenario;
 }

@@ -191,6 +191,8 @@ TomlNode node_of(const Toml& value) {
 
 }  // namespace
 
+std::string TomlNode::place(const std::string& where) const { return line_place(where, line); }
+
 const TomlNode* TomlNode::find(const std::string& name) const {
   for (const Entry& entry : table)
     if (entry.first == name) return &entry.second;

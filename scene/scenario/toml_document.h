@@ -30,6 +30,7 @@ struct TomlNode {
   double as_number() const { return is_integer() ? static_cast<double>(integer) : number; }
   const TomlNode* find(const std::string& name) const;  // in its table; nullptr
   const char* type_name() const;                        // "a truth value", "a list", ... for people
+  std::string place(const std::string& where) const;    // "where:LINE", for errors
 };
 // A key and its value.
 struct TomlNode::Entry {

@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/multiple_tests.h"
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -128,6 +128,8 @@ ConditionResult condition_of(const std::string& name, const Rows& rows, const An
   if (d.of == 0) return out;
   out.exact = clopper_pearson(d.yes, d.of, s.confidence);
   out.score = wilson(d.yes, d.of, s.confidence);
+  // "Yes" to a signal and "yes" without one are opposite answers: their share is no measure of anything but bias.
+  if (out.detection) return out;
   out.test = binomial_test(d.yes, d.of, s.chance);
   out.equivalence = equivalence_of(rows, s);
   return out;
@@ -136,11 +138,11 @@ ConditionResult condition_of(const std::string& name, const Rows& rows, const An
 void correct_for_many(std::vector<ConditionResult>& conditions) {
   std::vector<double> p;
   for (const ConditionResult& c : conditions)
-    if (c.decided > 0) p.push_back(c.test.two_sided);
+    if (c.is_tested()) p.push_back(c.test.two_sided);
   const std::vector<double> corrected = holm(p);
   size_t at = 0;
   for (ConditionResult& c : conditions)
-    if (c.decided > 0) c.holm = corrected[at++];
+    if (c.is_tested()) c.holm = corrected[at++];
 }
 
 // ---- curves
@@ -226,7 +228,7 @@ MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vecto
   if (out.fit.state != MixedState::fitted && out.fit.state != MixedState::singular) return out;
   if (with_level) {
     out.ratio = likelihood_ratio(data, out.settings, out.fit, 1);
-    out.threshold = mixed_threshold(out.fit, out.settings, s.curve.level);
+    out.threshold = mixed_threshold(out.fit, out.settings, s.curve.level, s.confidence);
   } else if (out.effects.size() == 1) {
     out.population = population_probability(out.fit, out.settings, {1});
   }
@@ -276,6 +278,9 @@ Wins wins_of(const Rows& rows, const Places& places) {
 
 RankingResult ranking_of(const Answers& answers, const Rows& rows, const AnalysisSettings& s) {
   RankingResult out;
+  std::set<std::string> conditions;
+  for (const Answer* row : rows) conditions.insert(condition_name(answers, *row));
+  out.conditions = conditions.size();
   const Places places = places_of(rows);
   for (const auto& [item, place] : places) out.items.push_back(answers.items[item]);
   std::vector<Comparison> comparisons;

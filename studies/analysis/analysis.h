@@ -49,10 +49,13 @@ struct ConditionResult {
   // After the rule for ties: `chosen` of `decided`. Where nothing is decided, none of what follows exists.
   uint64_t chosen = 0, decided = 0;
   Interval exact, score;  // Clopper-Pearson and Wilson
-  BinomialTest test;      // against chance
-  double holm = 1;        // the two-sided p, corrected over the conditions of the task
+  // Where is_tested():
+  BinomialTest test;  // against chance
+  double holm = 1;    // the two-sided p, corrected over the conditions of the task
   std::optional<Equivalence> equivalence;
   std::optional<SignalDetection> detection;  // where trials with and without a signal are known
+
+  bool is_tested() const { return decided > 0 && !detection; }
 };
 
 struct CurveResult {
@@ -73,7 +76,8 @@ struct MixedResult {
 };
 
 struct RankingResult {
-  std::vector<std::string> items;
+  std::vector<std::string> items;  // of this task
+  size_t conditions = 1;           // whose comparisons are taken together
   Worths worths;
   std::optional<LikelihoodRatio> position;  // of the effect of standing first
   Jod jod;                                  // maximum likelihood, ties as half wins

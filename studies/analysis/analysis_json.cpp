@@ -49,10 +49,12 @@ Json json_of(const ConditionResult& c) {
     out["share"] = static_cast<double>(c.chosen) / static_cast<double>(c.decided);
     out["clopper_pearson"] = json_of(c.exact);
     out["wilson"] = json_of(c.score);
-    out["p_two_sided"] = c.test.two_sided;
-    out["p_greater"] = c.test.greater;
-    out["p_less"] = c.test.less;
-    out["p_holm"] = c.holm;
+    if (c.is_tested()) {
+      out["p_two_sided"] = c.test.two_sided;
+      out["p_greater"] = c.test.greater;
+      out["p_less"] = c.test.less;
+      out["p_holm"] = c.holm;
+    }
   } else {
     out["state"] = "no data";
   }
@@ -133,7 +135,7 @@ Json json_of(const Jod& jod) {
 
 Json json_of(const RankingResult& r) {
   const Worths& w = r.worths;
-  Json out = {{"items", r.items}, {"state", std::string(state_text(w.state))}};
+  Json out = {{"items", r.items}, {"conditions", r.conditions}, {"state", std::string(state_text(w.state))}};
   out["groups"] = Json::array();
   for (const auto& group : w.groups) {
     Json names = Json::array();

@@ -43,8 +43,8 @@ std::string shares(const TaskResult& t, const AnalysisSettings& s) {
       out += "no data | - | - | - |\n";
     else
       out += fmt::format("{} / {} ({}) | {:.3f} to {:.3f} | {} | {} |\n", c.chosen, c.decided,
-                         percent(c.chosen, c.decided), c.exact.low, c.exact.high, p_text(c.test.two_sided),
-                         p_text(c.holm));
+                         percent(c.chosen, c.decided), c.exact.low, c.exact.high,
+                         c.is_tested() ? p_text(c.test.two_sided) : "-", c.is_tested() ? p_text(c.holm) : "-");
   }
   return out;
 }
@@ -142,7 +142,9 @@ std::string mixed(const TaskResult& t) {
 }
 
 std::string ranking(const RankingResult& r) {
-  std::string out = fmt::format("\nRanking: {}.\n", state_text(r.worths.state));
+  std::string out = r.conditions > 1 ? fmt::format("\nRanking over all {} conditions together", r.conditions)
+                                     : std::string("\nRanking");
+  out += fmt::format(": {}.\n", state_text(r.worths.state));
   const bool worths = r.worths.state == WorthState::fitted;
   if (!worths && r.worths.groups.size() > 1) {
     out += "There is no one scale for these groups of items:\n\n";

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
 #include "studies/analysis/optimise.h"
 #include "studies/analysis/psychometric.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
 #include "studies/analysis/proportions.h"
 
 namespace crowdbench::studies {

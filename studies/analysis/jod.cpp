@@ -8,8 +8,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/probability.h"
 #include "core/random.h"
-#include "studies/analysis/distributions.h"
 #include "studies/analysis/optimise.h"
 #include "studies/analysis/paired_comparison.h"
 

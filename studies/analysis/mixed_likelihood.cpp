@@ -12,7 +12,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
+
 
 namespace crowdbench::studies {
 

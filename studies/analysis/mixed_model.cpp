@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
 #include "studies/analysis/mixed_likelihood.h"
 #include "studies/analysis/optimise.h"
 

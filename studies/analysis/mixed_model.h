@@ -98,13 +98,14 @@ struct PopulationProbability {
 PopulationProbability population_probability(const MixedFit& fit, const MixedSettings& settings,
                                              const std::vector<double>& fixed);
 
-// Where on the axis of fixed effect 1 the typical participant's P(yes) is `level`, with a 95 % interval by Fieller's
+// Where on the axis of fixed effect 1 the typical participant's P(yes) is `level`, with its interval by Fieller's
 // theorem (it may be open, where the slope is not known to differ from 0). For fits with an intercept and one slope.
 struct MixedThreshold {
   double at = 0;
   std::optional<Interval> interval;
 };
-std::optional<MixedThreshold> mixed_threshold(const MixedFit& fit, const MixedSettings& settings, double level);
+std::optional<MixedThreshold> mixed_threshold(const MixedFit& fit, const MixedSettings& settings, double level,
+                                              double confidence = 0.95);
 
 // Nodes and weights of Gauss-Hermite quadrature for the weight exp(-x^2 / 2) / sqrt(2 pi): weights sum to 1.
 struct Quadrature {

@@ -2,7 +2,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
 #include "studies/analysis/mixed_model.h"
 
 namespace crowdbench::studies {
@@ -34,7 +34,8 @@ PopulationProbability population_probability(const MixedFit& fit, const MixedSet
   return out;
 }
 
-std::optional<MixedThreshold> mixed_threshold(const MixedFit& fit, const MixedSettings& settings, double level) {
+std::optional<MixedThreshold> mixed_threshold(const MixedFit& fit, const MixedSettings& settings, double level,
+                                              double confidence) {
   assert(fit.fixed.size() == 2);
   const double f = (level - settings.guess) / (1 - settings.guess);
   if (!(f > 0 && f < 1) || fit.fixed[1].estimate == 0) return std::nullopt;
@@ -42,7 +43,7 @@ std::optional<MixedThreshold> mixed_threshold(const MixedFit& fit, const MixedSe
   MixedThreshold out{(target - fit.fixed[0].estimate) / fit.fixed[1].estimate, std::nullopt};
   if (fit.covariance.empty()) return out;
   // Fieller: all t of which b0 + b1 t - target is within z standard errors of 0.
-  const double z2 = chi_squared_quantile_1(0.95);
+  const double z2 = chi_squared_quantile_1(confidence);
   const double b0 = fit.fixed[0].estimate - target;
   const double b1 = fit.fixed[1].estimate;
   const double a = b1 * b1 - z2 * fit.covariance[1][1];

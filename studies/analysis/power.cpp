@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/probability.h"
 #include "core/random.h"
-#include "studies/analysis/distributions.h"
 #include "studies/analysis/mixed_model.h"
 #include "studies/analysis/simulated.h"
 

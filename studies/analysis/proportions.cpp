@@ -6,7 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
+
 
 namespace crowdbench::studies {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/probability.h"
 #include "studies/analysis/curve_problem.h"
-#include "studies/analysis/distributions.h"
 #include "studies/analysis/optimise.h"
 
 namespace crowdbench::studies {

@@ -5,7 +5,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "studies/analysis/distributions.h"
+#include "core/probability.h"
+
 
 namespace crowdbench::studies {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/probability.h"
 #include "core/random.h"
-#include "studies/analysis/distributions.h"
 
 namespace crowdbench::studies {
 namespace {

@@ -27,7 +27,7 @@ TEST(Probability, KnownPlaces) {
   EXPECT_NEAR(student_t_two_sided(-3, 2), 1 - 3 / std::sqrt(11.0), 1e-14);
   EXPECT_EQ(student_t_two_sided(INFINITY, 3), 0);
   EXPECT_NEAR(student_t_quantile(0.975, 10), 2.2281388519649385, 1e-10);
-  EXPECT_NEAR(incomplete_beta(2, 3, 0.25), 6 * 0.0625 - 8 * 0.015625 + 3 * 0.00390625, 1e-14);
+  EXPECT_NEAR(beta_cdf(0.25, 2, 3), 6 * 0.0625 - 8 * 0.015625 + 3 * 0.00390625, 1e-14);
 }
 
 // Binomial(4, 1/2): 1, 4, 6, 4, 1 sixteenths. One sixteenth is more than 2.5 % and less than 10 %.

@@ -1,4 +1,5 @@
 // Shares, exact tests, equivalence and signal detection: by hand, and against R, scipy and statsmodels.
+#include "core/probability.h"
 #include "studies/analysis/proportions.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "studies/analysis/distributions.h"
 #include "studies/analysis/equivalence.h"
 #include "tests/studies/ground_truth.h"
 
