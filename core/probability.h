@@ -20,7 +20,7 @@ double two_sided_normal_p(double z);
 // ---- Student's t; degrees of freedom above 0, any real number
 double student_t_cdf(double t, double degrees);
 double student_t_two_sided(double t, double degrees);  // P(|T| >= |t|); an infinite t gives 0
-double student_t_quantile(double p, double degrees);  // p in (0, 1)
+double student_t_quantile(double p, double degrees);   // p in (0, 1)
 
 // ---- chi-squared: the chance of more than x; x at least 0. `chi_squared_quantile_1` is for one degree of freedom.
 double chi_squared_tail(double x, double degrees);

@@ -126,8 +126,7 @@ class AxesReader {
   std::vector<Axis> run(const TomlNode& axes) {
     level("", axes);
     if (axes_.size() > kMostAxes)
-      throw Error(axes.place(where_), fmt::format("{} axes", axes_.size()),
-                  fmt::format("give up to {}", kMostAxes));
+      throw Error(axes.place(where_), fmt::format("{} axes", axes_.size()), fmt::format("give up to {}", kMostAxes));
     return std::move(axes_);
   }
 
@@ -212,8 +211,7 @@ class AxesReader {
       const std::string& text = made.values.back().setting.text;
       for (size_t i = 0; i + 1 < made.values.size(); ++i)
         if (made.values[i].setting.text == text)
-          throw Error(value.place(where_),
-                      fmt::format("the axis `{}` has {} twice", made.name, printable(text, 60)),
+          throw Error(value.place(where_), fmt::format("the axis `{}` has {} twice", made.name, printable(text, 60)),
                       "[points] `repetitions` measures all points several times");
     }
   }

@@ -229,8 +229,7 @@ class Parser {
     // A key that exists in another table is more often misplaced than misspelt.
     for (const Key& key : scenario_keys())
       if (key.name == name) advice = fmt::format("did you mean `{}`?", full_name(key.table, key.name));
-    throw Error(value.place(where_), fmt::format("unknown key `{}`", printable(full_name(table, name), 100)),
-                advice);
+    throw Error(value.place(where_), fmt::format("unknown key `{}`", printable(full_name(table, name), 100)), advice);
   }
 
   std::string where_;

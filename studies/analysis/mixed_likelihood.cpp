@@ -14,7 +14,6 @@
 
 #include "core/probability.h"
 
-
 namespace crowdbench::studies {
 
 const Quadrature& gauss_hermite_25() {

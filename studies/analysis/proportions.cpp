@@ -8,7 +8,6 @@
 
 #include "core/probability.h"
 
-
 namespace crowdbench::studies {
 
 Interval clopper_pearson(uint64_t k, uint64_t n, double confidence) {

@@ -7,7 +7,6 @@
 
 #include "core/probability.h"
 
-
 namespace crowdbench::studies {
 namespace {
 

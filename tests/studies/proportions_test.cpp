@@ -1,5 +1,4 @@
 // Shares, exact tests, equivalence and signal detection: by hand, and against R, scipy and statsmodels.
-#include "core/probability.h"
 #include "studies/analysis/proportions.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/probability.h"
 #include "studies/analysis/equivalence.h"
 #include "tests/studies/ground_truth.h"
 
