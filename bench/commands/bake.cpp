@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
@@ -110,11 +111,16 @@ void print(const ViewAudit& a) {
   fmt::print("  orbit         flicker {:.3f} code values over a quarter turn in degrees\n", a.orbit_flicker);
 }
 
-int run_bake(const Options& options) {
-  const renderers::Spec spec = parse_representation(options.representation);
-  if (!options.required_by.empty() && !honours_required_by(spec))
-    throw Error("--required-by", fmt::format("'{}' stores no views that could be left out", spec.name),
-                "leave --required-by out, or bake " + names_that_honour_required_by());
+// What a bake left: the representation and what was asked about it.
+struct Baked {
+  std::unique_ptr<renderers::Representation> representation;
+  double seconds = 0;             // to make it, or to read it
+  uint64_t ticks = 0;             // that --required-by looked at
+  std::vector<ViewAudit> audits;  // one a character, with --audit
+};
+
+scene::Scenario scenario_of(const Options& options, scene::KeyPlaces& places) {
+  if (!options.required_by.empty()) return scene::load_scenario(options.required_by, &places);
   scene::Scenario scenario;
   scenario.characters.clear();
   for (const std::string& source : options.characters) {
@@ -123,89 +129,93 @@ int run_bake(const Options& options) {
     entry.clips = options.clips;
     scenario.characters.push_back(entry);
   }
-  std::filesystem::path folder;
-  scene::KeyPlaces places;
-  if (!options.required_by.empty()) {
-    scenario = scene::load_scenario(options.required_by, &places);
-    folder = std::filesystem::path(options.required_by).parent_path();
-  }
-  const scene::Cast cast = scene::load_cast(scenario, folder, places);
-  gl::Context context({.device = options.device});
+  return scenario;
+}
+
+Baked make_bake(const Options& options, const renderers::Spec& spec, const scene::Scenario& scenario,
+                const scene::Cast& cast, gl::Context& context) {
+  Baked baked;
   renderers::MakeContext make{.context = context, .cast = cast};
   make.bake_budget = options.bake_budget_mib << 20;
   make.use_cache = !options.no_cache;
   make.rebake = options.force;
-  Staged staged;
-  uint64_t ticks = 0;
   if (!options.required_by.empty()) {
-    staged = stage_scenario(scenario, cast, context);
-    ticks = required_ticks(staged.scenario);
-    make.required_by = view_samples_of(staged.scenario, cast, staged.crowd, ticks);
+    const Staged staged = stage_scenario(scenario, cast, context);
+    baked.ticks = required_ticks(staged.scenario);
+    make.required_by = view_samples_of(staged.scenario, cast, staged.crowd, baked.ticks);
   }
   const auto start = std::chrono::steady_clock::now();
-  const auto representation = renderers::make_representation(make, spec);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const renderers::BakeInfo bake = representation->bake_info();
-  const renderers::Footprint bytes = representation->footprint();
-
-  std::vector<ViewAudit> audits;
+  baked.representation = renderers::make_representation(make, spec);
+  baked.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.audit) {
     Progress progress("auditing the views", 0);
     for (const auto& character : cast.characters)
-      audits.push_back(audit_views(context, character, spec, make.bake_budget, make.use_cache));
+      baked.audits.push_back(audit_views(context, character, spec, make.bake_budget, make.use_cache));
   }
+  return baked;
+}
 
-  if (options.json) {
-    Json out = {{"representation", spec.text()},
-                {"renderer", context.renderer()},
-                {"cached", bake.cached},
-                {"seconds", seconds},
-                {"bake_seconds", bake.seconds},
-                {"cache_key", bake.cache_key.empty() ? Json(nullptr) : Json(bake.cache_key)},
-                {"texture_bytes", bytes.texture_bytes},
-                {"buffer_bytes", bytes.buffer_bytes},
-                {"gpu_bytes", bytes.gpu_bytes()},
-                {"disk_bytes", bytes.disk_bytes}};
-    if (!options.required_by.empty()) {
-      Json& required =
-          out["required_by"] = {{"scenario", options.required_by}, {"ticks", ticks}, {"kept", Json::array()}};
-      for (const renderers::Kept& kept : bake.kept)
-        required["kept"].push_back({{"unit", kept.unit},
-                                    {"kept", kept.kept},
-                                    {"whole", kept.whole},
-                                    {"kept_bytes", kept.kept_bytes},
-                                    {"whole_bytes", kept.whole_bytes}});
-    }
-    out["notes"] = bake.notes;
-    out["facts"] = Json::object();
-    for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
-    if (options.report)
-      for (const auto& [name, value] : bake.facts) out[name] = number(value);
-    if (options.report && !bake.items.empty()) {
-      out["items"] = Json::array();
-      for (const renderers::BakeItem& item : bake.items) {
-        out["items"].push_back({{"name", item.name}});
-        for (const auto& [name, value] : item.facts) out["items"].back()[name] = number(value);
-      }
-    }
-    out["characters"] = Json::array();
-    for (size_t c = 0; c < cast.characters.size(); ++c)
-      out["characters"].push_back({{"name", cast.characters[c]->name}, {"triangles", representation->triangles(c)}});
-    for (size_t c = 0; c < audits.size(); ++c) out["characters"][c]["audit"] = json_of(audits[c]);
-    fmt::print("{}\n", out.dump(2));
-    return 0;
+Json json_of(const renderers::Kept& kept) {
+  return {{"unit", kept.unit},
+          {"kept", kept.kept},
+          {"whole", kept.whole},
+          {"kept_bytes", kept.kept_bytes},
+          {"whole_bytes", kept.whole_bytes}};
+}
+
+void print_json(const Options& options, const renderers::Spec& spec, const scene::Cast& cast,
+                const std::string& renderer, const Baked& baked) {
+  const renderers::BakeInfo bake = baked.representation->bake_info();
+  const renderers::Footprint bytes = baked.representation->footprint();
+  Json out = {{"representation", spec.text()},
+              {"renderer", renderer},
+              {"cached", bake.cached},
+              {"seconds", baked.seconds},
+              {"bake_seconds", bake.seconds},
+              {"cache_key", bake.cache_key.empty() ? Json(nullptr) : Json(bake.cache_key)},
+              {"texture_bytes", bytes.texture_bytes},
+              {"buffer_bytes", bytes.buffer_bytes},
+              {"gpu_bytes", bytes.gpu_bytes()},
+              {"disk_bytes", bytes.disk_bytes}};
+  if (!options.required_by.empty()) {
+    out["required_by"] = {{"scenario", options.required_by}, {"ticks", baked.ticks}, {"kept", Json::array()}};
+    for (const renderers::Kept& kept : bake.kept) out["required_by"]["kept"].push_back(json_of(kept));
   }
+  out["notes"] = bake.notes;
+  out["facts"] = Json::object();
+  for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
+  if (options.report)
+    for (const auto& [name, value] : bake.facts) out[name] = number(value);
+  if (options.report && !bake.items.empty()) {
+    out["items"] = Json::array();
+    for (const renderers::BakeItem& item : bake.items) {
+      out["items"].push_back({{"name", item.name}});
+      for (const auto& [name, value] : item.facts) out["items"].back()[name] = number(value);
+    }
+  }
+  out["characters"] = Json::array();
+  for (size_t c = 0; c < cast.characters.size(); ++c)
+    out["characters"].push_back(
+        {{"name", cast.characters[c]->name}, {"triangles", baked.representation->triangles(c)}});
+  for (size_t c = 0; c < baked.audits.size(); ++c) out["characters"][c]["audit"] = json_of(baked.audits[c]);
+  fmt::print("{}\n", out.dump(2));
+}
+
+void print_text(const Options& options, const renderers::Spec& spec, const scene::Cast& cast,
+                const std::string& renderer, const Baked& baked) {
+  const renderers::BakeInfo bake = baked.representation->bake_info();
+  const renderers::Footprint bytes = baked.representation->footprint();
   const auto mib = [](uint64_t b) { return static_cast<double>(b) / (1 << 20); };
   fmt::print("{} of", spec.text());
   for (const auto& character : cast.characters) fmt::print(" {}", printable(character->name));
-  fmt::print("\n  renderer      {}\n", context.renderer());
+  fmt::print("\n  renderer      {}\n", renderer);
   if (bake.cache_key.empty())
     fmt::print("  nothing is baked\n");
   else
     fmt::print("  {}  {:.2f} s\n", bake.cached ? "read from disk" : "baked         ", bake.seconds);
   for (const renderers::Kept& kept : bake.kept)
     fmt::print("  required by   {} in {} ticks: {} of {} {}, {:.1f} of {:.1f} MiB\n", printable(options.required_by),
-               ticks, kept.kept, kept.whole, kept.unit, mib(kept.kept_bytes), mib(kept.whole_bytes));
+               baked.ticks, kept.kept, kept.whole, kept.unit, mib(kept.kept_bytes), mib(kept.whole_bytes));
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
@@ -216,7 +226,20 @@ int run_bake(const Options& options) {
       for (const auto& [name, value] : item.facts) fmt::print("  {} {:g}", name, value);
       fmt::print("\n");
     }
-  for (const ViewAudit& audit : audits) print(audit);
+  for (const ViewAudit& audit : baked.audits) print(audit);
+}
+
+int run_bake(const Options& options) {
+  const renderers::Spec spec = parse_representation(options.representation);
+  if (!options.required_by.empty() && !honours_required_by(spec))
+    throw Error("--required-by", fmt::format("'{}' stores no views that could be left out", spec.name),
+                "leave --required-by out, or bake " + names_that_honour_required_by());
+  scene::KeyPlaces places;
+  const scene::Scenario scenario = scenario_of(options, places);
+  const scene::Cast cast = scene::load_cast(scenario, std::filesystem::path(options.required_by).parent_path(), places);
+  gl::Context context({.device = options.device});
+  const Baked baked = make_bake(options, spec, scenario, cast, context);
+  (options.json ? print_json : print_text)(options, spec, cast, context.renderer(), baked);
   return 0;
 }
 

@@ -131,36 +131,39 @@ int render_crowd(const RenderOptions& options) {
   return 0;
 }
 
-int render_single(const RenderOptions& options) {
-  if (!options.scene.file.empty())
-    throw Error("render --single", "a scenario file makes no sense for one agent", "leave it out");
-  if (options.clips.size() > 1) throw Error("--clip", "one agent shows one clip", "give --clip once");
-
+scene::CharacterEntry single_entry(const RenderOptions& options) {
   scene::CharacterEntry entry = options.scene.character.entry();
   if (!entry.turn_deg) entry.turn_deg = 0.0;  // one agent stands as it is in its file; --heading-deg turns it
   entry.clips = options.clips;
   if (options.height == "as_is") {
     entry.height.reset();
-  } else {
-    char* end = nullptr;
-    const double height = std::strtod(options.height.c_str(), &end);
-    if (end == options.height.c_str() || *end != '\0' || !(height > 0) || !(height <= 1e4))
-      throw Error("--height", fmt::format("'{}' is not a height", printable(options.height)),
-                  "give metres above 0, or as_is for the file's own units");
-    entry.height = height;
+    return entry;
   }
-  auto character = std::make_shared<const scene::Character>(scene::open_character(entry));
-  int clip = character->placement.default_clip;
-  if (!options.clips.empty()) clip = scene::require_clip_or_none(*character, options.clips.front());
+  char* end = nullptr;
+  const double height = std::strtod(options.height.c_str(), &end);
+  if (end == options.height.c_str() || *end != '\0' || !(height > 0) || !(height <= 1e4))
+    throw Error("--height", fmt::format("'{}' is not a height", printable(options.height)),
+                "give metres above 0, or as_is for the file's own units");
+  entry.height = height;
+  return entry;
+}
 
-  scene::Cast cast;
-  cast.banks.push_back(
-      std::make_shared<const scene::PoseBank>(scene::PoseBank::exact(*character, clip, options.time, /*raw=*/true)));
-  cast.characters.push_back(character);
-  cast.shares.push_back(1.0);
-  const scene::PoseBank& bank = *cast.banks.front();
-  const double scale = character->placement.scale;
+// By default from the front, at the distance from which the posed bounds fill two thirds of the picture's height.
+scene::Camera single_camera(const RenderOptions& options, const scene::PoseBank& bank, double scale) {
+  scene::Camera camera;
+  camera.fov_y = options.fov_y_deg * kPi / 180;
+  camera.near = options.near;
+  const glm::dvec3 low = glm::dvec3(bank.bounds_min()) * scale;
+  const glm::dvec3 high = glm::dvec3(bank.bounds_max()) * scale;
+  camera.target = options.target.empty() ? (low + high) * 0.5 : parse_vector(options.target, "--target");
+  const double distance = (high.y - low.y) * 0.75 / std::tan(camera.fov_y / 2) + std::max(high.z - low.z, 0.0);
+  camera.eye = options.eye.empty() ? camera.target + glm::dvec3(0, 0, distance) : parse_vector(options.eye, "--eye");
+  if (!options.up.empty()) camera.up = parse_vector(options.up, "--up");
+  return camera;
+}
 
+// One agent in the middle of the world, without a tint.
+scene::Frame single_frame(const RenderOptions& options, const scene::PoseBank& bank, double scale) {
   scene::Frame frame;
   if (!options.scene.size.empty()) {
     const PictureSize size = parse_size(options.scene.size);
@@ -168,17 +171,8 @@ int render_single(const RenderOptions& options) {
     frame.height = size.height;
   }
   options.scene.antialiasing.change(frame.antialiasing);
-  scene::Camera& camera = frame.camera;
-  camera.fov_y = options.fov_y_deg * kPi / 180;
-  camera.near = options.near;
-  // By default from the front, at the distance from which the posed bounds fill two thirds of the picture's height.
-  const glm::dvec3 low = glm::dvec3(bank.bounds_min()) * scale;
-  const glm::dvec3 high = glm::dvec3(bank.bounds_max()) * scale;
-  camera.target = options.target.empty() ? (low + high) * 0.5 : parse_vector(options.target, "--target");
-  const double distance = (high.y - low.y) * 0.75 / std::tan(camera.fov_y / 2) + std::max(high.z - low.z, 0.0);
-  camera.eye = options.eye.empty() ? camera.target + glm::dvec3(0, 0, distance) : parse_vector(options.eye, "--eye");
-  if (!options.up.empty()) camera.up = parse_vector(options.up, "--up");
-  frame.origin = camera.eye;
+  frame.camera = single_camera(options, bank, scale);
+  frame.origin = frame.camera.eye;
   if (!options.background.empty()) {
     const glm::u8vec3 rgb = parse_colour(options.background, "--background");
     frame.background = {to_linear(rgb.x), to_linear(rgb.y), to_linear(rgb.z), 1.0F};
@@ -192,6 +186,23 @@ int render_single(const RenderOptions& options) {
   const SinCos heading = sincos_turns(options.heading_deg / 360.0);
   agent.heading = {static_cast<float>(heading.sin), static_cast<float>(heading.cos)};
   frame.agents.push_back({agent});
+  return frame;
+}
+
+int render_single(const RenderOptions& options) {
+  if (!options.scene.file.empty())
+    throw Error("render --single", "a scenario file makes no sense for one agent", "leave it out");
+  if (options.clips.size() > 1) throw Error("--clip", "one agent shows one clip", "give --clip once");
+  auto character = std::make_shared<const scene::Character>(scene::open_character(single_entry(options)));
+  int clip = character->placement.default_clip;
+  if (!options.clips.empty()) clip = scene::require_clip_or_none(*character, options.clips.front());
+
+  scene::Cast cast;
+  cast.banks.push_back(
+      std::make_shared<const scene::PoseBank>(scene::PoseBank::exact(*character, clip, options.time, /*raw=*/true)));
+  cast.characters.push_back(character);
+  cast.shares.push_back(1.0);
+  const scene::Frame frame = single_frame(options, *cast.banks.front(), character->placement.scale);
 
   renderers::Spec spec =
       options.representation.empty() ? renderers::reference_spec() : parse_representation(options.representation);
@@ -201,15 +212,15 @@ int render_single(const RenderOptions& options) {
   renderers::Renderer renderer(*context, cast);
   const renderers::Capture capture = renderer.capture(frame, *representation);
   const std::string clip_name =
-      clip < 0 ? "none" : fmt::format("{} '{}'", clip, character->clips[static_cast<size_t>(clip)].name);
+      printable(clip < 0 ? "none" : fmt::format("{} '{}'", clip, character->clips[static_cast<size_t>(clip)].name));
   const ImageMetadata metadata = {
-      {"scenario", fmt::format("single: {}, clip {}, time {} s, height {}, heading {} deg", character->name,
-                               printable(clip_name), options.time, options.height, options.heading_deg)},
+      {"scenario", fmt::format("single: {}, clip {}, time {} s, height {}, heading {} deg", character->name, clip_name,
+                               options.time, options.height, options.heading_deg)},
       {"seed", "0"},
       {"backend", spec.text()},
       {"version", std::string(version())}};
   write_pictures(options, capture, metadata,
-                 fmt::format("{} (clip {}) as {}", printable(character->name), printable(clip_name), spec.text()));
+                 fmt::format("{} (clip {}) as {}", printable(character->name), clip_name, spec.text()));
   return 0;
 }
 

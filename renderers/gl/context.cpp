@@ -222,42 +222,54 @@ std::vector<Device> list_devices() {
   return out;
 }
 
+namespace {
+
+// Which device is asked for, and by what.
+struct DeviceWish {
+  std::string name;   // empty: any
+  std::string where;  // for messages
+};
+
+DeviceWish device_wish(const ContextOptions& options) {
+  if (!options.device.empty()) return {options.device, "--device"};
+  if (const char* variable = std::getenv("CROWDBENCH_DEVICE")) return {variable, "CROWDBENCH_DEVICE"};
+  return {"", "--device"};
+}
+
+// The devices to try, best first: hardware before software unless one is named.
+std::vector<Device> devices_to_try(const DeviceWish& wish, const std::vector<Device>& devices) {
+  std::vector<Device> order;
+  const auto append = [&](bool software) {
+    for (const Device& d : devices)
+      if (d.software == software) order.push_back(d);
+  };
+  if (wish.name == "surfaceless") return order;
+  if (wish.name.empty()) append(false);
+  if (wish.name.empty() || wish.name == "software") {
+    append(true);
+    return order;
+  }
+  size_t index = 0;
+  const auto [end, fault] = std::from_chars(wish.name.data(), wish.name.data() + wish.name.size(), index);
+  if (fault != std::errc{} || end != wish.name.data() + wish.name.size())
+    throw Error(wish.where, fmt::format("'{}' is not a device", printable(wish.name)),
+                "give an index, software or surfaceless; crowdbench info lists the devices");
+  if (index >= devices.size())
+    throw Error(wish.where, fmt::format("there is no EGL device {}: {} found", index, devices.size()),
+                "crowdbench info lists the devices");
+  return {devices[index]};
+}
+
+}  // namespace
+
 Context::Context(const ContextOptions& options) {
   require_libraries();
   keep_vector_widths_apart();
-  std::string wanted = options.device;
-  std::string where = "--device";
-  if (wanted.empty()) {
-    if (const char* variable = std::getenv("CROWDBENCH_DEVICE")) {
-      wanted = variable;
-      where = "CROWDBENCH_DEVICE";
-    }
-  }
+  const DeviceWish wish = device_wish(options);
   const std::vector<EGLDeviceEXT> handles = query_devices();
-  std::vector<Device> order;  // the devices to try, best first
-  {
-    std::vector<Device> devices;
-    for (size_t i = 0; i < handles.size(); ++i) devices.push_back(describe(handles[i], static_cast<int>(i)));
-    if (wanted.empty()) {
-      for (const Device& d : devices)
-        if (!d.software) order.push_back(d);
-      for (const Device& d : devices)
-        if (d.software) order.push_back(d);
-    } else if (wanted == "software") {
-      for (const Device& d : devices)
-        if (d.software) order.push_back(d);
-    } else if (wanted != "surfaceless") {
-      size_t index = 0;
-      const auto [end, fault] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-      if (fault != std::errc{} || end != wanted.data() + wanted.size())
-        throw Error(where, fmt::format("'{}' is not a device", printable(wanted)),
-                    "give an index, software or surfaceless; crowdbench info lists the devices");
-      if (index >= devices.size())
-        throw Error(where, fmt::format("there is no EGL device {}: {} found", index, devices.size()),
-                    "crowdbench info lists the devices");
-      order.push_back(devices[index]);
-    }
-  }
+  std::vector<Device> devices;
+  for (size_t i = 0; i < handles.size(); ++i) devices.push_back(describe(handles[i], static_cast<int>(i)));
+  const std::vector<Device> order = devices_to_try(wish, devices);
 
   std::vector<std::string> failures;
   Attempt attempt;
@@ -270,25 +282,22 @@ Context::Context(const ContextOptions& options) {
     }
     failures.push_back(fmt::format("EGL device {} ({}): {}", device.index, device.name, attempt.failure));
   }
-  const bool surfaceless_allowed = wanted.empty() || wanted == "surfaceless" || (wanted == "software" && order.empty());
+  const bool surfaceless_allowed =
+      wish.name.empty() || wish.name == "surfaceless" || (wish.name == "software" && order.empty());
   if (attempt.context == EGL_NO_CONTEXT && surfaceless_allowed) {
     if (has_word(client_extensions(), "EGL_MESA_platform_surfaceless")) {
       attempt = open_display(platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY), options.debug);
-      if (attempt.context != EGL_NO_CONTEXT)
-        platform_ = "EGL surfaceless";
-      else
-        failures.push_back("EGL surfaceless: " + attempt.failure);
+      platform_ = "EGL surfaceless";
+      if (attempt.context == EGL_NO_CONTEXT) failures.push_back("EGL surfaceless: " + attempt.failure);
     } else {
       failures.emplace_back("EGL surfaceless: the driver lacks EGL_MESA_platform_surfaceless");
     }
   }
-  if (attempt.context == EGL_NO_CONTEXT) {
-    std::string all;
-    for (const std::string& f : failures) all += (all.empty() ? "" : "; ") + f;
-    if (all.empty()) all = "no device of that kind";
-    throw Error("OpenGL", fmt::format("no context ({} EGL device(s)): {}", handles.size(), all),
+  if (attempt.context == EGL_NO_CONTEXT)
+    throw Error("OpenGL",
+                fmt::format("no context ({} EGL device(s)): {}", handles.size(),
+                            failures.empty() ? "no device of that kind" : fmt::format("{}", fmt::join(failures, "; "))),
                 "a driver with OpenGL 4.5 core is needed (Debian: apt-get install libegl1 libgl1-mesa-dri)");
-  }
   for (const std::string& f : failures) warnings_.push_back(f + "; drawing on " + platform_ + " instead");
 
   egl_ = std::make_unique<Egl>(Egl{attempt.display, attempt.context});

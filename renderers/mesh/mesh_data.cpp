@@ -95,80 +95,72 @@ glm::vec3 unpack_normal(uint32_t packed) {
   return normal;
 }
 
-MeshData make_mesh_data(const scene::Character& character) {
-  const scene::Mesh& mesh = character.mesh;
-  MeshData data;
-  const std::vector<Placed> placed = place_images(character, data.arrays);
-  const auto placed_of = [&](int image) { return image >= 0 ? placed[static_cast<size_t>(image)] : Placed{}; };
-  for (const scene::Material& m : character.materials) {
-    data.material_layer.push_back(placed_of(m.base_colour_image).layer);
-    data.material_emissive_layer.push_back(placed_of(m.emissive_image).layer);
+namespace {
+
+// What a group of triangles that one call draws has in common; -1: no image, so any array.
+struct GroupNeed {
+  int base, emissive;
+  bool double_sided, masked;
+};
+
+// The groups that a character's primitives need: materials with images fix their arrays; those without join any group
+// of their culling.
+class Groups {
+ public:
+  std::vector<uint32_t>& indices_for(const GroupNeed& need) {
+    for (size_t g = 0; g < needs_.size(); ++g) {
+      GroupNeed& have = needs_[g];
+      const bool base_fits = need.base < 0 || have.base < 0 || need.base == have.base;
+      const bool emissive_fits = need.emissive < 0 || have.emissive < 0 || need.emissive == have.emissive;
+      if (have.double_sided != need.double_sided || have.masked != need.masked || !base_fits || !emissive_fits)
+        continue;
+      have.base = std::max(have.base, need.base);
+      have.emissive = std::max(have.emissive, need.emissive);
+      return indices_[g];
+    }
+    needs_.push_back(need);
+    return indices_.emplace_back();
   }
 
-  // Which groups are needed: materials with images fix their arrays; those without join any group of their culling.
-  struct Want {
-    int base, emissive;
-    bool double_sided, masked;
-    auto operator<=>(const Want&) const = default;
-  };
-  const auto want_of = [&](const scene::Primitive& p) {
-    const scene::Material& m = character.materials[static_cast<size_t>(p.material)];
-    return Want{placed_of(m.base_colour_image).array, placed_of(m.emissive_image).array, m.double_sided,
-                m.alpha_cutoff > 0};
-  };
-  std::vector<Want> wants;
-  std::vector<std::vector<uint32_t>> group_indices;
-  const auto group_for = [&](const Want& want) {
-    for (size_t g = 0; g < wants.size(); ++g) {
-      Want& have = wants[g];
-      const bool base_fits = want.base < 0 || have.base < 0 || want.base == have.base;
-      const bool emissive_fits = want.emissive < 0 || have.emissive < 0 || want.emissive == have.emissive;
-      if (have.double_sided != want.double_sided || have.masked != want.masked || !base_fits || !emissive_fits)
-        continue;
-      have.base = std::max(have.base, want.base);
-      have.emissive = std::max(have.emissive, want.emissive);
-      return g;
+  void append_to(MeshData& data, size_t vertices) {
+    for (size_t g = 0; g < needs_.size(); ++g) {
+      std::vector<uint32_t>& indices = indices_[g];
+      if (indices.empty()) continue;
+      meshopt_optimizeVertexCache(indices.data(), indices.data(), indices.size(), vertices);
+      MeshGroup group;
+      group.first_index = static_cast<uint32_t>(data.indices.size());
+      group.index_count = static_cast<uint32_t>(indices.size());
+      group.base_array = needs_[g].base;
+      group.emissive_array = needs_[g].emissive;
+      group.double_sided = needs_[g].double_sided;
+      group.masked = needs_[g].masked;
+      data.groups.push_back(group);
+      data.indices.insert(data.indices.end(), indices.begin(), indices.end());
     }
-    wants.push_back(want);
-    group_indices.emplace_back();
-    return wants.size() - 1;
-  };
-  std::vector<int> vertex_material(mesh.positions.size(), 0);
-  std::vector<bool> vertex_flat(mesh.positions.size(), false);
+  }
+
+ private:
+  std::vector<GroupNeed> needs_;
+  std::vector<std::vector<uint32_t>> indices_;
+};
+
+void append_triangles(const scene::Mesh& mesh, const scene::Primitive& primitive, std::vector<uint32_t>& indices) {
+  for (uint32_t i = 0; i + 2 < primitive.index_count; i += 3) {
+    const uint32_t a = mesh.indices[primitive.first_index + i];
+    uint32_t b = mesh.indices[primitive.first_index + i + 1];
+    uint32_t c = mesh.indices[primitive.first_index + i + 2];
+    if (primitive.mirrored) std::swap(b, c);
+    indices.insert(indices.end(), {a, b, c});
+  }
+}
+
+// Vertices in the order of first use; those that no triangle uses are dropped.
+void write_vertices(const scene::Mesh& mesh, MeshData& data) {
   // A vertex shared by primitives of different materials would need two records; the loader never makes one, because a
   // primitive has its own run of vertices.
-  for (const scene::Primitive& p : mesh.primitives) {
-    for (uint32_t v = 0; v < p.vertex_count; ++v) {
-      vertex_material[p.first_vertex + v] = p.material;
-      vertex_flat[p.first_vertex + v] = p.flat;
-    }
-    data.has_flat = data.has_flat || p.flat;
-    auto& indices = group_indices[group_for(want_of(p))];
-    for (uint32_t i = 0; i + 2 < p.index_count; i += 3) {
-      const uint32_t a = mesh.indices[p.first_index + i];
-      uint32_t b = mesh.indices[p.first_index + i + 1];
-      uint32_t c = mesh.indices[p.first_index + i + 2];
-      if (p.mirrored) std::swap(b, c);
-      indices.insert(indices.end(), {a, b, c});
-    }
-  }
-
-  for (size_t g = 0; g < group_indices.size(); ++g) {
-    std::vector<uint32_t>& indices = group_indices[g];
-    if (indices.empty()) continue;
-    meshopt_optimizeVertexCache(indices.data(), indices.data(), indices.size(), mesh.positions.size());
-    MeshGroup group;
-    group.first_index = static_cast<uint32_t>(data.indices.size());
-    group.index_count = static_cast<uint32_t>(indices.size());
-    group.base_array = wants[g].base;
-    group.emissive_array = wants[g].emissive;
-    group.double_sided = wants[g].double_sided;
-    group.masked = wants[g].masked;
-    data.groups.push_back(group);
-    data.indices.insert(data.indices.end(), indices.begin(), indices.end());
-  }
-
-  // Vertices in the order of first use; those that no triangle uses are dropped.
+  std::vector<const scene::Primitive*> primitive_of(mesh.positions.size(), nullptr);
+  for (const scene::Primitive& p : mesh.primitives)
+    std::fill_n(primitive_of.begin() + p.first_vertex, p.vertex_count, &p);
   std::vector<unsigned> remap(mesh.positions.size());
   const size_t used =
       meshopt_optimizeVertexFetchRemap(remap.data(), data.indices.data(), data.indices.size(), mesh.positions.size());
@@ -180,11 +172,12 @@ MeshData make_mesh_data(const scene::Character& character) {
   for (size_t source = 0; source < remap.size(); ++source) {
     if (remap[source] == ~0U) continue;
     const size_t to = remap[source];
+    const scene::Primitive& primitive = *primitive_of[source];
     data.source_vertex[to] = static_cast<uint32_t>(source);
     MeshVertex& v = data.vertices[to];
     for (int i = 0; i < 3; ++i) v.position[i] = mesh.positions[source][i];
-    v.material = static_cast<float>(vertex_material[source]);
-    v.normal = pack_normal(mesh.normals[source], vertex_flat[source]);
+    v.material = static_cast<float>(primitive.material);
+    v.normal = pack_normal(mesh.normals[source], primitive.flat);
     v.uv[0] = mesh.uvs.empty() ? 0.0F : mesh.uvs[source].x;
     v.uv[1] = mesh.uvs.empty() ? 0.0F : mesh.uvs[source].y;
     for (int i = 0; i < 4; ++i) v.joints[i] = mesh.joints[source][i];
@@ -192,6 +185,29 @@ MeshData make_mesh_data(const scene::Character& character) {
     if (!data.extras.colours.empty()) data.extras.colours[to] = mesh.colours[source];
     if (!data.extras.emissive_uvs.empty()) data.extras.emissive_uvs[to] = mesh.emissive_uvs[source];
   }
+}
+
+}  // namespace
+
+MeshData make_mesh_data(const scene::Character& character) {
+  const scene::Mesh& mesh = character.mesh;
+  MeshData data;
+  const std::vector<Placed> placed = place_images(character, data.arrays);
+  const auto placed_of = [&](int image) { return image >= 0 ? placed[static_cast<size_t>(image)] : Placed{}; };
+  for (const scene::Material& m : character.materials) {
+    data.material_layer.push_back(placed_of(m.base_colour_image).layer);
+    data.material_emissive_layer.push_back(placed_of(m.emissive_image).layer);
+  }
+  Groups groups;
+  for (const scene::Primitive& p : mesh.primitives) {
+    const scene::Material& m = character.materials[static_cast<size_t>(p.material)];
+    append_triangles(mesh, p,
+                     groups.indices_for({placed_of(m.base_colour_image).array, placed_of(m.emissive_image).array,
+                                         m.double_sided, m.alpha_cutoff > 0}));
+    data.has_flat = data.has_flat || p.flat;
+  }
+  groups.append_to(data, mesh.positions.size());
+  write_vertices(mesh, data);
   return data;
 }
 

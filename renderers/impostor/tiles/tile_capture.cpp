@@ -135,84 +135,34 @@ TileCapture::TileCapture(gl::Context& context, std::shared_ptr<const scene::Char
 
 TileCapture::~TileCapture() = default;
 
-void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) {
-  State& s = *state_;
-  s.context.make_current();
-  std::vector<PackSize> sizes;
-  for (const CaptureTile& t : tiles) sizes.push_back({t.rect.width, t.rect.height});
-  const int largest = std::min(s.context.limits().texture_size, s.context.limits().viewport_size) / kSamples;
-  const Packing packing = pack_tiles(sizes, std::min(kPage, largest));
-  if (packing.layers == 0) return;
-  if (packing.width > largest || packing.height > largest)
-    throw Error("bake",
-                fmt::format("a tile of {} x {} texels is more than this driver's targets hold ({} a side)",
-                            packing.width, packing.height, largest),
-                "lower texels");
+namespace {
 
-  const int width = packing.width * kSamples;
-  const int height = packing.height * kSamples;
-  const auto target = [&](unsigned format, int w, int h) { return gl::Texture::make_2d(s.context, format, w, h); };
-  const gl::Texture albedo = target(GL_RGBA8, width, height);
-  const gl::Texture surface = target(GL_RGBA8, width, height);
-  const gl::Texture depth = target(GL_DEPTH_COMPONENT32F, width, height);
-  const gl::Texture albedo_page = target(GL_RGBA8, packing.width, packing.height);
-  const gl::Texture surface_page = target(GL_RGBA8, packing.width, packing.height);
-  gl::Texture emission;
-  gl::Texture emission_page;
-  std::vector<const gl::Texture*> fine = {&albedo, &surface};
-  std::vector<const gl::Texture*> coarse = {&albedo_page, &surface_page};
-  if (s.glows) {
-    emission = target(GL_RGBA8, width, height);
-    emission_page = target(GL_RGBA8, packing.width, packing.height);
-    fine.push_back(&emission);
-    coarse.push_back(&emission_page);
-  }
-  const gl::Framebuffer capture_target(s.context, fine, &depth);
-  const gl::Framebuffer resolve_target(s.context, coarse, nullptr);
+// What a page is drawn to, kSamples times as large a side, what it is resolved to, and where that is read to.
+struct PageTargets {
+  gl::Context& context;
+  int width;  // texels, resolved
+  int height;
+  gl::Texture depth;
+  std::vector<gl::Texture> fine;  // albedo, surface, and emission where the character glows
+  std::vector<gl::Texture> coarse;
+  gl::Framebuffer capture;
+  gl::Framebuffer resolve;
+  std::vector<std::vector<uint8_t>> texels;  // RGBA, of each of coarse
 
-  GLint framebuffer_before = 0;
-  glGetIntegerv(GL_FRAMEBUFFER_BINDING, &framebuffer_before);
-  std::array<GLint, 4> viewport_before{};
-  glGetIntegerv(GL_VIEWPORT, viewport_before.data());
+  PageTargets(gl::Context& context_, int width_, int height_, size_t images)
+      : context(context_),
+        width(width_),
+        height(height_),
+        depth(gl::Texture::make_2d(context, GL_DEPTH_COMPONENT32F, width * kSamples, height * kSamples)),
+        fine(make(images, kSamples)),
+        coarse(make(images, 1)),
+        capture(context, pointers(fine), &depth),
+        resolve(context, pointers(coarse), nullptr),
+        texels(images, std::vector<uint8_t>(static_cast<size_t>(width) * static_cast<size_t>(height) * 4)) {}
 
-  const size_t page_bytes = static_cast<size_t>(packing.width) * static_cast<size_t>(packing.height) * 4;
-  std::vector<uint8_t> albedo_texels(page_bytes);
-  std::vector<uint8_t> surface_texels(page_bytes);
-  std::vector<uint8_t> emission_texels(s.glows ? page_bytes : 0);
-  for (int page = 0; page < packing.layers; ++page) {
-    std::vector<size_t> here;
-    for (size_t i = 0; i < tiles.size(); ++i)
-      if (packing.places[i].layer == page && tiles[i].wanted) here.push_back(i);
-    if (here.empty()) continue;
-
-    // Clip-space x of a point: its texel on the lattice, moved to the tile's place on the page.
-    std::vector<CaptureView> views;
-    scene::Frame frame;
-    frame.width = width;
-    frame.height = height;
-    frame.outfits.resize(1);
-    frame.agents.resize(1);
-    for (const size_t i : here) {
-      const CaptureTile& t = tiles[i];
-      const PackPlace& place = packing.places[i];
-      const auto row = [&](const glm::dvec3& axis, double scale, double offset) {
-        return glm::vec4(glm::dvec4(axis * scale, offset - glm::dot(axis, s.scale.centre) * scale));
-      };
-      views.push_back(
-          {row(t.basis.right, 2 / (s.scale.texel * packing.width), 2.0 * (place.x - t.rect.x) / packing.width - 1),
-           row(t.basis.up, 2 / (s.scale.texel * packing.height), 2.0 * (place.y - t.rect.y) / packing.height - 1),
-           row(t.basis.to_eye, 0.5 / s.scale.range, 0.5)});
-      scene::FrameAgent agent;
-      agent.pose = t.pose;
-      frame.agents[0].push_back(agent);
-    }
-    const gl::Buffer view_buffer(s.context, views);
-    AgentLists everybody(1);
-    everybody[0].resize(here.size());
-    std::iota(everybody[0].begin(), everybody[0].end(), 0U);
-
-    capture_target.bind();
-    glViewport(0, 0, width, height);
+  void clear_for_capture() const {
+    capture.bind();
+    glViewport(0, 0, width * kSamples, height * kSamples);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -221,48 +171,142 @@ void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) 
     glFrontFace(GL_CCW);
     glCullFace(GL_BACK);
     const std::array<float, 4> nothing{};
-    glClearBufferfv(GL_COLOR, 0, nothing.data());
-    glClearBufferfv(GL_COLOR, 1, nothing.data());
-    if (s.glows) glClearBufferfv(GL_COLOR, 2, nothing.data());
+    for (size_t i = 0; i < fine.size(); ++i) glClearBufferfv(GL_COLOR, static_cast<GLint>(i), nothing.data());
     glClearBufferfv(GL_DEPTH, 0, nothing.data());
+  }
+
+  void bind_for_resolve() const {
+    resolve.bind();
+    glViewport(0, 0, width, height);
+    glDisable(GL_DEPTH_TEST);
+    for (size_t i = 0; i < fine.size(); ++i) fine[i].bind(static_cast<unsigned>(i));
+  }
+
+  void read() {
+    for (size_t i = 0; i < coarse.size(); ++i)
+      coarse[i].read(0, GL_RGBA, GL_UNSIGNED_BYTE, texels[i].data(), texels[i].size());
+  }
+
+  // The texels of a tile that lies at `place`.
+  std::vector<CapturedTexel> cut_out(const TileRect& rect, const PackPlace& place) const {
+    std::vector<CapturedTexel> out(static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height));
+    auto to = out.begin();
+    for (int y = 0; y < rect.height; ++y)
+      for (int x = 0; x < rect.width; ++x, ++to) {
+        const auto from = static_cast<std::ptrdiff_t>(
+            4 * (static_cast<size_t>(place.y + y) * static_cast<size_t>(width) + static_cast<size_t>(place.x + x)));
+        std::copy_n(texels[0].begin() + from, 4, to->albedo.begin());
+        std::copy_n(texels[1].begin() + from, 4, to->surface.begin());
+        if (texels.size() > 2) std::copy_n(texels[2].begin() + from, 3, to->emission.begin());
+      }
+    return out;
+  }
+
+ private:
+  std::vector<gl::Texture> make(size_t images, int scale) const {
+    std::vector<gl::Texture> textures;
+    for (size_t i = 0; i < images; ++i)
+      textures.push_back(gl::Texture::make_2d(context, GL_RGBA8, width * scale, height * scale));
+    return textures;
+  }
+  static std::vector<const gl::Texture*> pointers(const std::vector<gl::Texture>& textures) {
+    std::vector<const gl::Texture*> all;
+    for (const gl::Texture& texture : textures) all.push_back(&texture);
+    return all;
+  }
+};
+
+// The framebuffer and viewport of whoever asks, put back at the end.
+class KeptTarget {
+ public:
+  KeptTarget() {
+    glGetIntegerv(GL_FRAMEBUFFER_BINDING, &framebuffer_);
+    glGetIntegerv(GL_VIEWPORT, viewport_.data());
+  }
+  ~KeptTarget() {
+    glEnable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(framebuffer_));
+    glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
+  }
+  KeptTarget(const KeptTarget&) = delete;
+  KeptTarget& operator=(const KeptTarget&) = delete;
+
+ private:
+  GLint framebuffer_ = 0;
+  std::array<GLint, 4> viewport_{};
+};
+
+// Clip space of a tile's points: their texels on the lattice, moved to the tile's place on the page.
+CaptureView capture_view(const CaptureTile& tile, const PackPlace& place, const Packing& packing,
+                         const CaptureScale& scale) {
+  const auto row = [&](const glm::dvec3& axis, double by, double offset) {
+    return glm::vec4(glm::dvec4(axis * by, offset - glm::dot(axis, scale.centre) * by));
+  };
+  return {row(tile.basis.right, 2 / (scale.texel * packing.width), 2.0 * (place.x - tile.rect.x) / packing.width - 1),
+          row(tile.basis.up, 2 / (scale.texel * packing.height), 2.0 * (place.y - tile.rect.y) / packing.height - 1),
+          row(tile.basis.to_eye, 0.5 / scale.range, 0.5)};
+}
+
+Packing pack_captures(std::span<const CaptureTile> tiles, const gl::Limits& limits) {
+  std::vector<PackSize> sizes;
+  for (const CaptureTile& t : tiles) sizes.push_back({t.rect.width, t.rect.height});
+  const int largest = std::min(limits.texture_size, limits.viewport_size) / kSamples;
+  Packing packing = pack_tiles(sizes, std::min(kPage, largest));
+  if (packing.layers > 0 && (packing.width > largest || packing.height > largest))
+    throw Error("bake",
+                fmt::format("a tile of {} x {} texels is more than this driver's targets hold ({} a side)",
+                            packing.width, packing.height, largest),
+                "lower texels");
+  return packing;
+}
+
+}  // namespace
+
+void TileCapture::capture(std::span<const CaptureTile> tiles, const Done& done) {
+  State& s = *state_;
+  s.context.make_current();
+  const Packing packing = pack_captures(tiles, s.context.limits());
+  if (packing.layers == 0) return;
+  const KeptTarget kept;
+  PageTargets targets(s.context, packing.width, packing.height, s.glows ? 3 : 2);
+  for (int page = 0; page < packing.layers; ++page) {
+    std::vector<size_t> here;
+    for (size_t i = 0; i < tiles.size(); ++i)
+      if (packing.places[i].layer == page && tiles[i].wanted) here.push_back(i);
+    if (here.empty()) continue;
+
+    std::vector<CaptureView> views;
+    scene::Frame frame;
+    frame.width = packing.width * kSamples;
+    frame.height = packing.height * kSamples;
+    frame.outfits.resize(1);
+    frame.agents.resize(1);
+    for (const size_t i : here) {
+      views.push_back(capture_view(tiles[i], packing.places[i], packing, s.scale));
+      scene::FrameAgent agent;
+      agent.pose = tiles[i].pose;
+      frame.agents[0].push_back(agent);
+    }
+    const gl::Buffer view_buffer(s.context, views);
+    AgentLists everybody(1);
+    everybody[0].resize(here.size());
+    std::iota(everybody[0].begin(), everybody[0].end(), 0U);
+
+    targets.clear_for_capture();
     s.resources.upload(frame);
     view_buffer.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_CAPTURE);
     s.mesh->draw(frame, s.resources, everybody, {});
 
-    resolve_target.bind();
-    glViewport(0, 0, packing.width, packing.height);
-    glDisable(GL_DEPTH_TEST);
-    albedo.bind(0);
-    surface.bind(1);
-    if (s.glows) emission.bind(2);
+    targets.bind_for_resolve();
     s.no_vertices.bind();
     s.resolve.use();
     glDrawArrays(GL_TRIANGLES, 0, 3);
-    albedo_page.read(0, GL_RGBA, GL_UNSIGNED_BYTE, albedo_texels.data(), page_bytes);
-    surface_page.read(0, GL_RGBA, GL_UNSIGNED_BYTE, surface_texels.data(), page_bytes);
-    if (s.glows) emission_page.read(0, GL_RGBA, GL_UNSIGNED_BYTE, emission_texels.data(), page_bytes);
+    targets.read();
 
     std::vector<std::vector<CapturedTexel>> captured;
-    for (const size_t i : here) {
-      const TileRect& rect = tiles[i].rect;
-      const PackPlace& place = packing.places[i];
-      std::vector<CapturedTexel> texels(static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height));
-      for (int y = 0; y < rect.height; ++y)
-        for (int x = 0; x < rect.width; ++x) {
-          const size_t from = 4 * (static_cast<size_t>(place.y + y) * static_cast<size_t>(packing.width) +
-                                   static_cast<size_t>(place.x + x));
-          CapturedTexel& to = texels[static_cast<size_t>(y) * static_cast<size_t>(rect.width) + static_cast<size_t>(x)];
-          std::copy_n(albedo_texels.begin() + static_cast<std::ptrdiff_t>(from), 4, to.albedo.begin());
-          std::copy_n(surface_texels.begin() + static_cast<std::ptrdiff_t>(from), 4, to.surface.begin());
-          if (s.glows) std::copy_n(emission_texels.begin() + static_cast<std::ptrdiff_t>(from), 3, to.emission.begin());
-        }
-      captured.push_back(std::move(texels));
-    }
+    for (const size_t i : here) captured.push_back(targets.cut_out(tiles[i].rect, packing.places[i]));
     done(here, captured);
   }
-  glEnable(GL_DEPTH_TEST);
-  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(framebuffer_before));
-  glViewport(viewport_before[0], viewport_before[1], viewport_before[2], viewport_before[3]);
 }
 
 }  // namespace crowdbench::renderers
