@@ -35,6 +35,7 @@ class StageAgreesGl : public ::testing::Test {
 // Some have more triangles than a draft, so that a search by another policy ends elsewhere; not all, so that it is
 // quick.
 TEST_F(StageAgreesGl, OneScenarioStandsAtOneCameraInEveryCommand) {
+  CROWDBENCH_SKIP_SANITIZED("the tests of each command");
   write_file(folder_ / "s.toml", R"(
 [[character]]
 source = "mannequin:triangles=500"

@@ -12,6 +12,7 @@
 #include "core/colour.h"
 #include "gl_test_support.h"
 #include "scene/cast/cast.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -161,6 +162,7 @@ std::map<std::string, std::unique_ptr<Representation>> EmissionGl::made_;
 
 // What each row shows, away from its edges: lit, and by its own light alone.
 TEST_P(EmissionGl, RowsShowWhatTheMeshShows) {
+  CROWDBENCH_SKIP_SANITIZED("TheWholeLightIsTheMeshs");
   const double texel = made(GetParam().spec).texel_metres(0);
   for (const double pixels : {120.0, 240.0})
     for (const bool lit : {false, true}) {
@@ -217,6 +219,7 @@ TEST_P(EmissionGl, TheWholeLightIsTheMeshs) {
 
 // An outfit colours what is lit; it does not tint the light given off.
 TEST_P(EmissionGl, OutfitsDoNotTintIt) {
+  CROWDBENCH_SKIP_SANITIZED("TheWholeLightIsTheMeshs");
   scene::Frame frame = picture(120, 0, false);
   const Capture plain = draw(frame, GetParam().spec);
   scene::Outfit outfit;

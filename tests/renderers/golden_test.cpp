@@ -23,6 +23,7 @@
 #include "test_paths.h"
 #include "tests/renderers/gl_test_support.h"
 #include "tests/support/picture_comparison.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -160,6 +161,7 @@ std::unique_ptr<Representation> GoldenGl::representation_;
 std::string GoldenGl::spec_;
 
 TEST_P(GoldenGl, IsWhatItWas) {
+  CROWDBENCH_SKIP_SANITIZED("the contract, of the same representations");
   const Golden& golden = GetParam();
   Representation& representation = shared(golden);
   Renderer renderer(context(), cast());
