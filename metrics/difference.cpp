@@ -91,8 +91,9 @@ Image8 absolute_difference_of(const Image<T>& a, const Image<T>& b) {
 }
 
 template <typename T>
-Image8 over_of(const Image<T>& image, const std::array<uint8_t, 3>& colour) {
+Image8 over_of(const Image<T>& image, const std::array<uint8_t, 3>& colour, OverRounding rounding) {
   constexpr uint64_t kMax = std::numeric_limits<T>::max();
+  const uint64_t half = rounding == OverRounding::nearest ? kMax * kMax / 2 : 0;
   Image8 out(image.width, image.height, 3);
   const auto channels = static_cast<size_t>(image.channels);
   const size_t step = channels >= 3 ? 1 : 0;
@@ -102,7 +103,7 @@ Image8 over_of(const Image<T>& image, const std::array<uint8_t, 3>& colour) {
     for (size_t c = 0; c < 3; ++c) {
       // In units of 1 / kMax^2 of full scale.
       const uint64_t sum = p[c * step] * alpha + colour[c] * (kMax / 255) * (kMax - alpha);
-      out.data[i * 3 + c] = static_cast<uint8_t>(sum * 255 / (kMax * kMax));
+      out.data[i * 3 + c] = static_cast<uint8_t>((sum * 255 + half) / (kMax * kMax));
     }
   }
   return out;
@@ -119,8 +120,12 @@ Image16 widen(const Image8& image) {
   return out;
 }
 
-Image8 over(const Image8& image, const std::array<uint8_t, 3>& colour) { return over_of(image, colour); }
-Image8 over(const Image16& image, const std::array<uint8_t, 3>& colour) { return over_of(image, colour); }
+Image8 over(const Image8& image, const std::array<uint8_t, 3>& colour, OverRounding rounding) {
+  return over_of(image, colour, rounding);
+}
+Image8 over(const Image16& image, const std::array<uint8_t, 3>& colour, OverRounding rounding) {
+  return over_of(image, colour, rounding);
+}
 
 std::optional<Difference> difference(const Image8& a, const Image8& b, const Mask* mask) {
   return difference_of(a, b, mask);

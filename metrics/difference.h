@@ -25,14 +25,14 @@ Plane luma601(const Image16& image);
 // Exact: v * 257, so that pictures of 8 and of 16 bits can be compared.
 Image16 widen(const Image8& image);
 
-// Source-over onto one colour, on the encoded values (not linear light), rounded down to 8 bits: floor(c a + b (1 -
-// a)), a the straight alpha. Down, because ImageMagick's flatten, which made the expected values, does so in every
-// pixel; the nearest value would move MAE by up to 0.002. ColorVideoVDP's expected values of such pictures were made of
-// nearest values instead: what `over` gives scores up to 9.1e-4 JOD beside them (tests/metrics/cvvdp_test.cpp states
-// both conventions); no one rounding meets all of both. 3 channels come back. Pictures without alpha keep their values
-// (16 bits are rounded down to 8).
-Image8 over(const Image8& image, const std::array<uint8_t, 3>& colour);
-Image8 over(const Image16& image, const std::array<uint8_t, 3>& colour);
+// What becomes of a composited value between two code values. down: floor, which ImageMagick's flatten does in every
+// pixel; nearest: halves up. One from the other moves MAE by up to 0.002 and ColorVideoVDP by up to 9.1e-4 JOD.
+enum class OverRounding : uint8_t { down, nearest };
+
+// Source-over onto one colour, on the encoded values (not linear light), rounded to 8 bits: c a + b (1 - a), a the
+// straight alpha. 3 channels come back. Pictures without alpha keep their values (16 bits are rounded alike).
+Image8 over(const Image8& image, const std::array<uint8_t, 3>& colour, OverRounding rounding = OverRounding::down);
+Image8 over(const Image16& image, const std::array<uint8_t, 3>& colour, OverRounding rounding = OverRounding::down);
 
 struct Difference {
   uint64_t pixels = 0;  // that were counted
@@ -52,7 +52,8 @@ Image8 absolute_difference(const Image8& a, const Image8& b);
 Image8 absolute_difference(const Image16& a, const Image16& b);
 
 // Float pictures have no code values: mean absolute error and root mean square over pixels and colour channels, in the
-// pictures' own unit (linear light, metres). Two equal infinities differ by 0. NaN in either picture gives NaN.
+// pictures' own unit (linear light, metres). Finite values alone: scores are not available where a picture has others
+// (metrics/not_finite.h).
 struct LinearDifference {
   double mae = 0;
   double rms = 0;

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "metrics/flip.h"
 
 namespace crowdbench::metrics {
 namespace {
@@ -193,6 +194,11 @@ const Display& default_display() {
 std::string display_text(const Display& d) {
   return fmt::format("{}: {:.2f} pixels/degree, peak {:g}, black {:g}, reflected {:.4g} cd/m2, {}", d.name,
                      d.pixels_per_degree, d.peak, d.black, reflected(d), d.colour_space.name);
+}
+
+std::string display_text(const ChosenDisplay& chosen) {
+  if (chosen.given) return display_text(chosen.display);
+  return fmt::format("{} (by default; FLIP at its own {:.2f})", display_text(chosen.display), kFlipPixelsPerDegree);
 }
 
 }  // namespace crowdbench::metrics

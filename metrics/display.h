@@ -105,5 +105,7 @@ struct ChosenDisplay {
 
 // For people: "standard_4k: 75.40 pixels/degree, peak 200, black 0.2, reflected 0.3979 cd/m2, sRGB".
 std::string display_text(const Display& display);
+// The same; where nobody chose it, with what scores do then that have a default of their own.
+std::string display_text(const ChosenDisplay& chosen);
 
 }  // namespace crowdbench::metrics

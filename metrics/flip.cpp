@@ -1,7 +1,3 @@
-// Based on: P. Andersson, J. Nilsson, T. Akenine-Moeller, M. Oskarsson, K. Astroem, M. D. Fairchild, "FLIP: A
-// difference evaluator for alternating images", Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020; constants of its
-// version 1.6. Differs from the reference tool: separable filters over tiles, taps that no float sum notices left out,
-// roots and powers by metrics/fast_math.h, sums of the pooled figures in double.
 #include "metrics/flip.h"
 
 #include <algorithm>

@@ -1,5 +1,3 @@
-// Based on: W. Xue, L. Zhang, X. Mou, A. C. Bovik, "Gradient magnitude similarity deviation: a highly efficient
-// perceptual image quality index", IEEE TIP 23(2), 2014.
 #include <cmath>
 #include <vector>
 

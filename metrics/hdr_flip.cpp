@@ -1,6 +1,3 @@
-// Based on: P. Andersson, J. Nilsson, P. Shirley, T. Akenine-Moeller, "Visualizing errors in rendered high dynamic
-// range images", Eurographics short papers, 2021; constants of FLIP 1.6. Differs from the reference tool: a median of 0
-// and a range that ends before it starts give no value and say why.
 #include "metrics/hdr_flip.h"
 
 #include <algorithm>

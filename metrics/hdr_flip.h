@@ -1,5 +1,11 @@
 // HDR-FLIP: FLIP of pictures in linear light, whatever their range, as the worst over exposures that a person might
-// choose to look at them with.
+// choose to look at them with: the greatest over exposures e of FLIP(t(2^e reference), t(2^e test)), pixel by pixel, t
+// the tone mapper; 0 .. 1, lower is better, viewing conditions those of FLIP (metrics/flip.h). Limits: the exposures
+// follow the reference alone, so a test that is brighter everywhere is held at white; what one exposure shows counts as
+// if it were seen at all. Without a positive median, or where the range would end before it starts, there is no value.
+// Based on: P. Andersson, J. Nilsson, P. Shirley, T. Akenine-Moeller, "Visualizing errors in rendered high dynamic
+// range images", Eurographics short papers, 2021; constants of FLIP 1.6. Differs from the reference tool: a median of 0
+// and a range that ends before it starts give no value and say why.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -23,14 +23,19 @@ constexpr int kGap = 14;
 constexpr int kBar = 64;
 constexpr double kText = 0.38;
 
-int panel_width(const HeatPanel& p) { return kLabel + kCellWidth * static_cast<int>(p.columns.size()) + kGap; }
+int text_width(const std::string& words) {
+  int below = 0;
+  return cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, kText, 1, &below).width;
+}
+
+int panel_width(const HeatPanel& p) {
+  return kLabel + std::max(kCellWidth * static_cast<int>(p.columns.size()), text_width(p.title)) + kGap;
+}
 int panel_height(const HeatPanel& p) { return kTitle + kCellHeight * static_cast<int>(p.rows.size()) + kFoot + kGap; }
 
 void write(const cv::Mat& canvas, const std::string& words, int x, int baseline, const cv::Scalar& ink, bool centred) {
-  int below = 0;
-  const cv::Size extent = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, kText, 1, &below);
-  cv::putText(canvas, words, {centred ? x - extent.width / 2 : x, baseline}, cv::FONT_HERSHEY_SIMPLEX, kText, ink, 1,
-              cv::LINE_AA);
+  cv::putText(canvas, words, {centred ? x - text_width(words) / 2 : x, baseline}, cv::FONT_HERSHEY_SIMPLEX, kText, ink,
+              1, cv::LINE_AA);
 }
 
 const cv::Scalar kInk(40, 40, 40);
@@ -66,7 +71,7 @@ std::array<uint8_t, 3> heat_colour(double value, double high) {
 
 Image8 heat_map(const std::vector<std::vector<HeatPanel>>& panels, double high, const std::string& caption) {
   assert(high > 0);
-  int width = 420;
+  int width = std::max(420, text_width(caption) + 2 * kGap);
   int height = kGap;
   std::vector<int> heights;
   for (const auto& row : panels) {

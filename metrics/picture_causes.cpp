@@ -148,8 +148,8 @@ class Telling {
     steps_.push_back({Cause::place, now_.codes});
   }
 
-  // Agents have changed places where one shows what the other showed over 3 x 3 pixels at least, and where that is more
-  // than all else that changed of its outline: a limb that moved uncovers others, too.
+  // Agents have changed places where one is shown where the other was over 3 x 3 pixels at least, and where that is, of
+  // both, more than all else that changed of their outlines: a limb that moved covers others, too, and uncovers them.
   void put_in_order() {
     using Pair = std::pair<uint32_t, uint32_t>;
     std::map<Pair, size_t> pixels_of;  // that showed the first, and show the second
@@ -170,9 +170,16 @@ class Telling {
           for (int i = -1; i <= 1 && filled; ++i) filled = pair_at(x + i, y + j) == pair;
         if (filled) thick.insert(pair);
       }
+    const auto net = [&](const Pair& pair) {
+      const size_t there = pixels_of[pair];
+      const size_t back = pixels_of[{pair.second, pair.first}];
+      return there - std::min(there, back);
+    };
     std::map<uint32_t, size_t> exchanged;
-    for (const Pair& pair : thick) exchanged[pair.first] += pixels_of[pair];
-    std::erase_if(thick, [&](const Pair& pair) { return 2 * exchanged[pair.first] <= changed[pair.first]; });
+    for (const Pair& pair : thick)
+      for (const uint32_t id : {pair.first, pair.second}) exchanged[id] += net(pair);
+    const auto moved = [&](uint32_t id) { return 2 * exchanged[id] <= changed[id]; };
+    std::erase_if(thick, [&](const Pair& pair) { return net(pair) == 0 || moved(pair.first) || moved(pair.second); });
     put_in_where(Cause::order, [&](size_t i) { return thick.contains({now_.ids.data[i], test_.ids.data[i]}); });
     for (const auto& [behind, before] : thick) changes_[behind].changed_places_with.push_back(before);
   }

@@ -10,6 +10,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
+#include "bench/commands/scene_options.h"
 #include "bench/experiments/audit.h"
 #include "bench/stage/stage_scenario.h"
 #include "bench/stage/view_samples.h"
@@ -236,7 +237,7 @@ int run_bake(const Options& options) {
                 "leave --required-by out, or bake " + names_that_honour_required_by());
   scene::KeyPlaces places;
   const scene::Scenario scenario = scenario_of(options, places);
-  const scene::Cast cast = scene::load_cast(scenario, std::filesystem::path(options.required_by).parent_path(), places);
+  const scene::Cast cast = open_cast(scenario, std::filesystem::path(options.required_by).parent_path(), places);
   gl::Context context({.device = options.device});
   const Baked baked = make_bake(options, spec, scenario, cast, context);
   (options.json ? print_json : print_text)(options, spec, cast, context.renderer(), baked);

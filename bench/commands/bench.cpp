@@ -87,7 +87,7 @@ int run_bench(const Options& options) {
     request.representations.push_back(low_polygon_spec());
   }
   StoreWriter store(options.out);  // refused before anything is drawn
-  const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder, chosen.places);
+  const scene::Cast cast = open_cast(request.scenario, chosen.folder, chosen.places);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);
   gl::Context& context = *opened;
   const TimingMethod method = choose_timing_method(context);

@@ -239,7 +239,10 @@ ordered_json to_json(const CompareOptions& options, const Result& result) {
   if (ordered_json details = details_json(result.scores); !details.empty()) out["details"] = details;
   out["display"] = display_json(result.setup.display);
   if (result.not_finite) out["not_finite"] = not_finite_json(*result.not_finite);
-  if (!options.over.empty()) out["over"] = options.over;
+  if (!options.over.empty()) {
+    out["over"] = options.over;
+    out["over_rounding"] = options.over_rounding;
+  }
   if (result.region) out["region"] = region_json(options.region, *result.region);
   if (!result.verdicts.empty()) out["bounds"] = bounds_json(result.verdicts);
   if (result.causes) out["causes"] = causes_json(result.causes->errors, result.causes->changes);

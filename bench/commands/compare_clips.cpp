@@ -169,7 +169,10 @@ ordered_json to_json(const CompareOptions& options, const CompareSetup& setup, c
   if (result.floats)
     out["not_finite"] = {{"reference", not_finite_json(result.not_finite_reference)},
                          {"test", not_finite_json(result.not_finite_test)}};
-  if (!options.over.empty()) out["over"] = options.over;
+  if (!options.over.empty()) {
+    out["over"] = options.over;
+    out["over_rounding"] = options.over_rounding;
+  }
   if (result.region) out["region"] = region_json(options.region, *result.region);
   if (!result.verdicts.empty()) out["bounds"] = bounds_json(result.verdicts);
   out["warnings"] = result.warnings;
@@ -206,7 +209,7 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
   page.fps = result.fps;
   page.width = result.width;
   page.height = result.height;
-  page.display = metrics::display_text(setup.display.display);
+  page.display = metrics::display_text(setup.display);
   for (const ClipScore& of : result.scores) {
     reports::ClipSeries& series = page.scores.emplace_back();
     const metrics::Score* score = of.score;

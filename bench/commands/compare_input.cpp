@@ -34,6 +34,12 @@ metrics::Padding parse_padding(const std::string& text) {
   throw Error("--padding", fmt::format("there is no padding '{}'", printable(text)), "choose replicate or symmetric");
 }
 
+metrics::OverRounding parse_over_rounding(const std::string& text) {
+  if (text == "down") return metrics::OverRounding::down;
+  if (text == "nearest") return metrics::OverRounding::nearest;
+  throw Error("--over-rounding", fmt::format("there is no rounding '{}'", printable(text)), "choose down or nearest");
+}
+
 int channels_of(const AnyImage& image) {
   return std::visit([](const auto& i) { return i.channels; }, image);
 }
@@ -80,10 +86,16 @@ void add_inputs_and_outputs(Command& command, CompareOptions& options) {
   command.add_option("--chart", options.chart, "of clips: a page with every score against time")
       ->type_name("FILE.html")
       ->output_file();
-  command.add_option(
+  const Option* over = command.add_option(
       "--over", options.over,
-      "composite pictures with alpha onto this colour first, '#rrggbb', on encoded values, rounded down\n"
-      "as ImageMagick does (rounding to the nearest moves cvvdp by up to 0.001 JOD); else alpha is ignored");
+      "composite pictures with alpha onto this colour first, '#rrggbb', on encoded values; else alpha\n"
+      "is ignored");
+  command
+      .add_option("--over-rounding", options.over_rounding,
+                  "with --over, to code values: down, as ImageMagick does, or nearest")
+      ->type_name("KIND")
+      ->capture_default_str()
+      ->needs(over);
 }
 
 // What counts, and what decides the exit status.
@@ -153,6 +165,7 @@ CompareSetup compare_setup(const CompareOptions& options, metrics::ScoreTable ta
     const glm::u8vec3 over = parse_colour(options.over, "--over");
     setup.over = {over.r, over.g, over.b};
   }
+  setup.over_rounding = parse_over_rounding(options.over_rounding);
   setup.colours = parse_colours(options.colours);
   setup.padding = parse_padding(options.padding);
   setup.display = display_of_option(options.display);
@@ -172,9 +185,9 @@ void bring_together(const CompareSetup& setup, const std::optional<CompareRegion
       warnings.push_back(printable(name) + ": alpha is ignored" +
                          (has_codes(image) ? "; --over '#rrggbb' composites first" : ""));
     else if (const auto* eight = std::get_if<Image8>(&image))
-      image = metrics::over(*eight, *setup.over);
+      image = metrics::over(*eight, *setup.over, setup.over_rounding);
     else
-      image = metrics::over(std::get<Image16>(image), *setup.over);
+      image = metrics::over(std::get<Image16>(image), *setup.over, setup.over_rounding);
   }
   const bool both_have_codes = has_codes(pictures.reference) && has_codes(pictures.test);
   if (both_have_codes && pictures.reference.index() != pictures.test.index())

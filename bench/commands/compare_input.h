@@ -27,6 +27,7 @@ struct CompareOptions {
   std::string colours = "own";
   std::string chart;
   std::string over;
+  std::string over_rounding = "down";
   std::string ids_reference;
   std::string ids_test;
   std::string depth_reference, depth_test;  // for the error by cause, with ids
@@ -46,6 +47,7 @@ struct CompareSetup {
   metrics::Needs also = 0;                   // scores that need these say why they are not there
   std::vector<ScoreBound> bounds;
   std::optional<std::array<uint8_t, 3>> over;
+  metrics::OverRounding over_rounding = metrics::OverRounding::down;
   metrics::ChosenDisplay display;
   metrics::Padding padding = metrics::Padding::replicate;
   metrics::MapColours colours = metrics::MapColours::own;

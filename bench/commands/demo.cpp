@@ -185,7 +185,7 @@ int run_demo(const Options& options) {
   int status = 0;
   for (const std::string& character : characters) {
     const scene::Scenario scenario = demo_scenario(character, options.character);
-    const scene::Cast cast = scene::load_cast(scenario);
+    const scene::Cast cast = open_cast(scenario);
     RunRow run = describe_run(context, method, scenario, "demo", command_line());
     run.id = store.write(run);
 

@@ -87,7 +87,7 @@ int run_distance(const Options& options, metrics::ScoreTable table) {
   {
     Progress progress("distance", 0);
     progress.note("loading the characters");
-    const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
+    const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
     const auto context = open_context(options.scene.device);
     progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
     const Staged staged = stage_scenario(chosen.scenario, cast, *context);

@@ -274,7 +274,7 @@ std::string distance_page_of(const DistanceReport& report) {
   page.scene = fmt::format("{} agents of {}, {} x {} pixels, {}", report.scenario.crowd.agents, report.cast,
                            report.scenario.width, report.scenario.height, ticks_text(report.request));
   page.counts = counts_text(report);
-  page.display = metrics::display_text(report.request.display.display);
+  page.display = metrics::display_text(report.request.display);
   page.renderer = report.renderer;
   if (report.request.causes)
     for (size_t r = 0; r < report.request.representations.size(); ++r)

@@ -46,7 +46,7 @@ int run_pair(const Options& options) {
 
   ChosenScenario chosen = read_scenario(options.scene);
   chosen.scenario.ground = !options.no_ground;
-  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
+  const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
   const auto opened = open_context(options.scene.device);
   gl::Context& context = *opened;
   Staged staged = stage_scenario(chosen.scenario, cast, context);

@@ -278,6 +278,7 @@ PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   scene::CharacterEntry entry = options.character.entry();
   if (!options.clip.empty()) entry.clips = {options.clip};
   request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
+  print_warnings(*request.character);
   request.clip = request.character->placement.default_clip;
   if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
   options.antialiasing.change(request.antialiasing);

@@ -108,7 +108,7 @@ void write_pops(StoreWriter& store, const PoppingReport& report, const RunRow& r
   const int64_t id = store.write(run);
   for (const PoppingRun& one : report.runs)
     for (const PopRow& row : pop_rows(id, one.representation.text(), report.cast,
-                                      metrics::display_text(report.display.display), one.result))
+                                      metrics::display_text(report.display), one.result))
       store.write(row);
   store.commit();
 }
@@ -136,7 +136,7 @@ int run_scenario(const Options& options) {
   {
     Progress progress("popping", report.runs.size());
     progress.note("loading the characters");
-    const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
+    const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
     const auto context = open_context(options.scene.device);
     progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
     const Staged staged = stage_scenario(chosen.scenario, cast, *context);

@@ -195,6 +195,7 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   scene::CharacterEntry entry = options.character.entry();
   if (!options.clip.empty()) entry.clips = {options.clip};
   setup.character = std::make_shared<const scene::Character>(scene::open_character(entry));
+  print_warnings(*setup.character);
   asked.entry = entry;
   const scene::Character& character = *setup.character;
   setup.rows = options.rows;

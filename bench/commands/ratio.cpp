@@ -133,7 +133,7 @@ int run_ratio(const Options& options) {
   if (by_default && !options.scene.agents) request.scenario.crowd.agents = 250;
   if (by_default && !options.scene.occupancy) request.scenario.occupancy = 0.15;
   if (request.scenario.crowd.agents == 0) throw Error("--agents", "0 agents cannot be timed", "use at least 1");
-  const scene::Cast cast = scene::load_cast(request.scenario, chosen.folder, chosen.places);
+  const scene::Cast cast = open_cast(request.scenario, chosen.folder, chosen.places);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);
   gl::Context& context = *opened;
   const RatioReport report = measure_ratio(context, cast, request);

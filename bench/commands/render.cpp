@@ -91,7 +91,7 @@ int render_crowd(const RenderOptions& options) {
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   Progress progress("render", 0);
   progress.note("loading the characters");
-  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
+  const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
   const auto context = open_context(options.scene.device);
   progress.note(
       fmt::format("placing {} agent{}", chosen.scenario.crowd.agents, chosen.scenario.crowd.agents == 1 ? "" : "s"));
@@ -194,6 +194,7 @@ int render_single(const RenderOptions& options) {
     throw Error("render --single", "a scenario file makes no sense for one agent", "leave it out");
   if (options.clips.size() > 1) throw Error("--clip", "one agent shows one clip", "give --clip once");
   auto character = std::make_shared<const scene::Character>(scene::open_character(single_entry(options)));
+  print_warnings(*character);
   int clip = character->placement.default_clip;
   if (!options.clips.empty()) clip = scene::require_clip_or_none(*character, options.clips.front());
 

@@ -1,5 +1,6 @@
 #include "bench/commands/scene_options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -151,6 +152,23 @@ std::unique_ptr<gl::Context> open_context(const std::string& device) {
   fmt::print(stderr, "crowdbench: drawing on {} ({}, {})\n", context->renderer(), context->version(),
              context->platform());
   return context;
+}
+
+void print_warnings(const scene::Character& character) {
+  constexpr size_t kMost = 3;
+  const auto& all = character.warnings;
+  for (size_t i = 0; i < std::min(all.size(), kMost); ++i)
+    fmt::print(stderr, "crowdbench: warning: {}: {}\n", printable(character.name), printable(all[i], 400));
+  if (all.size() > kMost)
+    fmt::print(stderr, "crowdbench: warning: {}: and {} more; crowdbench inspect tells them\n",
+               printable(character.name), all.size() - kMost);
+}
+
+scene::Cast open_cast(const scene::Scenario& scenario, const std::filesystem::path& folder,
+                      const scene::KeyPlaces& places) {
+  scene::Cast cast = scene::load_cast(scenario, folder, places);
+  for (const auto& character : cast.characters) print_warnings(*character);
+  return cast;
 }
 
 ImageMetadata picture_metadata(const scene::Scenario& scenario, const std::string& representation) {

@@ -10,6 +10,7 @@
 #include "bench/commands/options.h"
 #include "core/image_io.h"
 #include "metrics/display.h"
+#include "scene/cast/cast.h"
 #include "scene/crowd/crowd.h"
 #include "scene/crowd/occupancy.h"
 #include "scene/scenario/scenario.h"
@@ -70,6 +71,12 @@ glm::u8vec3 parse_colour(const std::string& text, const std::string& option);
 
 // Opens the context that --device names and says its renderer, and every warning, on stderr.
 std::unique_ptr<gl::Context> open_context(const std::string& device);
+
+// What loading found odd in a character, on stderr: three lines at most, and where the rest is told.
+void print_warnings(const scene::Character& character);
+// scene::load_cast, and print_warnings of each character.
+scene::Cast open_cast(const scene::Scenario& scenario, const std::filesystem::path& folder = {},
+                      const scene::KeyPlaces& places = {});
 
 // What every picture file carries: scenario (TOML), seed, backend (the canonical representation), version.
 ImageMetadata picture_metadata(const scene::Scenario& scenario, const std::string& representation);

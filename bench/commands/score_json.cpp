@@ -27,7 +27,7 @@ Json display_json(const metrics::ChosenDisplay& chosen) {
 }
 
 std::string display_line(const metrics::ChosenDisplay& chosen) {
-  return metrics::display_text(chosen.display) + (chosen.given ? "" : " (by default; --display chooses)");
+  return metrics::display_text(chosen) + (chosen.given ? "" : "; --display chooses");
 }
 
 void put_scores(Json& values, Json& reasons, std::span<const metrics::Scored> scores) {

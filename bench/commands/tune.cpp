@@ -147,7 +147,7 @@ int run_tune(const Options& options, metrics::ScoreTable table) {
   {
     Progress progress("tune", 0);
     progress.note("loading the characters");
-    const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
+    const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
     if (cast.characters.size() != 1)
       throw Error("tune", fmt::format("the scenario has {} characters", cast.characters.size()),
                   "switches are tuned for one: name it with --character");

@@ -78,7 +78,7 @@ int run_view(const Options& options) {
   for (const renderers::Spec& spec : specs) names.push_back(spec.text());
 
   gl::Window window(chosen.scenario.width, chosen.scenario.height, "crowdbench");  // first: no display is said at once
-  const scene::Cast cast = scene::load_cast(chosen.scenario, chosen.folder, chosen.places);
+  const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
   const auto opened = open_context(options.scene.device);
   gl::Context& context = *opened;
   const Staged staged = stage_scenario(chosen.scenario, cast, context);

@@ -44,7 +44,7 @@ CurveRow curve_row(const DistanceScene& scene, const DistanceRequest& request, c
   row.points = curve.curve.points;
   row.agents = static_cast<uint32_t>(curve.curve.agents);
   row.rank_correlation = curve.curve.rank_correlation;
-  row.display = metrics::display_text(request.display.display);
+  row.display = metrics::display_text(request.display);
   row.display_given = request.display.given;
   for (const CurveBin& bin : curve.curve.bins)
     row.bins.push_back({static_cast<int>(row.bins.size()), bin.from, bin.to, bin.x, bin.value, bin.low, bin.high,

@@ -16,6 +16,7 @@
 #include "metrics/picture_causes.h"
 #include "scene/character/cut_out.h"
 #include "scene/crowd/crowd.h"
+#include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::bench {
@@ -162,7 +163,7 @@ class Comparison {
       const auto palette = scene::model_matrices(*setup_.character, view.clip, 0.0);
       scene::DrawnExtent extent(*setup_.character);
       posed =
-          first_poses_.emplace(view.clip, extent.outer_points(scene::skin_positions(setup_.character->mesh, palette)))
+          first_poses_.emplace(view.clip, extent.outer_points(scene::shown_positions(setup_.character->mesh, palette)))
               .first;
     }
     const std::tuple key(view.clip, view.azimuth_deg, view.height_px);

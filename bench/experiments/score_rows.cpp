@@ -25,7 +25,7 @@ std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores) {
 }
 
 void put_display(ComparisonRow& row, const metrics::ChosenDisplay& chosen) {
-  row.display = metrics::display_text(chosen.display);
+  row.display = metrics::display_text(chosen);
   row.display_given = chosen.given;
 }
 

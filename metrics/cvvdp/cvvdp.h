@@ -2,6 +2,12 @@
 //
 // In just-objectionable differences (JOD): 10 = no visible difference, exactly so for equal input; one less means that
 // 75 % of people would prefer the reference; no lower bound (a strong difference is below 0, and is not cut off).
+//
+// Each frame becomes light at the display, opponent channels (achromatic sustained and transient, red-green,
+// yellow-violet; temporal_filter.h, opponent.h) and bands of a contrast pyramid (pyramid.h). In each band the contrasts
+// of both, times the sensitivity at its frequency, luminance and channel (sensitivity.h), are compared: the difference's
+// power over one plus what masks it (band.h). The differences are pooled as power means over pixels, bands, channels and
+// frames into Q, and JOD = 10 - kJodA Q^kJodExponent (parameters.h), for small Q along the straight line to 10.
 // Based on: R. K. Mantiuk, P. Hanji, M. Ashraf, Y. Asano, A. Chapiro, "ColorVideoVDP: A visual difference predictor for
 // image, video and display distortions", ACM TOG 43(4), 2024, doi 10.1145/3658144, in the version 0.5.6 of its authors'
 // program (github.com/gfxdisp/ColorVideoVDP, commit 7ca201a), base model.

@@ -29,14 +29,24 @@ std::string clip_chart(const ClipSeries& series, double fps) {
   }
   if (drawn == 0) return {};
   Json spec = chart_frame(180);
-  const Json x = {{"field", at}, {"type", "quantitative"}, {"axis", {{"title", fps > 0 ? "seconds" : "frame"}}}};
+  const Json x = {{"field", at},
+                  {"type", "quantitative"},
+                  {"axis", {{"title", fps > 0 ? "seconds" : "frame"}, {"tickCount", 8}, {"labelSeparation", 8}}}};
   const Json y = {{"field", "value"},
                   {"type", "quantitative"},
-                  {"scale", {{"zero", false}, {"nice", true}}},
+                  {"scale", {{"zero", false}, {"nice", true}, {"padding", 20}}},
                   {"axis", {{"title", heading(series.doc)}, {"tickCount", 5}}}};
   const auto tip = [](const char* field, const char* title) {
     return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
   };
+  // The worst frame is an end of the curve: its label stands beyond it, towards the middle of the chart.
+  const bool late = series.worst_frame && 2 * *series.worst_frame > series.by_frame.size();
+  const Json label = {{"type", "text"},
+                      {"align", late ? "right" : "left"},
+                      {"dx", late ? 6 : -6},
+                      {"dy", series.doc.higher_is_better ? 15 : -13},
+                      {"fontSize", 12},
+                      {"color", "#d55e00"}};
   const std::string colour = "#0072b2";
   const std::string mark = "#d55e00";
   spec["data"] = {{"values", values}};
@@ -47,7 +57,7 @@ std::string clip_chart(const ClipSeries& series, double fps) {
         {"mark", {{"type", "point"}, {"filled", true}, {"size", 80}, {"opacity", 1}, {"color", mark}}},
         {"encoding", {{"x", x}, {"y", y}}}},
        {{"data", {{"values", worst}}},
-        {"mark", {{"type", "text"}, {"dx", 8}, {"align", "left"}, {"fontSize", 12}, {"color", mark}}},
+        {"mark", label},
         {"encoding", {{"x", x}, {"y", y}, {"text", {{"field", "label"}}}}}},
        {{"mark", {{"type", "point"}, {"filled", true}, {"size", 300}, {"opacity", 0}}},
         {"encoding", {{"x", x}, {"y", y}, {"tooltip", Json::array({tip("frame", "frame"), tip("text", "value")})}}}}});

@@ -76,7 +76,7 @@ std::string distance_chart(const ScoreDoc& doc, const DistanceGraph& graph) {
   const Json x = {{"field", "x"},
                   {"type", "quantitative"},
                   {"scale", {{"zero", false}, {"nice", true}, {"reverse", graph.far_is_low}}},
-                  {"axis", {{"title", title}, {"tickCount", 8}}}};
+                  {"axis", {{"title", title}, {"tickCount", 8}, {"format", ".4~r"}}}};
   const auto y = [&](const char* field) {
     return Json{{"field", field},
                 {"type", "quantitative"},

@@ -164,7 +164,7 @@ struct Placement {
 struct ClipMotion {
   // How the body (the mass of what is drawn, whatever node moves it) has moved from the first key to the last, model
   // space; stripped from the pose evenly with time. Turned by root_yaw about the vertical axis through root_axis, where
-  // it turns, else moved by root_displacement; horizontal, metres.
+  // it turns, else moved by root_displacement; metres; y only where it climbs or descends by more than sway.
   glm::dvec3 root_displacement{0.0};
   double root_yaw = 0;             // radians, from +Z towards +X
   glm::dvec3 root_axis{0.0};       // with root_yaw: where that axis stands

@@ -37,9 +37,6 @@ class NodeCheck {
       check_.copy_name(skin, path, clean);
       const json* joints = check_.member(skin, "joints");
       if (!joints || !joints->is_array() || joints->empty()) check_.fail(path, "has no joints");
-      if (joints->size() > check_.limits.joints)
-        check_.fail(path + "/joints",
-                    fmt::format("has {} joints, more than the limit of {}", joints->size(), check_.limits.joints));
       std::set<int> seen;
       for (size_t i = 0; i < joints->size(); ++i) {
         const std::string where = check_.item(path + "/joints", i);

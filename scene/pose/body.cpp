@@ -6,16 +6,18 @@
 #include <cmath>
 
 #include "scene/character/cut_out.h"
+#include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
 namespace {
 
 // The mass of each vertex.
-std::vector<double> vertex_masses(const Character& character) {
+std::vector<double> vertex_masses(const Character& character, std::span<const uint32_t> unseen) {
   const Mesh& mesh = character.mesh;
   const Skeleton& skeleton = character.skeleton;
-  const auto bind = skin_positions(mesh, joint_matrices(character, -1, 0.0));
+  auto bind = skin_positions(mesh, joint_matrices(character, -1, 0.0));
+  put_aside(bind, unseen);
   const auto held = [&](uint32_t v) { return skeleton.root_node >= 0 && skeleton.joints[mesh.joints[v][0]].rigid; };
   std::vector<double> mass(bind.size(), 0.0);
   double total = 0;
@@ -44,9 +46,9 @@ glm::dvec3 turned(const glm::dvec3& v, double sine, double cosine) {
 
 }  // namespace
 
-Body::Body(const Character& character) : lumps_(character.skeleton.joints.size()) {
+Body::Body(const Character& character, std::span<const uint32_t> unseen) : lumps_(character.skeleton.joints.size()) {
   const Mesh& mesh = character.mesh;
-  const std::vector<double> mass = vertex_masses(character);
+  const std::vector<double> mass = vertex_masses(character, unseen);
   const auto visit = [&](const auto& see) {
     for (size_t v = 0; v < mass.size(); ++v)
       for (int i = 0; mass[v] > 0 && i < kInfluences; ++i)
@@ -103,7 +105,7 @@ GroundFit fit_on_ground(const Body& body, const std::vector<glm::dmat4>& from, c
     across += a[i].mass * (q.x * p.z - q.z * p.x);
   }
   GroundFit fit;
-  fit.displacement = {end.x - start.x, 0.0, end.z - start.z};
+  fit.displacement = end - start;
   fit.yaw = along == 0 && across == 0 ? 0.0 : std::atan2(across, along);
   const auto left = [&](double yaw) {
     const double sine = std::sin(yaw);

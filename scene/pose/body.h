@@ -2,6 +2,7 @@
 // node, because files animate travel on any node: the root, a hips joint below a root that stands, several at once.
 #pragma once
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "scene/character/character.h"
@@ -12,7 +13,8 @@ class Body {
  public:
   // A triangle's mass is its area in the bind pose, as far as its mask leaves it, shared out on its corners. Things
   // held (rigid meshes beside a skin) are not the body. Where nothing has area, every drawn corner has the same mass.
-  explicit Body(const Character& character);
+  // unseen: vertices that count for nothing (never_shown() of scene/pose/hidden.h).
+  explicit Body(const Character& character, std::span<const uint32_t> unseen = {});
 
   // Does this entry of Skeleton::joints carry any of it?
   bool carried_by(size_t joint) const { return lumps_[joint].mass > 0; }
@@ -38,7 +40,7 @@ class Body {
 // The motion over the ground that brings one pose nearest to another: turned by `yaw` about +Y (from +Z towards +X),
 // then moved. `left` is what remains: the root of the mass's mean square distance, all three axes.
 struct GroundFit {
-  glm::dvec3 displacement{0.0};  // of the centre of mass, horizontal
+  glm::dvec3 displacement{0.0};  // of the centre of mass; y as far as it rises or sinks with the whole body
   double yaw = 0;                // radians, (-pi, pi]
   double left = 0;
   double left_unturned = 0;  // the same for the displacement alone

@@ -16,6 +16,7 @@
 #include "scene/character/character.h"
 #include "scene/pose/body.h"
 #include "scene/pose/facing.h"
+#include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/stand.h"
 
@@ -128,13 +129,15 @@ double whole_turn(const Measures& of, const std::vector<std::vector<glm::dmat4>>
 void measure_travel(const Measures& of, const std::vector<std::vector<glm::dmat4>>& poses, double duration,
                     ClipMotion& motion) {
   const GroundFit fit = fit_on_ground(of.body, poses.front(), poses.back());
-  const double far = glm::length(fit.displacement);
+  const double far = glm::length(horizontal(fit.displacement));
+  const double rise = std::abs(fit.displacement.y);  // stairs; what rises more than it goes forwards jumps or drops
   const bool turns = std::abs(fit.yaw) > kRootTurn && fit.left < 0.5 * fit.left_unturned &&
                      fit.left <= std::max(kLeftOfTravel * far, kLeftOfHeight * of.height);
-  const bool travels = far > kRootMotion * of.height && fit.left_unturned <= kLeftOfTravel * far;
+  const bool travels = far > kRootMotion * of.height && fit.left_unturned <= kLeftOfTravel * far && rise <= far;
   if (!turns && !travels) return;
   for (int axis = 0; axis < 3; ++axis) motion.root_displacement[axis] = settled(fit.displacement[axis], of.height);
-  glm::dvec3 velocity = motion.root_displacement / duration;
+  if (turns || rise <= kRootMotion * of.height) motion.root_displacement.y = 0;
+  glm::dvec3 velocity = horizontal(motion.root_displacement) / duration;
   if (turns) {
     motion.root_yaw = settled(whole_turn(of, poses, fit.yaw), 1.0);
     motion.root_axis = turning_axis(of.body.centre(poses.front()), motion.root_displacement, motion.root_yaw);
@@ -272,7 +275,7 @@ int choose_default_clip(const Character& character, const std::vector<Measured>&
 
 double first_height(const Character& character, int clip) {
   DrawnExtent extent(character);
-  return posed_height(character.mesh, extent, model_matrices(character, clip, 0.0));
+  return posed_height(extent, shown_positions(character.mesh, model_matrices(character, clip, 0.0)));
 }
 
 // Placement::upright_clip.
@@ -321,13 +324,28 @@ void orient(Character& character, const NormaliseOptions& options) {
   if (rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) add_turning_node(character, rotation);
 }
 
+// The clip by which the character may be seen to face -Z: the default one where it goes that way, else the first that
+// is called a walk or a run and does; -1: none. What is called backward goes backward.
+int clip_along_minus_z(const Character& character) {
+  const auto goes = [&](int clip) {
+    const ClipMotion& motion = character.motion[static_cast<size_t>(clip)];
+    return motion.ground_speed > 0 && motion.direction.y <= -0.7 &&
+           !holds(character.clips[static_cast<size_t>(clip)].name, "back");
+  };
+  const int standard = character.placement.default_clip;
+  if (standard >= 0 && goes(standard)) return standard;
+  for (int clip = 0; clip < static_cast<int>(character.clips.size()); ++clip) {
+    const std::string& name = character.clips[static_cast<size_t>(clip)].name;
+    if ((holds_walk(name) || holds(name, "run")) && goes(clip)) return clip;
+  }
+  return -1;
+}
+
 // Does the character walk along -Z? What it looks like decides whether that is forwards: VRM 0.x files face that way.
 bool turn_was_guessed(Character& character, const std::vector<uint32_t>& soles) {
-  const int clip = character.placement.default_clip;
+  const int clip = clip_along_minus_z(character);
   if (clip < 0) return false;
-  const ClipMotion& motion = character.motion[static_cast<size_t>(clip)];
   const std::string& name = character.clips[static_cast<size_t>(clip)].name;
-  if (!(motion.ground_speed > 0) || motion.direction.y > -0.7 || holds(name, "back")) return false;
   const std::string what = fmt::format("clip {} '{}' travels along -Z", clip, printable(name, 60));
   switch (compute_facing(character, soles)) {
     case Facing::minus_z:
@@ -353,11 +371,13 @@ int require_clip_or_none(const Character& character, const std::string& name_or_
 void normalise(Character& character, const NormaliseOptions& options) {
   assert(!character.mesh.positions.empty());
   orient(character, options);
-  const auto bind = joint_matrices(character, -1, 0.0);
+  const std::vector<uint32_t> unseen = never_shown(character);
+  auto bind = skin_positions(character.mesh, joint_matrices(character, -1, 0.0));
+  put_aside(bind, unseen);
   DrawnExtent extent(character);
-  const double bind_height = std::max(posed_height(character.mesh, extent, bind), 1e-30);
-  const Body body(character);
-  const std::vector<uint32_t> all_soles = find_soles(character, bind);
+  const double bind_height = std::max(posed_height(extent, bind), 1e-30);
+  const Body body(character, unseen);
+  const std::vector<uint32_t> all_soles = find_soles(character, bind, unseen);
   const std::vector<uint32_t> soles = thinned(all_soles);
 
   // Posed in glTF space first: placement and motion are found there, then scaled.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "scene/character/cut_out.h"
+#include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
@@ -34,28 +35,40 @@ BankClip describe(const Character& character, int clip) {
   return out;
 }
 
+// The mesh as posed, what the pose hides put aside.
+std::vector<glm::vec3> shown_points(const Mesh& mesh, std::span<const Mat3x4> palette) {
+  std::vector<glm::vec3> points(mesh.positions.size(), glm::vec3(0.0F));
+  for (size_t v = 0; v < points.size(); ++v) {
+    const glm::vec4 position(mesh.positions[v], 1.0F);
+    for (int i = 0; i < kInfluences; ++i) {
+      const float weight = mesh.weights[v][i];
+      if (weight == 0.0F) continue;
+      const Mat3x4& m = palette[mesh.joints[v][i]];
+      points[v] += weight * glm::vec3(glm::dot(m.rows[0], position), glm::dot(m.rows[1], position),
+                                      glm::dot(m.rows[2], position));
+    }
+  }
+  put_aside(points, hidden_vertices(mesh, stretches(palette), [&](uint32_t v) { return points[v]; }));
+  return points;
+}
+
 // Bounds of what masks leave, where there are any; `matrices` of `joints` a sample.
 void leave_out_what_masks_cut(const Character& character, const std::vector<Mat3x4>& matrices, size_t joints,
                               glm::vec3& low, glm::vec3& high) {
   DrawnExtent extent(character);
   if (!extent.cuts() || matrices.empty()) return;
-  const Mesh& mesh = character.mesh;
   low = glm::vec3(std::numeric_limits<float>::max());
   high = glm::vec3(std::numeric_limits<float>::lowest());
-  std::vector<double> along(mesh.positions.size());
-  for (size_t first = 0; first < matrices.size(); first += joints)
+  std::vector<double> along(character.mesh.positions.size());
+  for (size_t first = 0; first < matrices.size(); first += joints) {
+    const std::vector<glm::vec3> points = shown_points(character.mesh, {matrices.data() + first, joints});
     for (int axis = 0; axis < 3; ++axis)
-      for (const double sign : {-1.0, 1.0}) {
-        for (size_t v = 0; v < along.size(); ++v) {
-          along[v] = 0;
-          for (int i = 0; i < kInfluences; ++i)
-            along[v] +=
-                sign * static_cast<double>(mesh.weights[v][i] * glm::dot(matrices[first + mesh.joints[v][i]].rows[axis],
-                                                                         glm::vec4(mesh.positions[v], 1.0F)));
-        }
-        const auto most = static_cast<float>(sign * extent.most(along));
+      for (const float sign : {-1.0F, 1.0F}) {
+        for (size_t v = 0; v < along.size(); ++v) along[v] = sign * points[v][axis];
+        const float most = sign * static_cast<float>(extent.most(along));
         (sign < 0 ? low : high)[axis] = sign < 0 ? std::min(low[axis], most) : std::max(high[axis], most);
       }
+  }
 }
 
 }  // namespace
@@ -145,18 +158,7 @@ void PoseBank::add_sample(const Character& character, const std::vector<glm::dma
   }
   const size_t first = matrices_.size();
   for (const glm::dmat4& matrix : palette) matrices_.push_back(to_rows(matrix));
-  const Mat3x4* matrices = matrices_.data() + first;
-  const Mesh& mesh = character.mesh;
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    const glm::vec4 position(mesh.positions[v], 1.0F);
-    glm::vec3 posed(0.0F);
-    for (int i = 0; i < kInfluences; ++i) {
-      const float weight = mesh.weights[v][i];
-      if (weight == 0.0F) continue;
-      const Mat3x4& m = matrices[mesh.joints[v][i]];
-      posed += weight *
-               glm::vec3(glm::dot(m.rows[0], position), glm::dot(m.rows[1], position), glm::dot(m.rows[2], position));
-    }
+  for (const glm::vec3& posed : shown_points(character.mesh, {matrices_.data() + first, palette.size()})) {
     bounds_min_ = glm::min(bounds_min_, posed);
     bounds_max_ = glm::max(bounds_max_, posed);
   }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "scene/pose/hidden.h"
 #include "scene/pose/human_bones.h"
 #include "scene/pose/pose.h"
 
@@ -69,9 +70,9 @@ struct Heights {
   double low = std::numeric_limits<double>::max();
   double high = std::numeric_limits<double>::lowest();
   template <typename Counts>
-  Heights(const Mesh& mesh, const std::vector<glm::dmat4>& palette, const Counts& counts) {
-    for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
-      of.push_back(skin_one(mesh, v, palette).y);
+  Heights(std::span<const glm::dvec3> posed, const Counts& counts) {
+    for (uint32_t v = 0; v < posed.size(); ++v) {
+      of.push_back(posed[v].y);
       if (!counts(v)) continue;
       low = std::min(low, of.back());
       high = std::max(high, of.back());
@@ -80,15 +81,15 @@ struct Heights {
 };
 
 // What the body does not stand on: what it holds. Nothing is where all would be.
-std::vector<bool> find_held(const Character& character, const std::vector<glm::dmat4>& bind) {
+std::vector<bool> find_held(const Character& character, std::span<const glm::dvec3> bind) {
   const Mesh& mesh = character.mesh;
   const Skeleton& skeleton = character.skeleton;
   const size_t n = mesh.positions.size();
   const auto rigid = [&](size_t v) { return skeleton.joints[mesh.joints[v][0]].rigid; };
   std::vector<bool> held(n, false);
   if (skeleton.root_node < 0) return held;
-  const Heights skin(mesh, bind, [&](size_t v) { return !rigid(v); });
-  const Heights all(mesh, bind, [](size_t) { return true; });
+  const Heights skin(bind, [&](size_t v) { return !rigid(v); });
+  const Heights all(bind, [](size_t) { return true; });
   const bool rigid_feet = skin.low - all.low > kSoleBand * (all.high - all.low);
   const std::vector<bool> hands = in_hands(skeleton);
   for (size_t v = 0; v < n; ++v) held[v] = (rigid(v) && !rigid_feet) || hands[strongest_joint(mesh, v)];
@@ -144,20 +145,21 @@ double settled(double value, double height) {
   return std::ldexp(std::nearbyint(std::ldexp(value, 30 - exponent)), exponent - 30);
 }
 
-double posed_height(const Mesh& mesh, DrawnExtent& extent, const std::vector<glm::dmat4>& palette) {
-  Heights heights(mesh, palette, [](size_t) { return true; });
+double posed_height(DrawnExtent& extent, std::span<const glm::dvec3> posed) {
+  Heights heights(posed, [](size_t) { return true; });
   const double high = extent.most(heights.of);
   for (double& height : heights.of) height = -height;
   return high + extent.most(heights.of);
 }
 
-std::vector<uint32_t> find_soles(const Character& character, const std::vector<glm::dmat4>& bind) {
-  const Mesh& mesh = character.mesh;
+std::vector<uint32_t> find_soles(const Character& character, std::span<const glm::dvec3> bind,
+                                 std::span<const uint32_t> unseen) {
   const std::vector<bool> held = find_held(character, bind);
   std::vector<bool> counts = find_drawn(character);
   for (size_t v = 0; v < counts.size(); ++v) counts[v] = counts[v] && !held[v];
+  for (const uint32_t v : unseen) counts[v] = false;
   if (std::ranges::count(counts, true) == 0) counts.assign(counts.size(), true);
-  const Heights heights(mesh, bind, [&](size_t v) { return counts[v]; });
+  const Heights heights(bind, [&](size_t v) { return counts[v]; });
   std::vector<uint32_t> soles;
   for (uint32_t v = 0; v < counts.size(); ++v)
     if (counts[v] && heights.of[v] <= heights.low + kSoleBand * (heights.high - heights.low)) soles.push_back(v);
@@ -179,7 +181,7 @@ Stand measure_stand(const Character& character, const Body& body, const std::vec
   const double cycle = cycle_of(character, clip);
   const int samples = cycle > 0.0 ? std::clamp(static_cast<int>(std::ceil(cycle * kBoundsRate)), 2, 150) : 1;
   const int root = travelling_node(character.skeleton);
-  const std::vector<bool> held = find_held(character, joint_matrices(character, -1, 0.0));
+  const std::vector<bool> held = find_held(character, skin_positions(mesh, joint_matrices(character, -1, 0.0)));
   DrawnExtent extent(character);
   Stand out;
   glm::dvec3 root_middle{0.0};
@@ -189,8 +191,9 @@ Stand measure_stand(const Character& character, const Body& body, const std::vec
   for (int i = 0; i < samples; ++i) {
     const double phase = static_cast<double>(i) / samples;
     const auto palette = model_matrices(character, clip, phase);
-    const Heights heights(mesh, palette, [](size_t) { return true; });
-    if (i == 0) out.height = posed_height(mesh, extent, palette);
+    const std::vector<glm::dvec3> posed = shown_positions(mesh, palette);
+    const Heights heights(posed, [](size_t) { return true; });
+    if (i == 0) out.height = posed_height(extent, posed);
     double sole = std::numeric_limits<double>::max();
     for (const uint32_t v : soles) sole = std::min(sole, heights.of[v]);
     lowest_soles.push_back(sole);

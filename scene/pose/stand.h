@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "scene/character/character.h"
@@ -18,13 +19,15 @@ glm::dvec3 skin_one(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>&
 // what is kept goes into every bake's key.
 double settled(double value, double height);
 
-// From the lowest to the highest point that is drawn.
-double posed_height(const Mesh& mesh, DrawnExtent& extent, const std::vector<glm::dmat4>& palette);
+// From the lowest to the highest point that is drawn, of a posed mesh (scene/pose/hidden.h).
+double posed_height(DrawnExtent& extent, std::span<const glm::dvec3> posed);
 
 // Vertices that can touch the ground: the lowest of the bind pose, as far as they are drawn there. What is held has no
 // say where there is anything else: rigid meshes beside a skin (boots may be rigid too: not where they reach lower than
-// the skin), and what hangs on a hand node. bind: the palette of that pose.
-std::vector<uint32_t> find_soles(const Character& character, const std::vector<glm::dmat4>& bind);
+// the skin), what hangs on a hand node, and what no clip shows. bind: the mesh in that pose; unseen: never_shown() of
+// it.
+std::vector<uint32_t> find_soles(const Character& character, std::span<const glm::dvec3> bind,
+                                 std::span<const uint32_t> unseen);
 
 // The height that carries: the lowest at which the lowest points of a cycle's poses, evenly spaced, stay for a sixth of
 // it within a hundredth of the figure's height. A toe or a blade that dips below in a few frames does not lift the

@@ -6,13 +6,13 @@
 
 #include "scene/character/alpha_coverage.h"
 #include "scene/character/drawn.h"
+#include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::scene {
 namespace {
 
-// Of the figure's size: a triangle whose height over its longest side is less shows in no picture.
-constexpr double kThin = 1e-7;
+constexpr size_t kMostTimes = 240;  // of a clip: baked ones have a key a frame
 
 // Nothing of a masked surface passes its test, whatever its vertex colours: they only take away.
 bool transparent(const Character& character, const Material& material) {
@@ -65,12 +65,6 @@ glm::dvec3 posed(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>& pa
   return glm::dvec3(sum);
 }
 
-// Whether the triangle has area, for its size and that of the figure as posed.
-bool has_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double size) {
-  const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-  return longest > kThin * size && glm::length(glm::cross(b - a, c - a)) > kThin * size * longest;
-}
-
 double size_of(const std::vector<glm::dvec3>& points) {
   glm::dvec3 low = points.front();
   glm::dvec3 high = points.front();
@@ -79,6 +73,33 @@ double size_of(const std::vector<glm::dvec3>& points) {
     high = glm::max(high, p);
   }
   return glm::length(high - low);
+}
+
+// Does the channel scale its node from or to nothing?
+bool shows_or_hides(const Character& character, const Channel& channel) {
+  if (channel.target != Target::scale) return false;
+  const glm::dvec3 rest = glm::abs(character.skeleton.nodes[static_cast<size_t>(channel.node)].scale);
+  double least = std::min({rest.x, rest.y, rest.z});
+  double most = std::max({rest.x, rest.y, rest.z});
+  for (const float value : channel.values) {
+    least = std::min(least, std::abs(static_cast<double>(value)));
+    most = std::max(most, std::abs(static_cast<double>(value)));
+  }
+  return least < 0.01 * most;
+}
+
+// Of a clip: its ends, its middle, and the keys by which it shows and hides.
+std::vector<double> telling_times(const Character& character, const Clip& clip) {
+  std::vector<double> times;
+  for (const double share : {0.0, 0.5, 1.0}) times.push_back(clip.start + share * clip.duration());
+  for (const Channel& channel : clip.channels)
+    if (shows_or_hides(character, channel)) times.insert(times.end(), channel.times.begin(), channel.times.end());
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  const size_t step = (times.size() + kMostTimes - 1) / kMostTimes;
+  std::vector<double> out;
+  for (size_t i = 0; i < times.size(); i += step) out.push_back(times[i]);
+  return out;
 }
 
 }  // namespace
@@ -99,9 +120,8 @@ size_t drop_invisible(Character& character) {
   std::vector<std::vector<glm::dmat4>> poses;
   const auto pose_clips = [&] {
     for (size_t clip = 0; clip < character.clips.size(); ++clip)
-      for (const double share : {0.0, 0.5, 1.0})
-        poses.push_back(joint_matrices(character, static_cast<int>(clip),
-                                       character.clips[clip].start + share * character.clips[clip].duration()));
+      for (const double time : telling_times(character, character.clips[clip]))
+        poses.push_back(joint_matrices(character, static_cast<int>(clip), time));
   };
   const auto has_area_in_a_clip = [&](const uint32_t* t) {
     if (poses.empty()) pose_clips();

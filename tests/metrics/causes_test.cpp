@@ -270,7 +270,7 @@ struct Pictures {
   }
   struct Changes {
     int moved_right = 0, moved_down = 0;
-    bool arm_up = false, swapped = false;
+    bool arm_up = false, front_arm_up = false, swapped = false;
     int red = 0;
     double light = 1;
     float farther = 0;
@@ -285,7 +285,7 @@ struct Pictures {
       if (first != changes.swapped)
         out.figure(6, 68, 6, changes.swapped ? 4.0F : 6.0F);
       else
-        out.figure(5, 64, 5, 5);
+        out.figure(5, 64, 5, 5, changes.front_arm_up);
     }
     return out;
   }
@@ -390,6 +390,15 @@ TEST(PictureCauses, WithoutThePosesALateAgentsOutlineIsWrong) {
   EXPECT_EQ(causes.errors.agent(2)->largest(), Cause::silhouette);
   for (const Cause cause : {Cause::view, Cause::level}) EXPECT_FALSE(causes.errors.available(cause));
   EXPECT_THROW(causes_of_pictures({Image8(3, 3, 3), Image8(3, 3, 3), ImageU32(4, 3, 1), ImageU32(3, 3, 1)}), Error);
+}
+
+// The arm lies over the one behind before and after.
+TEST(PictureCauses, AnArmThatMovesOverAnotherAgentIsNoChangeOfOrder) {
+  for (const bool depths : {false, true}) {
+    const PictureCauses causes = told(Pictures::of({}), Pictures::of({.front_arm_up = true}), depths);
+    EXPECT_EQ(causes.errors.agent(5)->largest(), Cause::silhouette);
+    for (const AgentChange& of : causes.changes) EXPECT_TRUE(of.changed_places_with.empty()) << of.id;
+  }
 }
 
 TEST(PictureCauses, WhatNoAgentCoversIsResidue) {

@@ -146,6 +146,8 @@ TEST(Over, IsSourceOverOnEncodedValues) {
   // Sixteen bits at the same point: 51400 * 32896 + 25700 * 32639 over 65535 * 257.
   EXPECT_EQ(over(image<uint16_t>(1, 1, 4, {51400, 0, 65535, 32896}), {100, 100, 100}),
             (image<uint8_t>(1, 1, 3, {150, 49, 177})));
+  EXPECT_EQ(over(a, {100, 100, 100}, OverRounding::nearest),
+            (image<uint8_t>(3, 1, 3, {150, 50, 178, 100, 100, 100, 1, 2, 3})));
 }
 
 TEST(Ssim, IdenticalPicturesScoreOne) {

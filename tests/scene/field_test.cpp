@@ -11,6 +11,7 @@
 #include "scene/character/drawn.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/body.h"
+#include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/pose_bank.h"
 #include "scene/pose/stand.h"
@@ -129,6 +130,55 @@ TEST(Undrawn, ANodeScaledToNothingCountsForNothing) {
   b.doc["nodes"].push_back({{"mesh", 1}, {"translation", {0, 30, 0}}, {"scale", {0, 0, 0}}});
   b.doc["scenes"][0]["nodes"].push_back(3);
   EXPECT_NEAR(load(b, LoadOptions{}).placement.scale, 1.75 / 2, 1e-9);
+}
+
+// A second card at a height of 30, which a scale channel of the clip shows or hides.
+Builder card_with_a_flag(const std::vector<float>& times, const std::vector<float>& scales, float rest) {
+  Builder b = walking_card();
+  b.doc["meshes"].push_back(b.doc["meshes"][0]);
+  b.doc["nodes"].push_back({{"mesh", 1}, {"translation", {0, 30, 0}}, {"scale", {rest, rest, rest}}});
+  b.doc["scenes"][0]["nodes"].push_back(3);
+  std::vector<float> values;
+  for (const float scale : scales) values.insert(values.end(), {scale, scale, scale});
+  move(b, 0, 3, "scale", times, values);
+  return b;
+}
+
+TEST(Undrawn, WhatAClipScalesToNothingCountsForNothing) {
+  for (const float scale : {0.0F, 1e-5F}) {
+    Builder b = card_with_a_flag({0, 1}, {scale, scale}, 1);
+    move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, 1});
+    const Character c = load(b, LoadOptions{});
+    EXPECT_EQ(c.triangles(), 4U);  // the bind pose shows it
+    EXPECT_NEAR(c.placement.scale, 1.75 / 2, 1e-6) << scale;
+    EXPECT_NEAR(c.motion[0].ground_speed, 1.75 / 2, 1e-6) << scale;
+    EXPECT_LT(PoseBank(c, {0}, 30).bounds_max().y, 1.76F) << scale;
+  }
+  EXPECT_NEAR(load(card_with_a_flag({0, 1}, {1, 1}, 1).glb(), LoadOptions{}).placement.scale, 1.75 / 32, 1e-6);
+}
+
+TEST(Undrawn, WhatAClipShowsForAMomentIsDrawn) {
+  Builder b = card_with_a_flag({0, 0.2F, 0.25F, 0.3F, 1}, {0, 0, 1, 0, 0}, 0);
+  const Character c = load(b, LoadOptions{});
+  EXPECT_EQ(c.triangles(), 4U);
+  EXPECT_NEAR(c.placement.scale, 1.75 / 2, 1e-6);  // the clip's first pose does not show it
+}
+
+TEST(Undrawn, AVertexIsShownByTheTrianglesThatReachToIt) {
+  Builder b = bending_card();
+  const Character c = load(b);
+  auto palette = joint_matrices(c, -1, 0);
+  const auto hidden = [&] {
+    const auto posed = skin_positions(c.mesh, palette);
+    return hidden_vertices(c.mesh, stretches(palette), [&](uint32_t v) { return posed[v]; });
+  };
+  EXPECT_TRUE(hidden().empty());
+  // Both upper corners fall on the joint: the triangle with one of them still reaches there, the other one does not.
+  palette[1] = glm::dmat4(0.0);
+  palette[1][3] = {0, 9, 0, 1};
+  EXPECT_EQ(hidden(), std::vector<uint32_t>{3});
+  EXPECT_EQ(shown_positions(c.mesh, palette)[3], glm::dvec3(0, 0, 0));
+  EXPECT_EQ(shown_positions(c.mesh, palette)[2].y, 9);
 }
 
 TEST(Undrawn, SharedVerticesCountOnceAndAreLimitedByWhatIsNamed) {
@@ -280,6 +330,24 @@ TEST(RootMotion, ATurnIsStrippedAndKeptAsARate) {
     const auto then = skin_positions(c.mesh, model_matrices(c, 0, phase));
     for (size_t v = 0; v < first.size(); ++v) EXPECT_LT(glm::length(then[v] - first[v]), 1e-3) << phase;
   }
+}
+
+TEST(RootMotion, StairsAreClimbedWhileTheFigureGoesForwards) {
+  for (const float rise : {0.8F, -0.8F}) {
+    Builder b = walking_card();
+    move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, rise, 1.5F});
+    const Character c = load(b);
+    EXPECT_NEAR(c.motion[0].ground_speed, 1.5, 1e-6);
+    EXPECT_EQ(c.motion[0].direction, glm::dvec2(0, 1));
+    EXPECT_NEAR(c.motion[0].root_displacement.y, static_cast<double>(rise), 1e-6);
+    EXPECT_FALSE(c.motion[0].from_stance);
+    const auto first = skin_positions(c.mesh, model_matrices(c, 0, 0.0));
+    const auto then = skin_positions(c.mesh, model_matrices(c, 0, 0.5));
+    for (size_t v = 0; v < first.size(); ++v) EXPECT_LT(glm::length(then[v] - first[v]), 1e-6);
+  }
+  Builder jump = walking_card();
+  move(jump, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 2, 1});
+  EXPECT_EQ(load(jump).motion[0].root_displacement, glm::dvec3(0.0));
 }
 
 TEST(RootMotion, AFallIsNoTravel) {
@@ -448,6 +516,17 @@ TEST(Facing, AWalkAlongMinusZThatTheToesPointToIsTurned) {
   EXPECT_NEAR(backward.motion[0].direction.y, -1.0, 1e-6);
   EXPECT_FALSE(warned(backward, "turn_deg"));
   EXPECT_TRUE(warned(walker({0, -1}, false), "turn_deg = 180"));
+}
+
+TEST(Facing, AnyWalkTellsItNotTheDefaultClipAlone) {
+  Builder b = walking_card();
+  b.doc["animations"][0]["name"] = "walk_strafe";
+  move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
+  b.doc["animations"].push_back({{"name", "walk"}});
+  move(b, 1, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, -1});
+  EXPECT_TRUE(warned(load(b), "clip 1 'walk' travels along -Z"));
+  b.doc["animations"][1]["name"] = "walk_back";
+  EXPECT_FALSE(warned(load(b), "travels along -Z"));
 }
 
 // --- mirrored nodes

@@ -14,6 +14,7 @@
 #include "renderers/mesh/mesh.h"
 #include "renderers/shaders/bindings.shared.h"
 #include "scene/cast/cast.h"
+#include "scene/pose/hidden.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -41,6 +42,8 @@ std::vector<glm::vec3> posed_positions(const scene::Mesh& mesh, const std::vecto
     }
     positions[v] = sum;
   }
+  scene::put_aside(positions,
+                   scene::hidden_vertices(mesh, scene::stretches(palette), [&](uint32_t v) { return positions[v]; }));
   return positions;
 }
 

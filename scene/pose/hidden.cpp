@@ -1,0 +1,112 @@
+#include "scene/pose/hidden.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "scene/pose/pose.h"
+#include "scene/pose/pose_bank.h"
+
+namespace crowdbench::scene {
+namespace {
+
+// Of the figure's size: a triangle whose height over its longest side is less shows in no picture.
+constexpr double kThin = 1e-7;
+constexpr double kGone = 1e-4;  // of the largest stretch: what a joint carries there is a tenth of a millimetre
+
+double diagonal(const Mesh& mesh, const std::function<glm::dvec3(uint32_t)>& posed) {
+  glm::dvec3 low(INFINITY);
+  glm::dvec3 high(-INFINITY);
+  for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    low = glm::min(low, posed(v));
+    high = glm::max(high, posed(v));
+  }
+  return glm::length(high - low);
+}
+
+}  // namespace
+
+bool has_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double figure) {
+  const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+  return longest > kThin * figure && glm::length(glm::cross(b - a, c - a)) > kThin * figure * longest;
+}
+
+std::vector<double> stretches(std::span<const glm::dmat4> palette) {
+  std::vector<double> out;
+  for (const glm::dmat4& m : palette) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) sum += glm::dot(glm::dvec3(m[axis]), glm::dvec3(m[axis]));
+    out.push_back(std::sqrt(sum));
+  }
+  return out;
+}
+
+std::vector<double> stretches(std::span<const Mat3x4> palette) {
+  std::vector<double> out;
+  for (const Mat3x4& m : palette) {
+    double sum = 0;
+    for (const glm::vec4& row : m.rows) sum += static_cast<double>(glm::dot(glm::vec3(row), glm::vec3(row)));
+    out.push_back(std::sqrt(sum));
+  }
+  return out;
+}
+
+std::vector<uint32_t> hidden_vertices(const Mesh& mesh, std::span<const double> stretches,
+                                      const std::function<glm::dvec3(uint32_t)>& posed) {
+  if (stretches.empty()) return {};
+  const double gone = kGone * *std::ranges::max_element(stretches);
+  if (std::ranges::none_of(stretches, [&](double stretch) { return stretch < gone; })) return {};
+  std::vector<bool> hidden(mesh.positions.size(), false);
+  for (size_t v = 0; v < hidden.size(); ++v) {
+    double stretch = 0;
+    for (int i = 0; i < kInfluences; ++i)
+      stretch += static_cast<double>(mesh.weights[v][i]) * stretches[mesh.joints[v][i]];
+    hidden[v] = stretch < gone;
+  }
+  const double figure = diagonal(mesh, posed);
+  std::vector<uint32_t> shown;
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const uint32_t* t = &mesh.indices[i];
+    if (!hidden[t[0]] && !hidden[t[1]] && !hidden[t[2]]) continue;
+    if (has_area(posed(t[0]), posed(t[1]), posed(t[2]), figure)) shown.insert(shown.end(), t, t + 3);
+  }
+  for (const uint32_t v : shown) hidden[v] = false;
+  std::vector<uint32_t> out;
+  for (uint32_t v = 0; v < hidden.size(); ++v)
+    if (hidden[v]) out.push_back(v);
+  return out;
+}
+
+std::vector<glm::dvec3> shown_positions(const Mesh& mesh, const std::vector<glm::dmat4>& palette) {
+  std::vector<glm::dvec3> positions = skin_positions(mesh, palette);
+  put_aside(positions, hidden_vertices(mesh, stretches(palette), [&](uint32_t v) { return positions[v]; }));
+  return positions;
+}
+
+std::vector<uint32_t> never_shown(const Character& character) {
+  std::vector<uint32_t> out;
+  bool first = true;
+  for (size_t clip = 0; clip < character.clips.size(); ++clip)
+    for (const double share : {0.0, 0.5, 1.0}) {
+      const Clip& curves = character.clips[clip];
+      const auto palette = joint_matrices(character, static_cast<int>(clip), curves.start + share * curves.duration());
+      const std::vector<double> stretch = stretches(palette);
+      std::vector<uint32_t> here;
+      if (first || !out.empty())
+        here = hidden_vertices(
+            character.mesh, stretch,
+            [&, positions = skin_positions(character.mesh, palette)](uint32_t v) { return positions[v]; });
+      if (first) {
+        out = std::move(here);
+      } else {
+        std::vector<uint32_t> both;
+        std::ranges::set_intersection(out, here, std::back_inserter(both));
+        out = std::move(both);
+      }
+      first = false;
+      if (out.empty()) return out;
+    }
+  return out;
+}
+
+}  // namespace crowdbench::scene
