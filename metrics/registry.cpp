@@ -112,6 +112,11 @@ const Score* score_by_cause(ScoreTable table) {
   return found == table.end() ? nullptr : *found;
 }
 
+const Score* score_of_threshold(ScoreTable table) {
+  const auto found = std::find_if(table.begin(), table.end(), [](const Score* s) { return s->threshold.has_value(); });
+  return found == table.end() ? nullptr : *found;
+}
+
 double best_value(const Score& score) {
   return score.direction == Direction::higher_is_better ? score.greatest : score.least;
 }

@@ -147,6 +147,8 @@ struct Score {
   Direction direction = Direction::higher_is_better;
   int digits = 3;                  // after the point, for people
   double least = 0, greatest = 0;  // range; the better end of it is what two equal pictures score
+  // Taken to pass unseen where nobody says how good a picture must be (one score of the table).
+  std::optional<double> threshold = std::nullopt;
   Needs needs = 0;
   Scope scope = Scope::picture;
   Uses uses = 0;
@@ -173,6 +175,8 @@ ScoreTable scores();
 const Score& ranking_score(ScoreTable table);
 // By kByCause; nullptr where the table has none.
 const Score* score_by_cause(ScoreTable table);
+// By `threshold`; nullptr where the table has none.
+const Score* score_of_threshold(ScoreTable table);
 // What two equal pictures score: the better end of the range.
 double best_value(const Score& score);
 // Whether value `a` is worse than `b`.

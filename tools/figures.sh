@@ -147,12 +147,12 @@ pops() {
   i=0
   while [ -n "$(fact "sizes.$i.ratio")" ]; do
     for pose in own matched; do
-      for way in cut fade; do
-        at=$(awk -F'\t' -v from="sizes.$i.switch.${pose}_$way" 'index($1, from) == 1 { split($1, p, "."); print p[1] "." p[2] "." p[3] "." p[4]; exit }' "$work/facts")
-        [ -n "$at" ] || fail "popmap says nothing of ${pose}_$way"
+      for change in cut fade; do
+        at=$(awk -F'\t' -v from="sizes.$i.switch.${pose}_$change" 'index($1, from) == 1 { split($1, p, "."); print p[1] "." p[2] "." p[3] "." p[4]; exit }' "$work/facts")
+        [ -n "$at" ] || fail "popmap says nothing of ${pose}_$change"
         case $pose in own) pose_text="its own" ;; *) pose_text="the stored frame's" ;; esac
-        case $way in cut) way_text=cut ;; *) way_text="largest step of a 4-tick fade" ;; esac
-        echo "| $(fact "sizes.$i.ratio") | $pose_text | $way_text | $(number 2 "$(fact "$at.mae.mean")") |" \
+        case $change in cut) change_text=cut ;; *) change_text="largest step of a 4-tick fade" ;; esac
+        echo "| $(fact "sizes.$i.ratio") | $pose_text | $change_text | $(number 2 "$(fact "$at.mae.mean")") |" \
           "$(number 2 "$(fact "$at.mae.p95")") | $(number 2 "$(fact "$at.mae.worst")") |" \
           "$(number 3 "$(fact "$at.ssim_union.mean")") | $(number 3 "$(fact "$at.ssim_union.p05")") |" \
           "$(number 3 "$(fact "$at.ssim_union.worst")") |"

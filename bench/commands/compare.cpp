@@ -31,8 +31,6 @@
 namespace crowdbench::bench {
 namespace {
 
-using ordered_json = Json;
-
 struct Result {
   int width = 0;
   int height = 0;
@@ -196,8 +194,8 @@ Result compare(const CompareOptions& options, metrics::ScoreTable table) {
 }
 
 // The scores of the silhouettes alone, under the names that they have among themselves.
-ordered_json silhouettes_json(const Result& result, ordered_json& reasons) {
-  ordered_json out = ordered_json::object();
+Json silhouettes_json(const Result& result, Json& reasons) {
+  Json out = Json::object();
   for (const auto& [score, scored] : result.scores) {
     if (score->needs != metrics::kNeedsIds) continue;
     const std::string name(metrics::name_among_silhouettes(*score));
@@ -207,10 +205,10 @@ ordered_json silhouettes_json(const Result& result, ordered_json& reasons) {
   return out;
 }
 
-ordered_json agents_json(const metrics::AgentScores& scores) {
-  ordered_json out = ordered_json::array();
+Json agents_json(const metrics::AgentScores& scores) {
+  Json out = Json::array();
   for (const metrics::AgentRow& agent : scores.agents) {
-    ordered_json row = {{"id", agent.id}, {"pixels_ref", agent.pixels_ref}, {"pixels_test", agent.pixels_test}};
+    Json row = {{"id", agent.id}, {"pixels_ref", agent.pixels_ref}, {"pixels_test", agent.pixels_test}};
     for (size_t s = 0; s < scores.scores.size(); ++s)
       row[std::string(metrics::name_among_silhouettes(*scores.scores[s]))] = json_number(agent.values[s]);
     out.push_back(std::move(row));
@@ -218,8 +216,8 @@ ordered_json agents_json(const metrics::AgentScores& scores) {
   return out;
 }
 
-ordered_json not_finite_json(const NotFinitePair& pair) {
-  ordered_json out = ordered_json::object();
+Json not_finite_json(const NotFinitePair& pair) {
+  Json out = Json::object();
   for (const auto& [side, found] : {std::pair{"reference", &pair.reference}, std::pair{"test", &pair.test}}) {
     out[side] = {{"nan", found->nan}, {"infinite", found->infinite}};
     if (found->pixels() > 0) out[side]["first"] = {found->x, found->y};
@@ -227,16 +225,16 @@ ordered_json not_finite_json(const NotFinitePair& pair) {
   return out;
 }
 
-ordered_json to_json(const CompareOptions& options, const Result& result) {
-  ordered_json scores = ordered_json::object();
-  ordered_json reasons = ordered_json::object();
+Json to_json(const CompareOptions& options, const Result& result) {
+  Json scores = Json::object();
+  Json reasons = Json::object();
   put_scores(scores, reasons, result.scores);
-  ordered_json out = {{"reference", options.reference}, {"test", options.test}, {"width", result.width},
-                      {"height", result.height},        {"scores", scores},     {"reasons", reasons}};
+  Json out = {{"reference", options.reference}, {"test", options.test}, {"width", result.width},
+              {"height", result.height},        {"scores", scores},     {"reasons", reasons}};
   if (result.worst)
     out["worst"] = {{"difference", result.worst->worst}, {"x", result.worst->worst_x}, {"y", result.worst->worst_y}};
-  if (ordered_json conditions = conditions_json(result.scores); !conditions.empty()) out["conditions"] = conditions;
-  if (ordered_json details = details_json(result.scores); !details.empty()) out["details"] = details;
+  if (Json conditions = conditions_json(result.scores); !conditions.empty()) out["conditions"] = conditions;
+  if (Json details = details_json(result.scores); !details.empty()) out["details"] = details;
   out["display"] = display_json(result.setup.display);
   if (result.not_finite) out["not_finite"] = not_finite_json(*result.not_finite);
   if (!options.over.empty()) {

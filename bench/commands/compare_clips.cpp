@@ -19,8 +19,6 @@
 namespace crowdbench::bench {
 namespace {
 
-using ordered_json = Json;
-
 // Float frames' pixels that are not finite, over all frames of one side.
 struct NotFiniteFrames {
   metrics::NotFinite all;  // x, y: in `frame`
@@ -137,8 +135,8 @@ Result run(const CompareSetup& setup, const CompareOptions& options) {
   return result;
 }
 
-ordered_json not_finite_json(const NotFiniteFrames& found) {
-  ordered_json out = {{"nan", found.all.nan}, {"infinite", found.all.infinite}};
+Json not_finite_json(const NotFiniteFrames& found) {
+  Json out = {{"nan", found.all.nan}, {"infinite", found.all.infinite}};
   if (found.all.pixels() > 0) {
     out["frame"] = found.frame;
     out["first"] = {found.all.x, found.all.y};
@@ -146,16 +144,16 @@ ordered_json not_finite_json(const NotFiniteFrames& found) {
   return out;
 }
 
-ordered_json to_json(const CompareOptions& options, const CompareSetup& setup, const Result& result) {
-  ordered_json scores = ordered_json::object();
-  ordered_json reasons = ordered_json::object();
+Json to_json(const CompareOptions& options, const CompareSetup& setup, const Result& result) {
+  Json scores = Json::object();
+  Json reasons = Json::object();
   const std::vector<metrics::Scored> whole = whole_scores(result);
   put_scores(scores, reasons, whole);
-  ordered_json out = {
+  Json out = {
       {"reference", result.reference}, {"test", result.test}, {"width", result.width}, {"height", result.height},
       {"frames", result.frames},       {"fps", nullptr},      {"scores", scores},      {"reasons", reasons}};
   if (result.fps > 0) out["fps"] = result.fps;
-  out["pooling"] = out["worst_frames"] = out["by_frame"] = ordered_json::object();
+  out["pooling"] = out["worst_frames"] = out["by_frame"] = Json::object();
   for (const ClipScore& of : result.scores) {
     const std::string name(of.score->name);
     if (of.result.value) out["pooling"][name] = pooling_text(of);
@@ -163,8 +161,8 @@ ordered_json to_json(const CompareOptions& options, const CompareSetup& setup, c
       out["worst_frames"][name] = {{"frame", *of.worst_frame}, {"value", json_number(of.worst.value)}};
     for (const auto& value : of.by_frame) out["by_frame"][name].push_back(json_number(value));
   }
-  if (ordered_json conditions = conditions_json(whole); !conditions.empty()) out["conditions"] = conditions;
-  if (ordered_json details = details_json(whole); !details.empty()) out["details"] = details;
+  if (Json conditions = conditions_json(whole); !conditions.empty()) out["conditions"] = conditions;
+  if (Json details = details_json(whole); !details.empty()) out["details"] = details;
   out["display"] = display_json(setup.display);
   if (result.floats)
     out["not_finite"] = {{"reference", not_finite_json(result.not_finite_reference)},

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -37,7 +38,7 @@ struct Options {
   bool tiny = false;
 };
 
-// About what a character takes on two cores without a GPU, seconds, and the clip's part of it.
+// About what a character takes on two cores without a GPU, seconds, and how much of that the clip takes.
 constexpr double kCharacterSeconds = 180;
 constexpr double kClipSeconds = 40;
 
@@ -166,6 +167,69 @@ std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scen
   return pair.clip.accurate ? path.string() : std::string();
 }
 
+// The demonstration always starts anew: its own results go, nothing else does.
+void remove_results(const std::filesystem::path& results) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(results.string() + suffix, ignored);
+}
+
+SweepSummary time_crowds(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
+                         const scene::Scenario& scenario, const Options& options, StoreWriter& store) {
+  SweepRequest request;
+  request.scenario = scenario;
+  request.representations = {renderers::parse_spec(options.representation), low_polygon_spec()};
+  request.budget_ms = 6000;
+  request.time_limit_s = options.tiny ? 0.1 : 7;
+  request.rounds = options.tiny ? 10 : 24;
+  using AgentsByOccupancy = std::vector<std::pair<double, std::vector<uint32_t>>>;
+  const AgentsByOccupancy crowds = options.tiny
+                                       ? AgentsByOccupancy{{0.15, {1, 5}}}
+                                       : AgentsByOccupancy{{0.15, {1, 10, 100, 250, 1000}}, {0.9, {10, 100, 250}}};
+  SweepSummary summary;
+  Progress progress("timing", 0);
+  for (const auto& [occupancy, agents] : crowds) {
+    request.occupancies = {occupancy};
+    request.agents = agents;
+    const SweepSummary swept =
+        run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
+    summary.invalid += swept.invalid;
+    summary.remarks.insert(summary.remarks.end(), swept.remarks.begin(), swept.remarks.end());
+  }
+  return summary;
+}
+
+// All of one character. The exit status: 1 where a point failed its picture check.
+int show_character(gl::Context& context, const TimingMethod& method, const std::string& character,
+                   const Options& options, StoreWriter& store, Steps& steps) {
+  const scene::Scenario scenario = demo_scenario(character, options.character);
+  const scene::Cast cast = open_cast(scenario);
+  RunRow run = describe_run(context, method, scenario, "demo", command_line());
+  run.id = store.write(run);
+
+  steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));
+  draw_heroes(context, cast, scenario, options, store, run.id);
+
+  steps.next(fmt::format("{}: timing {} and {} in rounds", cast_name(cast), renderers::reference_spec().text(),
+                         options.representation));
+  const SweepSummary summary = time_crowds(context, cast, method, run, scenario, options, store);
+  for (const std::string& remark : summary.remarks) steps.say(remark);
+
+  steps.next(fmt::format("{}: comparing single agents with the mesh", cast_name(cast)));
+  judge_agents(context, cast, options, store, run.id);
+
+  if (!options.no_clip) {
+    steps.next(fmt::format("{}: encoding both as one clip", cast_name(cast)));
+    try {
+      const std::string path = make_clip(context, cast, scenario, options);
+      steps.say(path.empty() ? "the clip missed its accuracy and was not kept" : path);
+    } catch (const Error& error) {
+      // A bundle without FFmpeg still makes its report.
+      steps.say(fmt::format("no clip: {}", error.what()));
+    }
+  }
+  return summary.invalid > 0 ? 1 : 0;
+}
+
 int run_demo(const Options& options) {
   const std::vector<std::string> characters =
       options.characters.empty() ? std::vector<std::string>{"mannequin"} : options.characters;
@@ -173,65 +237,15 @@ int run_demo(const Options& options) {
   const std::filesystem::path folder = options.out;
   make_folder(folder);
   const std::filesystem::path results = folder / "results.sqlite";
-  // The demonstration always starts anew: its own results go, nothing else does.
-  std::error_code ignored;
-  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(results.string() + suffix, ignored);
+  remove_results(results);
   StoreWriter store(results);
-  const std::unique_ptr<gl::Context> opened = open_context(options.device);
-  gl::Context& context = *opened;
-  const TimingMethod method = choose_timing_method(context);
+  const std::unique_ptr<gl::Context> context = open_context(options.device);
+  const TimingMethod method = choose_timing_method(*context);
   const double each = options.tiny ? 5 : kCharacterSeconds - (options.no_clip ? kClipSeconds : 0);
   Steps steps(characters.size() * (options.no_clip ? 3 : 4) + 1, each * static_cast<double>(characters.size()));
   int status = 0;
-  for (const std::string& character : characters) {
-    const scene::Scenario scenario = demo_scenario(character, options.character);
-    const scene::Cast cast = open_cast(scenario);
-    RunRow run = describe_run(context, method, scenario, "demo", command_line());
-    run.id = store.write(run);
-
-    steps.next(fmt::format("{}: baking {} and drawing the crowd", cast_name(cast), options.representation));
-    draw_heroes(context, cast, scenario, options, store, run.id);
-
-    steps.next(fmt::format("{}: timing {} and {} in rounds", cast_name(cast), renderers::reference_spec().text(),
-                           options.representation));
-    SweepRequest request;
-    request.scenario = scenario;
-    request.representations = {renderers::parse_spec(options.representation), low_polygon_spec()};
-    request.budget_ms = 6000;
-    request.time_limit_s = options.tiny ? 0.1 : 7;
-    request.rounds = options.tiny ? 10 : 24;
-    SweepSummary summary;
-    {
-      Progress progress("timing", 0);
-      for (const auto& [occupancy, agents] : options.tiny
-                                                 ? std::vector<std::pair<double, std::vector<uint32_t>>>{{0.15, {1, 5}}}
-                                                 : std::vector<std::pair<double, std::vector<uint32_t>>>{
-                                                       {0.15, {1, 10, 100, 250, 1000}}, {0.9, {10, 100, 250}}}) {
-        request.occupancies = {occupancy};
-        request.agents = agents;
-        const SweepSummary swept =
-            run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
-        summary.invalid += swept.invalid;
-        summary.remarks.insert(summary.remarks.end(), swept.remarks.begin(), swept.remarks.end());
-      }
-    }
-    for (const std::string& remark : summary.remarks) steps.say(remark);
-    if (summary.invalid > 0) status = 1;
-
-    steps.next(fmt::format("{}: comparing single agents with the mesh", cast_name(cast)));
-    judge_agents(context, cast, options, store, run.id);
-
-    if (!options.no_clip) {
-      steps.next(fmt::format("{}: encoding both as one clip", cast_name(cast)));
-      try {
-        const std::string path = make_clip(context, cast, scenario, options);
-        steps.say(path.empty() ? "the clip missed its accuracy and was not kept" : path);
-      } catch (const Error& error) {
-        // A bundle without FFmpeg still makes its report.
-        steps.say(fmt::format("no clip: {}", error.what()));
-      }
-    }
-  }
+  for (const std::string& character : characters)
+    status = std::max(status, show_character(*context, method, character, options, store, steps));
   steps.next("writing the report");
   const std::filesystem::path page = folder / "report.html";
   write_file(page, std::string_view(reports::report_page(

@@ -146,7 +146,7 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
       "pictures, read over the pixels of each agent. Agents count that lie wholly in the picture and are not hidden "
       "by\n"
       "others: what each would cover alone is drawn too. A threshold is reached where the binned median is as good or\n"
-      "better for the rest of the way; the interval draws whole agents anew, 1000 times from the scenario's seed.\n"
+      "better from there to the farthest; the interval draws whole agents anew, 1000 times from the scenario's seed.\n"
       "`crowdbench schema --scores` says what each score is.\n\n"
       "Examples:\n"
       "  crowdbench distance --representation flat --agents 200\n"

@@ -20,8 +20,6 @@
 namespace crowdbench::bench {
 namespace {
 
-using ordered_json = Json;
-
 struct Options {
   CharacterOptions character;
   std::string out;
@@ -94,64 +92,67 @@ std::string clip_text(const scene::Character& c, int clip) {
   return fmt::format("clip {} '{}'", clip, printable(name.empty() ? "(unnamed)" : name, 40));
 }
 
-ordered_json to_json(const scene::Character& c) {
+Json clip_json(const scene::Character& c, size_t i) {
+  const scene::Clip& clip = c.clips[i];
+  const scene::ClipMotion& motion = c.motion[i];
+  return {{"name", clip.name},
+          {"index", i},
+          {"seconds", clip.duration()},
+          {"start", clip.start},
+          {"end", clip.end},
+          {"cycle_seconds", scene::cycle_seconds(c, static_cast<int>(i))},
+          {"ground_speed", motion.ground_speed},
+          {"ground_direction", {motion.direction.x, motion.direction.y}},
+          {"yaw_rate_deg", motion.yaw_rate * 180 / kPi},
+          {"ground_speed_from", motion.ground_speed <= 0 ? nullptr
+                                : motion.from_stance     ? Json("stance foot")
+                                                         : Json("root motion")},
+          {"default", static_cast<int>(i) == c.placement.default_clip}};
+}
+
+Json material_json(const scene::Material& m) {
+  return {{"name", m.name},
+          {"slot", m.slot},
+          {"base_colour", {m.base_colour.r, m.base_colour.g, m.base_colour.b, m.base_colour.a}},
+          {"base_colour_texture", m.base_colour_image < 0 ? Json() : Json(m.base_colour_image)},
+          {"emissive", {m.emissive.r, m.emissive.g, m.emissive.b}},
+          {"emissive_texture", m.emissive_image < 0 ? Json() : Json(m.emissive_image)},
+          {"unlit", m.unlit},
+          {"double_sided", m.double_sided},
+          {"alpha_cutoff", m.alpha_cutoff}};
+}
+
+Json to_json(const scene::Character& c) {
   const Bytes bytes = measure_bytes(c);
   const glm::dvec3 ground(c.placement.model_from_gltf[3]);
-  ordered_json out = {
-      {"file", c.source},
-      {"name", c.name},
-      {"triangles", file_triangles(c)},
-      {"drawn_triangles", c.triangles()},
-      {"vertices", file_vertices(c)},
-      {"drawn_vertices", scene::count_vertices(c.mesh)},
-      {"joints", count_joints(c, false) != 0 ? count_joints(c, false) : count_joints(c, true)},
-      {"rigid_meshes", count_joints(c, true)},
-      {"nodes", c.skeleton.nodes.size()},
-      {"influences", c.file_max_influences},
-      {"height", c.placement.height},
-      {"scale", c.placement.scale},
-      {"ground_y", c.placement.scale > 0 ? -ground.y / c.placement.scale : 0.0},
-      {"pivot_xz", {-ground.x / c.placement.scale, -ground.z / c.placement.scale}},
-      {"height_clip", c.placement.upright_clip < 0 ? ordered_json() : ordered_json(c.placement.upright_clip)},
-      {"default_clip", nullptr},
-      {"clips", ordered_json::array()},
-      {"primitives", c.mesh.primitives.size()},
-      {"materials", ordered_json::array()},
-      {"textures", ordered_json::array()},
-      {"bytes", bytes.file},
-      {"memory_bytes",
-       {{"mesh", bytes.mesh}, {"clips", bytes.clips}, {"textures", bytes.images}, {"all", bytes.memory()}}},
-      {"content_hash", c.content_hash},
-      {"warnings", c.warnings}};
+  Json out = {{"file", c.source},
+              {"name", c.name},
+              {"triangles", file_triangles(c)},
+              {"drawn_triangles", c.triangles()},
+              {"vertices", file_vertices(c)},
+              {"drawn_vertices", scene::count_vertices(c.mesh)},
+              {"joints", count_joints(c, false) != 0 ? count_joints(c, false) : count_joints(c, true)},
+              {"rigid_meshes", count_joints(c, true)},
+              {"nodes", c.skeleton.nodes.size()},
+              {"influences", c.file_max_influences},
+              {"height", c.placement.height},
+              {"scale", c.placement.scale},
+              {"ground_y", c.placement.scale > 0 ? -ground.y / c.placement.scale : 0.0},
+              {"pivot_xz", {-ground.x / c.placement.scale, -ground.z / c.placement.scale}},
+              {"height_clip", c.placement.upright_clip < 0 ? Json() : Json(c.placement.upright_clip)},
+              {"default_clip", nullptr},
+              {"clips", Json::array()},
+              {"primitives", c.mesh.primitives.size()},
+              {"materials", Json::array()},
+              {"textures", Json::array()},
+              {"bytes", bytes.file},
+              {"memory_bytes",
+               {{"mesh", bytes.mesh}, {"clips", bytes.clips}, {"textures", bytes.images}, {"all", bytes.memory()}}},
+              {"content_hash", c.content_hash},
+              {"warnings", c.warnings}};
   if (c.placement.default_clip >= 0) out["default_clip"] = c.placement.default_clip;
-  for (size_t i = 0; i < c.clips.size(); ++i) {
-    const scene::Clip& clip = c.clips[i];
-    const scene::ClipMotion& motion = c.motion[i];
-    out["clips"].push_back({{"name", clip.name},
-                            {"index", i},
-                            {"seconds", clip.duration()},
-                            {"start", clip.start},
-                            {"end", clip.end},
-                            {"cycle_seconds", scene::cycle_seconds(c, static_cast<int>(i))},
-                            {"ground_speed", motion.ground_speed},
-                            {"ground_direction", {motion.direction.x, motion.direction.y}},
-                            {"yaw_rate_deg", motion.yaw_rate * 180 / kPi},
-                            {"ground_speed_from", motion.ground_speed <= 0 ? nullptr
-                                                  : motion.from_stance     ? ordered_json("stance foot")
-                                                                           : ordered_json("root motion")},
-                            {"default", static_cast<int>(i) == c.placement.default_clip}});
-  }
-  for (const scene::Material& m : c.materials)
-    out["materials"].push_back(
-        {{"name", m.name},
-         {"slot", m.slot},
-         {"base_colour", {m.base_colour.r, m.base_colour.g, m.base_colour.b, m.base_colour.a}},
-         {"base_colour_texture", m.base_colour_image < 0 ? ordered_json() : ordered_json(m.base_colour_image)},
-         {"emissive", {m.emissive.r, m.emissive.g, m.emissive.b}},
-         {"emissive_texture", m.emissive_image < 0 ? ordered_json() : ordered_json(m.emissive_image)},
-         {"unlit", m.unlit},
-         {"double_sided", m.double_sided},
-         {"alpha_cutoff", m.alpha_cutoff}});
+  for (size_t i = 0; i < c.clips.size(); ++i) out["clips"].push_back(clip_json(c, i));
+  for (const scene::Material& m : c.materials) out["materials"].push_back(material_json(m));
   for (const scene::Texture& t : c.images)
     out["textures"].push_back({{"width", t.image.width}, {"height", t.image.height}});
   return out;

@@ -17,8 +17,6 @@
 namespace crowdbench::bench {
 namespace {
 
-using ordered_json = Json;
-
 struct Options {
   std::string file;
   std::string clip;
@@ -27,69 +25,90 @@ struct Options {
   bool json = false;
 };
 
-ordered_json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+Json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
-int pose(const Options& options) {
+scene::Character open_as_in_file(const std::string& file) {
   scene::LoadOptions load;
   load.normalise.height = std::nullopt;
-  load.normalise.turn_deg = 0.0;  // as in the file
+  load.normalise.turn_deg = 0.0;
   load.undrawn = true;
-  const scene::Character character = scene::open_character(options.file, load);
-  // A name comes first, even the name "none".
-  int clip = -1;
-  if (!options.clip.empty() && (options.clip != "none" || scene::find_clip(character, options.clip))) {
-    clip = scene::require_clip(character, options.clip);
-  }
-  const auto drawn = scene::skin_positions(character.mesh, scene::joint_matrices(character, clip, options.time));
+  return scene::open_character(file, load);
+}
 
-  const size_t count = character.mesh.file_vertex_count();
-  const auto& drawn_of = character.mesh.file_vertices;
-  const auto at = [&](size_t v) { return drawn[drawn_of.empty() ? v : drawn_of[v]]; };
-  const std::vector<size_t> asked = options.vertices.empty() ? std::vector<size_t>{0} : options.vertices;
-  for (const size_t v : asked) {
-    if (v >= count) {
-      throw Error("--vertex", fmt::format("{} is past the last vertex", v),
-                  fmt::format("{} has vertices 0 to {}", printable(options.file), count - 1));
-    }
-  }
-  glm::dvec3 low(std::numeric_limits<double>::max());
-  glm::dvec3 high(std::numeric_limits<double>::lowest());
+// A name comes first, even the name "none". -1: the bind pose.
+int clip_or_bind_pose(const scene::Character& character, const std::string& clip) {
+  if (clip.empty() || (clip == "none" && !scene::find_clip(character, clip))) return -1;
+  return scene::require_clip(character, clip);
+}
+
+// The file's own vertices, posed, in its order; at least one.
+std::vector<glm::dvec3> pose_vertices(const scene::Character& character, int clip, double time) {
+  std::vector<glm::dvec3> drawn = scene::skin_positions(character.mesh, scene::joint_matrices(character, clip, time));
+  if (character.mesh.file_vertices.empty()) return drawn;
+  std::vector<glm::dvec3> out;
+  for (const uint32_t v : character.mesh.file_vertices) out.push_back(drawn[v]);
+  return out;
+}
+
+struct Extent {
+  glm::dvec3 low{std::numeric_limits<double>::max()};
+  glm::dvec3 high{std::numeric_limits<double>::lowest()};
+  glm::dvec3 mean{0.0};
+};
+
+Extent extent_of(const std::vector<glm::dvec3>& points) {
+  Extent out;
   glm::dvec3 sum(0.0);
-  for (size_t v = 0; v < count; ++v) {
-    const glm::dvec3 p = at(v);
-    low = glm::min(low, p);
-    high = glm::max(high, p);
+  for (const glm::dvec3& p : points) {
+    out.low = glm::min(out.low, p);
+    out.high = glm::max(out.high, p);
     sum += p;
   }
-  const glm::dvec3 mean = sum / static_cast<double>(count);
+  out.mean = sum / static_cast<double>(points.size());
+  return out;
+}
 
+std::vector<size_t> asked_vertices(const Options& options, size_t count) {
+  const std::vector<size_t> asked = options.vertices.empty() ? std::vector<size_t>{0} : options.vertices;
+  for (const size_t v : asked)
+    if (v >= count)
+      throw Error("--vertex", fmt::format("{} is past the last vertex", v),
+                  fmt::format("{} has vertices 0 to {}", printable(options.file), count - 1));
+  return asked;
+}
+
+int pose(const Options& options) {
+  const scene::Character character = open_as_in_file(options.file);
+  const int clip = clip_or_bind_pose(character, options.clip);
+  const std::string clip_name = clip >= 0 ? character.clips[static_cast<size_t>(clip)].name : std::string();
+  const std::vector<glm::dvec3> points = pose_vertices(character, clip, options.time);
+  const std::vector<size_t> asked = asked_vertices(options, points.size());
+  const Extent extent = extent_of(points);
   if (options.json) {
-    const bool named = clip >= 0 && !character.clips[static_cast<size_t>(clip)].name.empty();
-    ordered_json samples = ordered_json::object();
-    for (const size_t v : asked) samples[std::to_string(v)] = to_json(at(v));
-    const ordered_json out = {
-        {"file", options.file},
-        {"clip", named ? ordered_json(character.clips[static_cast<size_t>(clip)].name) : ordered_json()},
-        {"clip_index", clip >= 0 ? ordered_json(clip) : ordered_json()},
-        {"time", options.time},
-        {"count", count},
-        {"bbox_min", to_json(low)},
-        {"bbox_max", to_json(high)},
-        {"mean", to_json(mean)},
-        {"samples", samples}};
+    Json samples = Json::object();
+    for (const size_t v : asked) samples[std::to_string(v)] = to_json(points[v]);
+    const Json out = {{"file", options.file},
+                      {"clip", clip_name.empty() ? Json() : Json(clip_name)},
+                      {"clip_index", clip >= 0 ? Json(clip) : Json()},
+                      {"time", options.time},
+                      {"count", points.size()},
+                      {"bbox_min", to_json(extent.low)},
+                      {"bbox_max", to_json(extent.high)},
+                      {"mean", to_json(extent.mean)},
+                      {"samples", samples}};
     fmt::print("{}\n", out.dump(2));
     return 0;
   }
   const auto line = [](const std::string& key, const glm::dvec3& v) {
     fmt::print("{:<14}{:12.6f}{:12.6f}{:12.6f}\n", key, v.x, v.y, v.z);
   };
-  const std::string name = clip < 0 ? "bind pose" : printable(character.clips[static_cast<size_t>(clip)].name, 60);
+  const std::string name = clip < 0 ? "bind pose" : printable(clip_name, 60);
   fmt::print("{}: {} at {} s, {} vertices, glTF units\n", printable(options.file, 300),
-             name.empty() ? fmt::format("clip {} (unnamed)", clip) : name, options.time, count);
-  line("least", low);
-  line("greatest", high);
-  line("mean", mean);
-  for (const size_t v : asked) line(fmt::format("vertex {}", v), at(v));
+             name.empty() ? fmt::format("clip {} (unnamed)", clip) : name, options.time, points.size());
+  line("least", extent.low);
+  line("greatest", extent.high);
+  line("mean", extent.mean);
+  for (const size_t v : asked) line(fmt::format("vertex {}", v), points[v]);
   return 0;
 }
 

@@ -33,8 +33,6 @@
 namespace crowdbench::bench {
 namespace {
 
-using ordered_json = Json;
-
 struct Options {
   std::vector<std::string> representations;
   std::string debug;
@@ -234,16 +232,16 @@ Asked read_options(const Options& options, metrics::ScoreTable table) {
   return asked;
 }
 
-ordered_json row_json(const QualityRow& row, const Asked& asked) {
-  ordered_json out = {{"representation", row.representation},
-                      {"height_px", row.view.height_px},
-                      {"azimuth_deg", row.view.azimuth_deg},
-                      {"elevation_deg", row.view.elevation_deg},
-                      {"clip", asked.clip},
-                      {"time", row.view.time},
-                      {"phase", row.phase},
-                      {"distance_m", row.distance}};
-  ordered_json reasons = ordered_json::object();
+Json row_json(const QualityRow& row, const Asked& asked) {
+  Json out = {{"representation", row.representation},
+              {"height_px", row.view.height_px},
+              {"azimuth_deg", row.view.azimuth_deg},
+              {"elevation_deg", row.view.elevation_deg},
+              {"clip", asked.clip},
+              {"time", row.view.time},
+              {"phase", row.phase},
+              {"distance_m", row.distance}};
+  Json reasons = Json::object();
   put_scores(out, reasons, row.scores.scores);
   if (!reasons.empty()) out["reasons"] = reasons;
   if (!row.refused.empty()) out["refused"] = row.refused;
@@ -258,8 +256,8 @@ ordered_json row_json(const QualityRow& row, const Asked& asked) {
   return out;
 }
 
-ordered_json all_causes_json(const std::vector<QualityRow>& rows, const Asked& asked) {
-  ordered_json out = ordered_json::array();
+Json all_causes_json(const std::vector<QualityRow>& rows, const Asked& asked) {
+  Json out = Json::array();
   for (size_t index = 0; index < asked.setup.representations.size(); ++index) {
     const std::vector<CauseRange> ranges = ranges_of(rows, index);
     if (ranges.empty()) continue;
@@ -271,7 +269,7 @@ ordered_json all_causes_json(const std::vector<QualityRow>& rows, const Asked& a
 }
 
 // A list for each score over time, under its name.
-void put_films(ordered_json& out, const Films& films, const Asked& asked) {
+void put_films(Json& out, const Films& films, const Asked& asked) {
   for (const auto& [key, film] : films) {
     const auto& [index, height, elevation, azimuth] = key;
     for (const auto& [score, result] : film.finish()) {
@@ -289,12 +287,12 @@ void put_films(ordered_json& out, const Films& films, const Asked& asked) {
 
 void print_json(const std::vector<QualityRow>& rows, const Films& films, const Asked& asked,
                 const std::string& renderer) {
-  ordered_json out = {{"representations", asked.setup.representations},
-                      {"character", asked.setup.character->name},
-                      {"renderer", renderer},
-                      {"exact_pose", asked.setup.exact_pose},
-                      {"display", display_json(asked.setup.display)}};
-  out["rows"] = ordered_json::array();
+  Json out = {{"representations", asked.setup.representations},
+              {"character", asked.setup.character->name},
+              {"renderer", renderer},
+              {"exact_pose", asked.setup.exact_pose},
+              {"display", display_json(asked.setup.display)}};
+  out["rows"] = Json::array();
   for (const QualityRow& row : rows) out["rows"].push_back(row_json(row, asked));
   if (asked.setup.causes) out["causes"] = all_causes_json(rows, asked);
   put_films(out, films, asked);

@@ -163,17 +163,20 @@ void add_regress(Command& app, Run& run) {
   auto options = std::make_shared<Options>();
   command->add_option("BASELINE", options->baseline, "result file of `bench`, before")->type_name("FILE.sqlite");
   command->add_option("CURRENT", options->current, "the same, after")->type_name("FILE.sqlite");
-  command
-      ->add_option("--program", options->programs,
-                   "in place of files: two programs of crowdbench, the baseline's first, run in turns A B A B")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
+  const Option* program =
+      command
+          ->add_option("--program", options->programs,
+                       "in place of files: two programs of crowdbench, the baseline's first, run in turns A B A B")
+          ->type_name("FILE")
+          ->allow_extra_args(false);
   command->add_option("--bench", options->bench, "with --program: what both are asked for, as after `crowdbench bench`")
-      ->type_name("ARGUMENTS");
+      ->type_name("ARGUMENTS")
+      ->needs(program);
   command->add_option("--runs", options->runs, "with --program: processes of each; from 5 on they are the values")
       ->type_name("K")
       ->capture_default_str()
-      ->whole_number(1, 1000);
+      ->whole_number(1, 1000)
+      ->needs(program);
   add_limits(*command, *options);
   command->add_option("--markdown", options->markdown, "the verdicts for a pull request")
       ->type_name("FILE.md")
@@ -181,12 +184,15 @@ void add_regress(Command& app, Run& run) {
   command->add_option("--junit", options->junit, "the verdicts for a build server")
       ->type_name("FILE.xml")
       ->output_file();
-  command->add_option("--explain", options->explain, "all about a point: its number in the table, or part of its text")
-      ->type_name("POINT");
+  const Option* explain =
+      command
+          ->add_option("--explain", options->explain, "all about a point: its number in the table, or a piece of its text")
+          ->type_name("POINT");
   command
       ->add_option("--pictures", options->pictures, "with --explain: the pictures of both sides and their difference")
       ->type_name("FOLDER")
-      ->output_folder();
+      ->output_folder()
+      ->needs(explain);
   add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_regress(*options); }; });
 }

@@ -51,44 +51,25 @@ Json to_json(const SwitchRow& row) {
           {"godot_visibility_range_m", row.engines.godot_metres}};
 }
 
-int run_switch_distance(const Options& options) {
-  SwitchRequest request = options.request;
-  request.representation = parse_representation(options.representation);
-  request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
-  const PictureSize size = parse_size(options.size);
-  request.width = size.width;
-  request.height = size.height;
-  scene::CharacterEntry entry = options.character.entry();
-  if (!options.clip.empty()) entry.clips = {options.clip};
-  request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
-  print_warnings(*request.character);
-  request.clip = request.character->placement.default_clip;
-  if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
-  request.bake_budget = options.bake_budget_mib << 20;
-  request.use_cache = !options.no_cache;
-  const auto context = open_context(options.device);
-  Progress progress("switch-distance", 0);
-  const SwitchReport report = measure_switch_distance(*context, request);
-  progress.end();
+Json to_json(const SwitchRequest& request, const SwitchReport& report, const std::string& renderer) {
+  Json out = {{"character", request.character->name},
+              {"representation", request.representation.text()},
+              {"texel_m", report.texel * request.scale},
+              {"height_m", report.height * request.scale},
+              {"width", request.width},
+              {"height", request.height},
+              {"fov_y_deg", request.fov_y_deg},
+              {"azimuth_deg", request.azimuth_deg},
+              {"elevation_deg", request.elevation_deg},
+              {"off_axis_deg", request.off_axis_deg},
+              {"renderer", renderer},
+              {"measured", report.measured},
+              {"rows", Json::array()}};
+  for (const SwitchRow& row : report.rows) out["rows"].push_back(to_json(row));
+  return out;
+}
 
-  if (options.json) {
-    Json out = {{"character", request.character->name},
-                {"representation", request.representation.text()},
-                {"texel_m", report.texel * request.scale},
-                {"height_m", report.height * request.scale},
-                {"width", request.width},
-                {"height", request.height},
-                {"fov_y_deg", request.fov_y_deg},
-                {"azimuth_deg", request.azimuth_deg},
-                {"elevation_deg", request.elevation_deg},
-                {"off_axis_deg", request.off_axis_deg},
-                {"renderer", context->renderer()},
-                {"measured", report.measured},
-                {"rows", Json::array()}};
-    for (const SwitchRow& row : report.rows) out["rows"].push_back(to_json(row));
-    fmt::print("{}\n", out.dump(2));
-    return 0;
-  }
+void print_table(const SwitchRequest& request, const SwitchReport& report) {
   fmt::print("{} of {}: texels of {:.2f} mm, {}x{}, {:g} degrees tall, {:g} degrees off the axis\n",
              request.representation.text(), printable(request.character->name), 1000 * report.texel * request.scale,
              request.width, request.height, request.fov_y_deg, request.off_axis_deg);
@@ -114,6 +95,36 @@ int run_switch_distance(const Options& options) {
       "stretch: of a texel towards the picture's edge; perspective stretches the mesh alike. Unity: fraction of the\n"
       "screen's height of LODGroup.size at lodBias 1; Unreal: ComputeBoundsScreenSize; Godot: visibility range, "
       "Euclidean.\n");
+}
+
+SwitchRequest read_request(const Options& options) {
+  SwitchRequest request = options.request;
+  request.representation = parse_representation(options.representation);
+  request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
+  const PictureSize size = parse_size(options.size);
+  request.width = size.width;
+  request.height = size.height;
+  scene::CharacterEntry entry = options.character.entry();
+  if (!options.clip.empty()) entry.clips = {options.clip};
+  request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
+  print_warnings(*request.character);
+  request.clip = request.character->placement.default_clip;
+  if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
+  request.bake_budget = options.bake_budget_mib << 20;
+  request.use_cache = !options.no_cache;
+  return request;
+}
+
+int run_switch_distance(const Options& options) {
+  const SwitchRequest request = read_request(options);
+  const auto context = open_context(options.device);
+  Progress progress("switch-distance", 0);
+  const SwitchReport report = measure_switch_distance(*context, request);
+  progress.end();
+  if (options.json)
+    fmt::print("{}\n", to_json(request, report, context->renderer()).dump(2));
+  else
+    print_table(request, report);
   return 0;
 }
 

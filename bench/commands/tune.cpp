@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "bench/commands/command_line.h"
@@ -25,7 +26,7 @@ struct Options {
   SceneOptions scene;
   std::vector<std::string> representations;
   std::string clip;
-  std::string error = "cvvdp=9.5", pop;
+  std::string error, pop;
   std::string azimuths = "0:300:60", elevations = "0,20";
   double nearest_px = 0, farthest_px = 8;
   uint64_t heights = 12;
@@ -34,6 +35,13 @@ struct Options {
   bool no_cache = false;
   bool json = false;
 };
+
+// "ssim=0.98": of the score that the table has a threshold of.
+std::string default_threshold(metrics::ScoreTable table) {
+  const metrics::Score* score = metrics::score_of_threshold(table);
+  assert(score != nullptr);
+  return fmt::format("{}={:g}", score->name, *score->threshold);
+}
 
 // All representations that stand alone and the level of detail that every figure of speed is told against; the
 // reference first, asked for or not.
@@ -220,6 +228,7 @@ void add_tune(Command& app, Run& run) {
       "  crowdbench tune street.toml --character knight.glb --threshold ssim=0.9 --pop-threshold ssim=0.8 --fade 8 "
       "--json");
   auto options = std::make_shared<Options>();
+  options->error = default_threshold(metrics::scores());
   add_scene_options(*command, options->scene);
   add_representation_option(
       *command, options->representations,

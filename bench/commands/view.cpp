@@ -66,10 +66,132 @@ class RepresentationPool {
   std::vector<std::unique_ptr<renderers::Representation>> made_;
 };
 
-int run_view(const Options& options) {
-  if (!options.screenshot.empty() && !options.frames) {
-    throw Error("--screenshot", "needs --frames", "say after how many frames the picture is taken");
+// What the window shows, from one frame to the next.
+class Viewing {
+ public:
+  // names: of the specs, as people read them. All are referred to.
+  Viewing(gl::Context& context, gl::Window& window, const scene::Cast& cast, const Staged& staged,
+          const std::vector<renderers::Spec>& specs, const std::vector<std::string>& names)
+      : context_(context),
+        window_(window),
+        cast_(cast),
+        staged_(staged),
+        names_(names),
+        pool_(context, cast, specs),
+        renderer_(context, cast) {
+    state.orbit = orbit_of(start_);
+    state.beside = specs.size() > 1 ? 1 : 0;
   }
+  ViewerState state;
+
+  void apply(const gl::WindowInput& input) {
+    apply_input(state, input, names_.size(), staged_.scenario.height, start_);
+  }
+
+  // Makes what is to be shown and is not there yet, and says so. What cannot be made gives way to what could; throws
+  // Error where nothing could. Whether there was anything to make.
+  bool make_shown() {
+    bool tried = false;
+    for (size_t* which : {&state.current, &state.beside}) {
+      if (pool_.holds(*which) || (which == &state.beside && !state.side_by_side)) continue;
+      tried = true;
+      window_.set_title(fmt::format("crowdbench: making {} ...", names_[*which]));
+      Progress progress("making " + names_[*which], 0);
+      try {
+        pool_.get(*which);
+      } catch (const Error& error) {
+        if (!pool_.holds_any()) throw;
+        fmt::print(stderr, "{}: {}\n", names_[*which], error.what());
+        *which = pool_.first_held();
+      }
+    }
+    return tried;
+  }
+
+  Image8 picture() {
+    const scene::Scenario& scenario = staged_.scenario;
+    Image8 picture;
+    if (state.side_by_side) {
+      const int half = std::max(1, (scenario.width - 2) / 2);
+      const Image8 left = draw(state.beside, half);
+      picture = beside_each_other(left, draw(state.current, half));
+    } else {
+      picture = draw(state.current, scenario.width);
+    }
+    if (state.help) draw_help(picture, names_);
+    return picture;
+  }
+
+ private:
+  Image8 draw(size_t which, int width) {
+    const scene::Scenario& scenario = staged_.scenario;
+    if (!target_ || target_->width() != width)
+      target_.emplace(context_, width, scenario.height, renderers::Pass{.samples = scenario.antialiasing.samples});
+    scene::Frame frame = scene::make_frame(scenario, cast_, staged_.crowd, camera_of(state.orbit, start_), state.tick);
+    frame.width = width;
+    renderer_.draw(frame, pool_.get(which), *target_);
+    return target_->read().colour;
+  }
+
+  gl::Context& context_;
+  gl::Window& window_;
+  const scene::Cast& cast_;
+  const Staged& staged_;
+  const std::vector<std::string>& names_;
+  const scene::Camera start_ = staged_.scenario.camera.at(0);
+  RepresentationPool pool_;
+  renderers::Renderer renderer_;
+  std::optional<renderers::Target> target_;
+};
+
+// Ticks by the clock on the wall.
+class TickClock {
+ public:
+  explicit TickClock(double ticks_per_second) : rate_(ticks_per_second) {}
+  // What has passed since the last call does not count.
+  void skip() { before_ = Clock::now(); }
+  // Whole ticks since the last call; what is left of one counts later. None pass while paused.
+  uint64_t passed(bool paused) {
+    const auto now = Clock::now();
+    if (!paused) waiting_ += std::chrono::duration<double>(now - before_).count() * rate_;
+    before_ = now;
+    const double whole = std::floor(waiting_);
+    waiting_ -= whole;
+    return static_cast<uint64_t>(whole);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double rate_;
+  double waiting_ = 0;  // ticks not yet shown
+  Clock::time_point before_ = Clock::now();
+};
+
+// Frame after frame until somebody quits, or --frames are over.
+void show_frames(const Options& options, gl::Window& window, const Staged& staged,
+                 const std::vector<std::string>& names, Viewing& viewing) {
+  ViewerState& state = viewing.state;
+  TickClock clock(staged.scenario.tick_rate);
+  for (uint64_t shown = 0; !options.frames || shown < *options.frames; ++shown) {
+    throw_if_interrupted();
+    viewing.apply(window.poll());
+    if (state.quit) break;
+    if (options.frames) state.tick = shown;  // no clock: frame n shows tick n
+    if (viewing.make_shown()) clock.skip();
+    window.set_title(viewer_title(state, names, staged.crowd.size()));
+    const Image8 picture = viewing.picture();
+    if (!options.screenshot.empty() && shown + 1 == *options.frames)
+      write_png(options.screenshot, window.show_and_read(picture));
+    else
+      window.show(picture);
+    const uint64_t ticks = clock.passed(state.paused);
+    if (!options.frames) state.tick += ticks;
+  }
+}
+
+int run_view(const Options& options) {
+  if (!options.screenshot.empty() && !options.frames)
+    throw Error("--screenshot", "needs --frames", "say after how many frames the picture is taken");
   ChosenScenario chosen = read_scenario(options.scene);
   chosen.scenario.ground = !options.no_ground;
   const std::vector<renderers::Spec> specs = offered(options.representations, chosen);
@@ -79,77 +201,14 @@ int run_view(const Options& options) {
 
   gl::Window window(chosen.scenario.width, chosen.scenario.height, "crowdbench");  // first: no display is said at once
   const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
-  const auto opened = open_context(options.scene.device);
-  gl::Context& context = *opened;
-  const Staged staged = stage_scenario(chosen.scenario, cast, context);
-  const scene::Scenario& scenario = staged.scenario;
-  const scene::Camera start = scenario.camera.at(0);
+  const auto context = open_context(options.scene.device);
+  const Staged staged = stage_scenario(chosen.scenario, cast, *context);
 
-  RepresentationPool pool(context, cast, specs);
-  renderers::Renderer renderer(context, cast);
-  std::optional<renderers::Target> target;
-  ViewerState state;
-  state.orbit = orbit_of(start);
-  state.side_by_side = options.side_by_side;
-  state.help = !options.frames;
-  state.beside = specs.size() > 1 ? 1 : 0;
-  if (options.side_by_side) std::swap(state.beside, state.current);  // the first on the left
-
-  const auto draw = [&](size_t which, int width) {
-    if (!target || target->width() != width) {
-      target.emplace(context, width, scenario.height, renderers::Pass{.samples = scenario.antialiasing.samples});
-    }
-    scene::Frame frame = scene::make_frame(scenario, cast, staged.crowd, camera_of(state.orbit, start), state.tick);
-    frame.width = width;
-    renderer.draw(frame, pool.get(which), *target);
-    return target->read().colour;
-  };
-
-  using Clock = std::chrono::steady_clock;
-  double waiting = 0;  // ticks not yet shown
-  auto before = Clock::now();
-  for (uint64_t shown = 0; !options.frames || shown < *options.frames; ++shown) {
-    throw_if_interrupted();
-    apply_input(state, window.poll(), specs.size(), scenario.height, start);
-    if (state.quit) break;
-    if (options.frames) {
-      state.tick = shown;  // no clock: frame n shows tick n
-    }
-    for (size_t* which : {&state.current, &state.beside}) {
-      if (pool.holds(*which) || (which == &state.beside && !state.side_by_side)) continue;
-      window.set_title(fmt::format("crowdbench: making {} ...", names[*which]));
-      Progress progress("making " + names[*which], 0);
-      try {
-        pool.get(*which);
-      } catch (const Error& error) {
-        if (!pool.holds_any()) throw;
-        fmt::print(stderr, "{}: {}\n", names[*which], error.what());
-        *which = pool.first_held();
-      }
-      before = Clock::now();
-    }
-    window.set_title(viewer_title(state, names, staged.crowd.size()));
-    Image8 picture;
-    if (state.side_by_side) {
-      const int half = std::max(1, (scenario.width - 2) / 2);
-      const Image8 left = draw(state.beside, half);
-      picture = beside_each_other(left, draw(state.current, half));
-    } else {
-      picture = draw(state.current, scenario.width);
-    }
-    if (state.help) draw_help(picture, names);
-    if (!options.screenshot.empty() && shown + 1 == *options.frames) {
-      write_png(options.screenshot, window.show_and_read(picture));
-    } else {
-      window.show(picture);
-    }
-    const auto now = Clock::now();
-    if (!state.paused) waiting += std::chrono::duration<double>(now - before).count() * scenario.tick_rate;
-    before = now;
-    const double whole = std::floor(waiting);
-    waiting -= whole;
-    if (!options.frames) state.tick += static_cast<uint64_t>(whole);
-  }
+  Viewing viewing(*context, window, cast, staged, specs, names);
+  viewing.state.side_by_side = options.side_by_side;
+  viewing.state.help = !options.frames;
+  if (options.side_by_side) std::swap(viewing.state.beside, viewing.state.current);  // the first on the left
+  show_frames(options, window, staged, names, viewing);
   return 0;
 }
 

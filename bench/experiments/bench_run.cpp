@@ -355,7 +355,7 @@ class Sweep {
       place = std::make_unique<TimedRepresentation>(stage_, specs_[spec], request_.scenario, request_.bake_budget);
     return *place;
   }
-  // nullptr for a representation that is a floor itself, or has parts.
+  // nullptr for a representation that is a floor itself, or has components.
   TimedRepresentation* floor_of(size_t spec) {
     if (!specs_[spec].components.empty() || timed(spec).is_floor()) return nullptr;
     const renderers::Spec floor = with_floor(specs_[spec]);

@@ -91,7 +91,7 @@ std::vector<std::vector<double>> resample(const std::vector<std::vector<Member>>
   return out;
 }
 
-// Where the medians become good for the rest of the way, in metres away (or minus x): kEverywhere, kNever, or a place.
+// From where the medians are good to the farthest, in metres away (or minus x): kEverywhere, kNever, or a place.
 double crossing(const ScoreCurve& curve, const std::vector<double>& medians, const metrics::Score& score,
                 double value) {
   const double sign = curve.far_is_low ? -1 : 1;

@@ -7,7 +7,7 @@
 
 namespace crowdbench::bench {
 
-// Warm-up and timed rounds take this part of a point's time each; solving, pictures and scores take the rest.
+// Warm-up and timed rounds take this share of a point's time each; solving, pictures and scores take the rest.
 constexpr double kTimedPart = 0.35;
 
 TimeBudget::TimeBudget(double seconds, size_t points, Clock now)

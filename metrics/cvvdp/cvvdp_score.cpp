@@ -173,6 +173,7 @@ extern const Score score_cvvdp = {
     .digits = 3,
     .least = -std::numeric_limits<double>::infinity(),
     .greatest = 10,
+    .threshold = 9.5,
     .needs = kNeedsDisplay,
     .uses = kInTables,
     .computes =

@@ -326,50 +326,61 @@ class PolypostorRepresentation : public Representation {
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
   }
 
-  // Over the picture: the triangles of every polygon, or where each corner goes from one stored frame to the next.
+  // The debug view's lines of one figure: the triangles of every polygon, or where each corner goes from one stored
+  // frame to the next.
+  void add_lines(const PolypostorBake& bake, const Figure& figure, const Command& command,
+                 std::vector<LineVertex>& lines) const {
+    const auto id = std::bit_cast<float>(figure.pose.w);
+    const auto place = [&](uint32_t corner, float blend) {
+      const uint32_t vertex = command.first_vertex + bake.indices[corner];
+      const auto position = [&](uint32_t word) { return glm::vec3(word & 0xfffU, word >> 12U & 0xfffU, word >> 24U); };
+      const glm::vec3 p =
+          glm::mix(position(bake.words[vertex + figure.pose.x]), position(bake.words[vertex + figure.pose.y]), blend);
+      return figure.clip_from_units * glm::vec4(p, 1.0F);
+    };
+    const auto line = [&](uint32_t a, float blend_a, uint32_t b, float blend_b, const glm::vec3& colour) {
+      lines.push_back({place(a, blend_a), glm::vec4(colour, id)});
+      lines.push_back({place(b, blend_b), glm::vec4(colour, id)});
+    };
+    // An edge of an outline belongs to one triangle, an inner one to two, in opposite directions.
+    std::set<std::pair<uint16_t, uint16_t>> edges;
+    const auto next = [](uint32_t t) { return t % 3 == 2 ? t - 2 : t + 1; };
+    for (uint32_t t = 0; t < command.indices; ++t)
+      edges.emplace(bake.indices[command.first_index + t], bake.indices[command.first_index + next(t)]);
+    std::set<uint16_t> met;
+    for (uint32_t t = 0; t < command.indices; ++t) {
+      const uint32_t a = command.first_index + t;
+      const uint32_t b = command.first_index + next(t);
+      const bool inner = edges.count({bake.indices[b], bake.indices[a]}) > 0;
+      if (debug_ == Debug::wire) {
+        line(a, figure.light_blend.w, b, figure.light_blend.w, inner ? kInner : kOutline);
+      } else if (!inner) {
+        line(a, 0.0F, b, 0.0F, kFrom);
+        line(a, 1.0F, b, 1.0F, kTo);
+      }
+      if (debug_ == Debug::lines && met.insert(bake.indices[a]).second) line(a, 0.0F, a, 1.0F, kMove);
+    }
+  }
+
+  const gl::Program& line_program(const Pass& pass) {
+    auto& p = line_programs_[{pass.ids, pass.dithered}];
+    if (!p) {
+      gl::Defines defines;
+      if (pass.ids) defines.emplace_back("CB_IDS", "");
+      if (pass.dithered) defines.emplace_back("CB_DITHER", "");
+      p = gl::Program(context_, {"renderers/polypostor/lines.vert", "renderers/polypostor/lines.frag"}, defines);
+    }
+    return p;
+  }
+
+  // Over the picture.
   void draw_lines(const CharacterPolygons& polygons, uint32_t count, const Pass& pass) {
     std::vector<Figure> figures(count);
     std::vector<Command> commands(count);
     figures_.read(figures.data(), count * sizeof(Figure));
     commands_.read(commands.data(), count * sizeof(Command));
-    const PolypostorBake& bake = polygons.bake;
     std::vector<LineVertex> lines;
-    for (uint32_t i = 0; i < count; ++i) {
-      const Figure& figure = figures[i];
-      const Command& command = commands[i];
-      const auto id = std::bit_cast<float>(figure.pose.w);
-      const auto place = [&](uint32_t corner, float blend) {
-        const uint32_t vertex = command.first_vertex + bake.indices[corner];
-        const auto position = [&](uint32_t word) {
-          return glm::vec3(word & 0xfffU, word >> 12U & 0xfffU, word >> 24U);
-        };
-        const glm::vec3 p =
-            glm::mix(position(bake.words[vertex + figure.pose.x]), position(bake.words[vertex + figure.pose.y]), blend);
-        return figure.clip_from_units * glm::vec4(p, 1.0F);
-      };
-      const auto line = [&](uint32_t a, float blend_a, uint32_t b, float blend_b, const glm::vec3& colour) {
-        lines.push_back({place(a, blend_a), glm::vec4(colour, id)});
-        lines.push_back({place(b, blend_b), glm::vec4(colour, id)});
-      };
-      // An edge of an outline belongs to one triangle, an inner one to two, in opposite directions.
-      std::set<std::pair<uint16_t, uint16_t>> edges;
-      const auto next = [](uint32_t t) { return t % 3 == 2 ? t - 2 : t + 1; };
-      for (uint32_t t = 0; t < command.indices; ++t)
-        edges.emplace(bake.indices[command.first_index + t], bake.indices[command.first_index + next(t)]);
-      std::set<uint16_t> met;
-      for (uint32_t t = 0; t < command.indices; ++t) {
-        const uint32_t a = command.first_index + t;
-        const uint32_t b = command.first_index + next(t);
-        const bool inner = edges.count({bake.indices[b], bake.indices[a]}) > 0;
-        if (debug_ == Debug::wire) {
-          line(a, figure.light_blend.w, b, figure.light_blend.w, inner ? kInner : kOutline);
-        } else if (!inner) {
-          line(a, 0.0F, b, 0.0F, kFrom);
-          line(a, 1.0F, b, 1.0F, kTo);
-        }
-        if (debug_ == Debug::lines && met.insert(bake.indices[a]).second) line(a, 0.0F, a, 1.0F, kMove);
-      }
-    }
+    for (uint32_t i = 0; i < count; ++i) add_lines(polygons.bake, figures[i], commands[i], lines);
     if (lines.empty()) return;
     if (lines_.size() < lines.size() * sizeof(LineVertex))
       lines_ = gl::Buffer(context_, std::bit_ceil(lines.size()) * sizeof(LineVertex));
@@ -378,14 +389,7 @@ class PolypostorRepresentation : public Representation {
                                                      gl::Attribute{1, 4, GL_FLOAT, false, false, 16}};
     const gl::VertexArray vertex_array(context_, lines_, sizeof(LineVertex), attributes, nullptr);
     vertex_array.bind();
-    auto& p = line_programs_[{pass.ids, pass.dithered}];
-    if (!p) {
-      gl::Defines defines;
-      if (pass.ids) defines.emplace_back("CB_IDS", "");
-      if (pass.dithered) defines.emplace_back("CB_DITHER", "");
-      p = gl::Program(context_, {"renderers/polypostor/lines.vert", "renderers/polypostor/lines.frag"}, defines);
-    }
-    p.use();
+    line_program(pass).use();
     glDepthFunc(GL_ALWAYS);
     glDrawArrays(GL_LINES, 0, static_cast<GLsizei>(lines.size()));
     glDepthFunc(GL_GREATER);

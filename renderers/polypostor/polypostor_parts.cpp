@@ -126,47 +126,63 @@ class Finder {
   }
 
  private:
-  // The chain from `root` along the heaviest children, cut into segments; heavy side branches are limbs of their own.
-  void limb(int root, int above, bool hangs, std::map<int, int>& limb_end) {
-    std::vector<int> chain{root};
-    std::vector<std::pair<int, size_t>> branches;  // node, position of its parent in the chain
+  struct Chain {
+    std::vector<int> nodes;
+    std::vector<std::pair<int, size_t>> branches;  // heavy ones: node, position of its parent in the chain
+  };
+  // From `root` along the heaviest children.
+  Chain chain_from(int root) const {
+    Chain chain{{root}, {}};
     for (;;) {
-      const auto& children = tree_.children[static_cast<size_t>(chain.back())];
+      const auto& children = tree_.children[static_cast<size_t>(chain.nodes.back())];
       int heaviest = -1;
       for (const int c : children)
         if (heaviest < 0 || tree_.subtree[static_cast<size_t>(c)] > tree_.subtree[static_cast<size_t>(heaviest)])
           heaviest = c;
       for (const int c : children)
         if (c != heaviest && tree_.subtree[static_cast<size_t>(c)] >= kHeavy)
-          branches.emplace_back(c, chain.size() - 1);
-      if (heaviest < 0 || tree_.subtree[static_cast<size_t>(heaviest)] < kLeastArea) break;
-      chain.push_back(heaviest);
+          chain.branches.emplace_back(c, chain.nodes.size() - 1);
+      if (heaviest < 0 || tree_.subtree[static_cast<size_t>(heaviest)] < kLeastArea) return chain;
+      chain.nodes.push_back(heaviest);
     }
+  }
+
+  // A segment a node, with what hangs from it but for the next one and the branches.
+  std::vector<Segment> segments_of(const Chain& chain) const {
     std::vector<Segment> segments;
-    for (size_t i = 0; i < chain.size(); ++i) {
-      const auto n = static_cast<size_t>(chain[i]);
-      Segment s{{chain[i]}, tree_.subtree[n], tree_.reach[n]};
-      if (i + 1 < chain.size()) {
-        s.area -= tree_.subtree[static_cast<size_t>(chain[i + 1])];
-        s.length = glm::distance(tree_.origin[n], tree_.origin[static_cast<size_t>(chain[i + 1])]);
+    for (size_t i = 0; i < chain.nodes.size(); ++i) {
+      const auto n = static_cast<size_t>(chain.nodes[i]);
+      Segment s{{chain.nodes[i]}, tree_.subtree[n], tree_.reach[n]};
+      if (i + 1 < chain.nodes.size()) {
+        s.area -= tree_.subtree[static_cast<size_t>(chain.nodes[i + 1])];
+        s.length = glm::distance(tree_.origin[n], tree_.origin[static_cast<size_t>(chain.nodes[i + 1])]);
       }
-      for (const auto& [b, at] : branches)
+      for (const auto& [b, at] : chain.branches)
         if (at == i) s.area -= tree_.subtree[static_cast<size_t>(b)];
       segments.push_back(s);
     }
-    // Collar bones and necks move with the trunk; a head that wears a helmet is no neck.
-    while (hangs && segments.size() > 1 &&
+    return segments;
+  }
+
+  // Collar bones and necks move with the trunk; a head that wears a helmet is no neck.
+  void leave_to_trunk(std::vector<Segment>& segments) const {
+    while (segments.size() > 1 &&
            tree_.own[static_cast<size_t>(segments[0].nodes[0])] < kCollarReach * segments[0].length &&
            segments[0].length < kRootLength * tree_.height && segments[0].length < 0.6 * segments[1].length)
       segments.erase(segments.begin());
-    const auto join = [&](size_t into, size_t from) {
-      Segment& a = segments[into];
-      Segment& b = segments[from];
-      a.nodes.insert(into < from ? a.nodes.end() : a.nodes.begin(), b.nodes.begin(), b.nodes.end());
-      a.area += b.area;
-      a.length += b.length;
-      segments.erase(segments.begin() + static_cast<std::ptrdiff_t>(from));
-    };
+  }
+
+  static void join(std::vector<Segment>& segments, size_t into, size_t from) {
+    Segment& a = segments[into];
+    Segment& b = segments[from];
+    a.nodes.insert(into < from ? a.nodes.end() : a.nodes.begin(), b.nodes.begin(), b.nodes.end());
+    a.area += b.area;
+    a.length += b.length;
+    segments.erase(segments.begin() + static_cast<std::ptrdiff_t>(from));
+  }
+
+  // Small ones with their neighbours, until all are large enough and there are at most kSegments.
+  void join_small(std::vector<Segment>& segments) const {
     while (segments.size() > 1) {
       size_t worst = 0;
       double least = INFINITY;
@@ -179,18 +195,26 @@ class Finder {
       }
       if (least >= 1 && segments.size() <= kSegments) break;
       if (worst == 0)
-        join(1, 0);
+        join(segments, 1, 0);
       else
-        join(worst - 1, worst);
+        join(segments, worst - 1, worst);
     }
+  }
+
+  // The limb that begins at `root`, cut into segments; heavy side branches are limbs of their own.
+  void limb(int root, int above, bool hangs, std::map<int, int>& limb_end) {
+    const Chain chain = chain_from(root);
+    std::vector<Segment> segments = segments_of(chain);
+    if (hangs) leave_to_trunk(segments);
+    join_small(segments);
     std::vector<int> part_of_segment;
     for (const Segment& s : segments) {
       part_of_segment.push_back(next_);
       mark(s.nodes.front(), next_++);
     }
     if (segments.size() >= kSegments) limb_end[part_of_segment.back()] = part_of_segment[segments.size() - 2];
-    for (const auto& [b, at] : branches) {
-      const int parent_part = part_[static_cast<size_t>(chain[at])];
+    for (const auto& [b, at] : chain.branches) {
+      const int parent_part = part_[static_cast<size_t>(chain.nodes[at])];
       limb(b, parent_part == 0 ? above : parent_part, true, limb_end);
     }
   }

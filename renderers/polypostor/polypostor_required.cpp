@@ -27,6 +27,69 @@ std::vector<uint8_t> kept_pages(const std::vector<uint8_t>& map, const std::vect
   return out;
 }
 
+// The bake without sets, with the pages that have a place.
+PolypostorBake pages_of(const PolypostorBake& whole, const std::vector<int>& place, int layers) {
+  PolypostorBake out;
+  out.centre = whole.centre;
+  out.radius = whole.radius;
+  out.texel = whole.texel;
+  out.unit = whole.unit;
+  out.unit_z = whole.unit_z;
+  out.frames = whole.frames;
+  out.views = whole.views;
+  out.levels = whole.levels;
+  out.ranges_by_frame = whole.ranges_by_frame;
+  out.clips = whole.clips;
+  out.width = whole.width;
+  out.height = whole.height;
+  out.layers = layers;
+  out.albedo = kept_pages(whole.albedo, place);
+  out.normals = kept_pages(whole.normals, place);
+  out.materials = kept_pages(whole.materials, place);
+  out.emission_peak = whole.emission_peak;
+  out.emission = kept_pages(whole.emission, place);
+  out.parts = whole.parts;
+  out.parts_seen = whole.parts_seen;
+  out.corners_seen = whole.corners_seen;
+  out.outline_error = whole.outline_error;
+  out.repaired = whole.repaired;
+  out.torn = whole.torn;
+  out.torn_most = whole.torn_most;
+  return out;
+}
+
+// First word of the whole -> first word and first range of what is kept: the levels of a tier share words and
+// triangles.
+using KeptWords = std::map<uint32_t, std::pair<uint32_t, uint32_t>>;
+
+// Set `s` of the whole with its words, triangles and corners, at the ends of what `out` has. place: of every page.
+void keep_set(const PolypostorBake& whole, size_t s, const std::vector<int>& place, KeptWords& words,
+              PolypostorBake& out) {
+  const PolypostorSet& from = whole.sets[s];
+  PolypostorSet& to = out.sets[s];
+  to.words = from.words;
+  const StoredClip& clip = whole.clips[s / whole.views % whole.clips.size()];
+  const auto [known, is_new] = words.try_emplace(from.first_word, out.words.size(), out.ranges.size());
+  std::tie(to.first_word, to.first_range) = known->second;
+  if (is_new) {
+    const auto first = whole.words.begin() + from.first_word;
+    out.words.insert(out.words.end(), first, first + static_cast<std::ptrdiff_t>(size_t{from.words} * clip.frames));
+    for (uint32_t r = 0; r < (whole.ranges_by_frame != 0 ? clip.frames : 1); ++r) {
+      const PolypostorRange& range = whole.ranges[from.first_range + r];
+      const auto corners = whole.indices.begin() + range.first_index;
+      out.ranges.push_back({static_cast<uint32_t>(out.indices.size()), range.indices});
+      out.indices.insert(out.indices.end(), corners, corners + range.indices);
+    }
+  }
+  to.first_vertex = static_cast<uint32_t>(out.vertices.size());
+  for (size_t k = 0; k < corner_count(whole, from); ++k) {
+    PolypostorVertex vertex = whole.vertices[from.first_vertex + k];
+    const int layer = place[vertex.layer & kLayerMask];
+    vertex.layer = static_cast<uint16_t>((vertex.layer & ~kLayerMask) | layer);
+    out.vertices.push_back(vertex);
+  }
+}
+
 }  // namespace
 
 std::vector<uint8_t> needed_views(const PolypostorBake& bake, const ViewGrid& grid,
@@ -57,64 +120,14 @@ PolypostorBake only_views(const PolypostorBake& whole, const std::vector<uint8_t
   for (int& at : place)
     if (at >= 0) at = layers++;
 
-  PolypostorBake out;
-  out.centre = whole.centre;
-  out.radius = whole.radius;
-  out.texel = whole.texel;
-  out.unit = whole.unit;
-  out.unit_z = whole.unit_z;
-  out.frames = whole.frames;
-  out.views = whole.views;
-  out.levels = whole.levels;
-  out.ranges_by_frame = whole.ranges_by_frame;
-  out.clips = whole.clips;
-  out.width = whole.width;
-  out.height = whole.height;
-  out.layers = layers;
-  out.albedo = kept_pages(whole.albedo, place);
-  out.normals = kept_pages(whole.normals, place);
-  out.materials = kept_pages(whole.materials, place);
-  out.emission_peak = whole.emission_peak;
-  out.emission = kept_pages(whole.emission, place);
-  out.parts = whole.parts;
-  out.parts_seen = whole.parts_seen;
-  out.corners_seen = whole.corners_seen;
-  out.outline_error = whole.outline_error;
-  out.repaired = whole.repaired;
-  out.torn = whole.torn;
-  out.torn_most = whole.torn_most;
-
+  PolypostorBake out = pages_of(whole, place, layers);
   // What views that were left out draw: nothing, in any frame.
   uint32_t most_frames = 1;
   for (const StoredClip& clip : whole.clips) most_frames = std::max(most_frames, clip.frames);
   out.ranges.resize(whole.ranges_by_frame != 0 ? most_frames : 1);
   out.sets.resize(whole.sets.size());
-  std::map<uint32_t, std::pair<uint32_t, uint32_t>> moved;  // first word of the whole: first word and range of the kept
-  for (const size_t s : sets) {
-    const PolypostorSet& from = whole.sets[s];
-    PolypostorSet& to = out.sets[s];
-    to.words = from.words;
-    const StoredClip& clip = whole.clips[s / whole.views % whole.clips.size()];
-    const auto [known, is_new] = moved.try_emplace(from.first_word, out.words.size(), out.ranges.size());
-    std::tie(to.first_word, to.first_range) = known->second;
-    if (is_new) {  // the levels of a tier share words and triangles
-      const auto first = whole.words.begin() + from.first_word;
-      out.words.insert(out.words.end(), first, first + static_cast<std::ptrdiff_t>(size_t{from.words} * clip.frames));
-      for (uint32_t r = 0; r < (whole.ranges_by_frame != 0 ? clip.frames : 1); ++r) {
-        const PolypostorRange& range = whole.ranges[from.first_range + r];
-        const auto corners = whole.indices.begin() + range.first_index;
-        out.ranges.push_back({static_cast<uint32_t>(out.indices.size()), range.indices});
-        out.indices.insert(out.indices.end(), corners, corners + range.indices);
-      }
-    }
-    to.first_vertex = static_cast<uint32_t>(out.vertices.size());
-    for (size_t k = 0; k < corner_count(whole, from); ++k) {
-      PolypostorVertex vertex = whole.vertices[from.first_vertex + k];
-      const int layer = place[vertex.layer & kLayerMask];
-      vertex.layer = static_cast<uint16_t>((vertex.layer & ~kLayerMask) | layer);
-      out.vertices.push_back(vertex);
-    }
-  }
+  KeptWords words;
+  for (const size_t s : sets) keep_set(whole, s, place, words, out);
   return out;
 }
 

@@ -256,18 +256,18 @@ Stretch what_masks_leave(const CaptureSource& source, const Polygon& polygon, si
     return out;
   }
   const int steps = static_cast<int>(std::min(std::ceil(deep), 256.0));
-  const glm::dvec3 way = (polygon.corners[farthest] - polygon.corners[nearest]) / static_cast<double>(steps);
+  const glm::dvec3 stride = (polygon.corners[farthest] - polygon.corners[nearest]) / static_cast<double>(steps);
   glm::dvec3 first(0.0);
   glm::dvec3 last(0.0);
   for (int i = 0; i < steps; ++i) {
-    const glm::dvec3 point = polygon.corners[nearest] + (i + 0.5) * way;
+    const glm::dvec3 point = polygon.corners[nearest] + (i + 0.5) * stride;
     if (!is_there(source, at(point), footprint)) continue;
     if (!out.any) first = point;
     last = point;
     out.any = true;
   }
-  out.low = first.z - 0.5 * way.z;
-  out.high = last.z + 0.5 * way.z;
+  out.low = first.z - 0.5 * stride.z;
+  out.high = last.z + 0.5 * stride.z;
   out.middle = is_there(source, at(out.middle), footprint) ? out.middle : first;
   return out;
 }

@@ -20,7 +20,7 @@ namespace {
 using scene::Character;
 
 constexpr size_t kPoses = 16;
-constexpr size_t kSampled = 192;  // triangles by which ways to cut a cell are compared
+constexpr size_t kSampled = 192;  // triangles by which cuts of a cell are compared
 // Of a patch's spread in all, what counts as no spread: across a flat patch the mean matrix says where things go. The
 // first with which no pose squashes the cell.
 constexpr std::array<double, 5> kFlat{1e-4, 1e-3, 1e-2, 1e-1, 1};
@@ -310,18 +310,18 @@ std::vector<std::vector<uint32_t>> components(const Skin& skin, const std::vecto
 }
 
 // What a cell may be cut across: three directions in space, and the weights of its joints.
-std::vector<std::vector<double>> ways_to_cut(const Skin& skin, const Cell& cell) {
-  std::vector<std::vector<double>> ways(3);
+std::vector<std::vector<double>> coordinates_to_cut(const Skin& skin, const Cell& cell) {
+  std::vector<std::vector<double>> coordinates(3);
   const glm::dmat3 frame = skin.joint_from_capture(cell.fit.shares[0].joint);
   for (const uint32_t t : cell.triangles) {
     const glm::dvec3 p = frame * (skin.corner(t, 0) + skin.corner(t, 1) + skin.corner(t, 2));
-    for (int axis = 0; axis < 3; ++axis) ways[static_cast<size_t>(axis)].push_back(p[axis]);
+    for (int axis = 0; axis < 3; ++axis) coordinates[static_cast<size_t>(axis)].push_back(p[axis]);
   }
   for (const Share& s : cell.fit.shares) {
-    std::vector<double>& way = ways.emplace_back();
-    for (const uint32_t t : cell.triangles) way.push_back(skin.weight(t, s.joint));
+    std::vector<double>& coordinate = coordinates.emplace_back();
+    for (const uint32_t t : cell.triangles) coordinate.push_back(skin.weight(t, s.joint));
   }
-  return ways;
+  return coordinates;
 }
 
 // Gives each triangle to the half that carries it better, a few times over.
@@ -376,12 +376,12 @@ void gather(const Skin& skin, std::array<std::vector<uint32_t>, 2>& halves) {
 std::vector<Cell> cut(const Skin& skin, const Cell& cell) {
   std::array<std::vector<uint32_t>, 2> best;
   double least = std::numeric_limits<double>::infinity();
-  for (const std::vector<double>& way : ways_to_cut(skin, cell)) {
-    const auto [low, high] = std::minmax_element(way.begin(), way.end());
+  for (const std::vector<double>& coordinate : coordinates_to_cut(skin, cell)) {
+    const auto [low, high] = std::minmax_element(coordinate.begin(), coordinate.end());
     for (const double share : {0.2, 0.35, 0.5, 0.65, 0.8}) {
       const double at = *low + share * (*high - *low);
       std::array<std::vector<uint32_t>, 2> halves;
-      for (size_t i = 0; i < way.size(); ++i) halves[way[i] < at ? 0 : 1].push_back(cell.triangles[i]);
+      for (size_t i = 0; i < coordinate.size(); ++i) halves[coordinate[i] < at ? 0 : 1].push_back(cell.triangles[i]);
       if (halves[0].empty() || halves[1].empty()) continue;
       const double cost = skin.fit(halves[0], kSampled).cost + skin.fit(halves[1], kSampled).cost;
       if (cost < least) {

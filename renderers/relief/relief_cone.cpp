@@ -53,84 +53,129 @@ uint8_t code_of(double ratio) {
   return static_cast<uint8_t>(std::floor(255.0 * std::sqrt(std::clamp(ratio, 0.0, 1.0))));
 }
 
+// The least depth at which a ray that moves toward (right, down) can come out of each texel's interval: through its
+// back, or into the next texel where that holds nothing at this depth.
+std::vector<uint16_t> least_exits(const std::vector<uint16_t>& front, const std::vector<uint16_t>& back, size_t n,
+                                  bool right, bool down) {
+  const auto covered = [&](size_t texel) { return front[texel] <= back[texel]; };
+  std::vector<uint16_t> least(n * n, 65535);
+  for (size_t v = 0; v < n; ++v) {
+    for (size_t u = 0; u < n; ++u) {
+      const size_t texel = v * n + u;
+      if (!covered(texel)) continue;
+      uint16_t out = back[texel];
+      const auto into = [&](size_t next) {
+        if (!covered(next) || front[next] > front[texel])
+          out = std::min(out, front[texel]);
+        else if (back[next] < back[texel])
+          out = std::min(out, std::max(front[texel], back[next]));
+      };
+      // Beyond the map's edge the ray has left the box.
+      if (right ? u + 1 < n : u > 0) into(right ? texel + 1 : texel - 1);
+      if (down ? v + 1 < n : v > 0) into(down ? texel + n : texel - n);
+      least[texel] = out;
+    }
+  }
+  return least;
+}
+
+// Backs counted from the far end, so that the highest is the least; 65535 where a texel is empty.
+std::vector<uint16_t> complements(const std::vector<uint16_t>& front, const std::vector<uint16_t>& back) {
+  std::vector<uint16_t> out(back.size());
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = front[i] <= back[i] ? static_cast<uint16_t>(65535 - back[i]) : uint16_t{65535};
+  return out;
+}
+
+// What the square rings around a texel hold, clipped to the map.
+class Rings {
+ public:
+  Rings(const std::vector<uint16_t>& front, const std::vector<uint16_t>& back, size_t n)
+      : n_(n),
+        exit_{Both(least_exits(front, back, n, false, false), n), Both(least_exits(front, back, n, true, false), n),
+              Both(least_exits(front, back, n, false, true), n), Both(least_exits(front, back, n, true, true), n)},
+        highest_(complements(front, back), n) {}
+  size_t size() const { return n_; }
+
+  // The least depth at which a ray that moves toward (u, v) comes out of anything in ring k around it.
+  uint16_t least_exit(size_t u, size_t v, size_t k) const {
+    const Span at = span(u, v, k);
+    uint16_t least = 65535;
+    if (v >= k) least = std::min({least, exit_[0].rows.of(at.top, at.left, u), exit_[1].rows.of(at.top, u, at.right)});
+    if (v + k < n_)
+      least = std::min({least, exit_[2].rows.of(at.bottom, at.left, u), exit_[3].rows.of(at.bottom, u, at.right)});
+    if (u >= k)
+      least = std::min({least, exit_[0].columns.of(at.left, at.top, v), exit_[2].columns.of(at.left, v, at.bottom)});
+    if (u + k < n_)
+      least = std::min({least, exit_[1].columns.of(at.right, at.top, v), exit_[3].columns.of(at.right, v, at.bottom)});
+    return least;
+  }
+  // The least of complements() in ring k.
+  uint16_t least_complement(size_t u, size_t v, size_t k) const {
+    const Span at = span(u, v, k);
+    uint16_t least = 65535;
+    if (v >= k) least = std::min(least, highest_.rows.of(at.top, at.left, at.right));
+    if (v + k < n_) least = std::min(least, highest_.rows.of(at.bottom, at.left, at.right));
+    if (u >= k) least = std::min(least, highest_.columns.of(at.left, at.top, at.bottom));
+    if (u + k < n_) least = std::min(least, highest_.columns.of(at.right, at.top, at.bottom));
+    return least;
+  }
+
+ private:
+  struct Span {
+    size_t left, right, top, bottom;
+  };
+  Span span(size_t u, size_t v, size_t k) const {
+    return {u >= k ? u - k : 0, std::min(u + k, n_ - 1), v >= k ? v - k : 0, std::min(v + k, n_ - 1)};
+  }
+
+  size_t n_;
+  std::array<Both, 4> exit_;  // left and up, right and up, left and down, right and down
+  Both highest_;
+};
+
+struct ConeRatios {
+  double approach = 1, leave = 1;
+};
+// Of the texel (u, v), which is filled from `before` to `behind`, in [0, 1].
+ConeRatios widest_cones(const Rings& rings, size_t u, size_t v, double before, double behind) {
+  ConeRatios widest;
+  const double texel = 1.0 / static_cast<double>(rings.size());
+  for (size_t k = 1; k < rings.size(); ++k) {
+    const double across = static_cast<double>(k) * texel;
+    // No ray from this column gets to ring k below this depth.
+    const double floor = across - texel;
+    const bool seek_approach = floor < before && across < widest.approach * (before - floor);
+    const bool seek_leave = across < widest.leave * (1.0 - behind);
+    if (!seek_approach && !seek_leave) break;
+    if (seek_approach) {
+      const double depth = std::max(rings.least_exit(u, v, k) / kOne, floor);
+      if (depth < before) widest.approach = std::min(widest.approach, across / (before - depth));
+    }
+    if (seek_leave) {
+      const uint16_t least = rings.least_complement(u, v, k);
+      const double depth = 1.0 - least / kOne;
+      if (least < 65535 && depth > behind) widest.leave = std::min(widest.leave, across / (depth - behind));
+    }
+  }
+  return widest;
+}
+
 // Cones of rays that go up over [front, back].
 struct Upward {
   std::vector<uint8_t> approach, leave;
 };
 Upward upward(const std::vector<uint16_t>& front, const std::vector<uint16_t>& back, size_t n) {
-  const auto covered = [&](size_t texel) { return front[texel] <= back[texel]; };
-  // The least depth at which a ray that moves toward (right, down) can come out of each texel's interval: through its
-  // back, or into the next texel where that holds nothing at this depth.
-  const auto exits = [&](bool right, bool down) {
-    std::vector<uint16_t> least(n * n, 65535);
-    for (size_t v = 0; v < n; ++v) {
-      for (size_t u = 0; u < n; ++u) {
-        const size_t texel = v * n + u;
-        if (!covered(texel)) continue;
-        uint16_t out = back[texel];
-        const auto into = [&](size_t next) {
-          if (!covered(next) || front[next] > front[texel])
-            out = std::min(out, front[texel]);
-          else if (back[next] < back[texel])
-            out = std::min(out, std::max(front[texel], back[next]));
-        };
-        // Beyond the map's edge the ray has left the box.
-        if (right ? u + 1 < n : u > 0) into(right ? texel + 1 : texel - 1);
-        if (down ? v + 1 < n : v > 0) into(down ? texel + n : texel - n);
-        least[texel] = out;
-      }
-    }
-    return least;
-  };
-  const std::array<Both, 4> exit{Both(exits(false, false), n), Both(exits(true, false), n), Both(exits(false, true), n),
-                                 Both(exits(true, true), n)};
-  std::vector<uint16_t> complement(n * n);
-  for (size_t i = 0; i < complement.size(); ++i)
-    complement[i] = covered(i) ? static_cast<uint16_t>(65535 - back[i]) : uint16_t{65535};
-  const Both highest(complement, n);
-
+  const Rings rings(front, back, n);
   Upward cones{std::vector<uint8_t>(n * n), std::vector<uint8_t>(n * n)};
-  const double texel = 1.0 / static_cast<double>(n);
   for (size_t v = 0; v < n; ++v) {
     for (size_t u = 0; u < n; ++u) {
       const size_t here = v * n + u;
-      const double before = covered(here) ? front[here] / kOne : 1.0;
-      const double behind = covered(here) ? back[here] / kOne : 0.0;
-      double approach = 1;
-      double leave = 1;
-      for (size_t k = 1; k < n; ++k) {
-        const double across = static_cast<double>(k) * texel;
-        // No ray from this column gets to ring k below this depth.
-        const double floor = across - texel;
-        const bool seek_approach = floor < before && across < approach * (before - floor);
-        const bool seek_leave = across < leave * (1.0 - behind);
-        if (!seek_approach && !seek_leave) break;
-        const size_t left = u >= k ? u - k : 0;
-        const size_t right = std::min(u + k, n - 1);
-        const size_t top = v >= k ? v - k : 0;
-        const size_t bottom = std::min(v + k, n - 1);
-        if (seek_approach) {
-          uint16_t least = 65535;
-          if (v >= k) least = std::min({least, exit[0].rows.of(top, left, u), exit[1].rows.of(top, u, right)});
-          if (v + k < n) least = std::min({least, exit[2].rows.of(bottom, left, u), exit[3].rows.of(bottom, u, right)});
-          if (u >= k) least = std::min({least, exit[0].columns.of(left, top, v), exit[2].columns.of(left, v, bottom)});
-          if (u + k < n)
-            least = std::min({least, exit[1].columns.of(right, top, v), exit[3].columns.of(right, v, bottom)});
-          const double depth = std::max(least / kOne, floor);
-          if (depth < before) approach = std::min(approach, across / (before - depth));
-        }
-        if (seek_leave) {
-          uint16_t least = 65535;
-          if (v >= k) least = std::min(least, highest.rows.of(top, left, right));
-          if (v + k < n) least = std::min(least, highest.rows.of(bottom, left, right));
-          if (u >= k) least = std::min(least, highest.columns.of(left, top, bottom));
-          if (u + k < n) least = std::min(least, highest.columns.of(right, top, bottom));
-          const double depth = 1.0 - least / kOne;
-          if (least < 65535 && depth > behind) leave = std::min(leave, across / (depth - behind));
-        }
-      }
-      cones.approach[here] = code_of(approach);
-      cones.leave[here] = code_of(leave);
+      const bool covered = front[here] <= back[here];
+      const ConeRatios widest =
+          widest_cones(rings, u, v, covered ? front[here] / kOne : 1.0, covered ? back[here] / kOne : 0.0);
+      cones.approach[here] = code_of(widest.approach);
+      cones.leave[here] = code_of(widest.leave);
     }
   }
   return cones;

@@ -295,90 +295,118 @@ std::string results_json(const StoreContents& contents, const std::vector<ScoreD
   return all.dump(2) + "\n";
 }
 
-std::string google_benchmark_json(const StoreContents& contents) {
-  const auto runs = runs_by_id(contents);
-  Json context = Json::object();
-  if (!contents.runs.empty()) {
-    const RunRow& run = contents.runs.back();
-    context = {{"date", run.started}, {"executable", "crowdbench"}, {"json_schema_version", 1}};
-    if (run.cpu_threads > 0) context["num_cpus"] = run.cpu_threads;
-    if (run.cpu_mhz) context["mhz_per_cpu"] = std::llround(*run.cpu_mhz);
-    if (run.cpu_scaling_enabled) context["cpu_scaling_enabled"] = *run.cpu_scaling_enabled;
-    for (const Field<RunRow>& field : table<RunRow>().fields) {
-      const Json value = json_of(field.get(run));
-      if (!field.column.key && !field.column.bulky && !value.is_null())
-        context["crowdbench_" + field.column.name] = value;
-    }
+namespace {
+
+// The machine, by google-benchmark's names where it has one, and all else that the run says.
+Json benchmark_context(const RunRow& run) {
+  Json context = {{"date", run.started}, {"executable", "crowdbench"}, {"json_schema_version", 1}};
+  if (run.cpu_threads > 0) context["num_cpus"] = run.cpu_threads;
+  if (run.cpu_mhz) context["mhz_per_cpu"] = std::llround(*run.cpu_mhz);
+  if (run.cpu_scaling_enabled) context["cpu_scaling_enabled"] = *run.cpu_scaling_enabled;
+  for (const Field<RunRow>& field : table<RunRow>().fields) {
+    const Json value = json_of(field.get(run));
+    if (!field.column.key && !field.column.bulky && !value.is_null())
+      context["crowdbench_" + field.column.name] = value;
   }
+  return context;
+}
+
+// User counters: every number that may be absent and is here. Times are the entry's own.
+Json benchmark_counters(const MeasurementRow& row) {
+  Json counters = Json::object();
+  for (const Field<MeasurementRow>& field : table<MeasurementRow>().fields) {
+    const Json value = json_of(field.get(row));
+    if (field.column.optional && field.column.unit != "ns" && value.is_number()) counters[field.column.name] = value;
+  }
+  return counters;
+}
+
+// A measurement among the benchmarks: a family is a representation.
+struct Benchmark {
+  const MeasurementRow& row;
+  std::string run_name;
+  int family = 0, instance = 0;
+
+  Json entry(const std::string& name, const char* type) const {
+    return {{"name", name},         {"family_index", family}, {"per_family_instance_index", instance},
+            {"run_name", run_name}, {"run_type", type},       {"repetitions", row.samples.size()},
+            {"threads", 1}};
+  }
+  std::string status() const { return fmt::format("{}: {}", status_name(row.status), row.reason); }
+};
+
+Json untimed_entry(const Benchmark& benchmark) {
+  Json json = benchmark.entry(benchmark.run_name, "iteration");
+  json["repetition_index"] = 0;
+  json["error_occurred"] = true;
+  json["error_message"] = benchmark.status();
+  json["iterations"] = 0;
+  json["real_time"] = 0;
+  json["cpu_time"] = 0;
+  json["time_unit"] = "ns";
+  return json;
+}
+
+Json sample_entry(const Benchmark& benchmark, const SampleRow& sample, const Json& counters) {
+  Json json = benchmark.entry(benchmark.run_name, "iteration");
+  json["repetition_index"] = sample.round;
+  json["iterations"] = 1;
+  json["real_time"] = sample.frame_ns;
+  json["cpu_time"] = sample.cpu_ns;
+  json["time_unit"] = "ns";
+  if (benchmark.row.status != Status::valid) json["label"] = benchmark.status();
+  if (sample.gpu_ns) json["gpu_ns"] = *sample.gpu_ns;
+  json.update(counters);
+  return json;
+}
+
+void add_aggregates(const Benchmark& benchmark, const Json& counters, Json& benchmarks) {
+  std::vector<double> real;
+  std::vector<double> cpu;
+  for (const SampleRow& sample : benchmark.row.samples) {
+    real.push_back(static_cast<double>(sample.frame_ns));
+    cpu.push_back(static_cast<double>(sample.cpu_ns));
+  }
+  const auto add = [&](const char* name, double real_time, double cpu_time) {
+    Json json = benchmark.entry(benchmark.run_name + "_" + name, "aggregate");
+    json["aggregate_name"] = name;
+    json["aggregate_unit"] = "time";
+    json["iterations"] = real.size();
+    json["real_time"] = real_time;
+    json["cpu_time"] = cpu_time;
+    json["time_unit"] = "ns";
+    json.update(counters);
+    benchmarks.push_back(std::move(json));
+  };
+  add("mean", mean_of(real), mean_of(cpu));
+  add("median", median(real), median(cpu));
+  // One sample has no deviation, and 0 would be a wrong one.
+  if (const auto spread = deviation(real); spread) add("stddev", *spread, *deviation(cpu));
+  constexpr std::pair<const char*, double> kQuantiles[] = {{"p05", 0.05}, {"p95", 0.95}, {"p99", 0.99}};
+  for (const auto& [name, q] : kQuantiles) add(name, quantile(real, q), quantile(cpu, q));
+}
+
+}  // namespace
+
+std::string google_benchmark_json(const StoreContents& contents) {
   Json benchmarks = Json::array();
   std::map<std::string, int> family;
   std::map<std::string, int> instances;
   for (const MeasurementRow& row : contents.measurements) {
-    const std::string run_name = point_path(row.key);
-    const int family_index = family.try_emplace(row.key.representation, static_cast<int>(family.size())).first->second;
-    const int instance = instances[row.key.representation]++;
-    Json counters = Json::object();
-    // User counters: every number that may be absent and is here. Times are the entry's own.
-    for (const Field<MeasurementRow>& field : table<MeasurementRow>().fields) {
-      const Json value = json_of(field.get(row));
-      if (field.column.optional && field.column.unit != "ns" && value.is_number()) counters[field.column.name] = value;
-    }
-    const auto entry = [&](const std::string& name, const char* type) {
-      return Json{{"name", name},
-                  {"family_index", family_index},
-                  {"per_family_instance_index", instance},
-                  {"run_name", run_name},
-                  {"run_type", type},
-                  {"repetitions", row.samples.size()},
-                  {"threads", 1}};
-    };
+    const std::string& representation = row.key.representation;
+    const Benchmark benchmark{row, point_path(row.key),
+                              family.try_emplace(representation, static_cast<int>(family.size())).first->second,
+                              instances[representation]++};
     if (row.samples.empty()) {
-      Json json = entry(run_name, "iteration");
-      json["repetition_index"] = 0;
-      json["error_occurred"] = true;
-      json["error_message"] = fmt::format("{}: {}", status_name(row.status), row.reason);
-      json["iterations"] = 0;
-      json["real_time"] = 0;
-      json["cpu_time"] = 0;
-      json["time_unit"] = "ns";
-      benchmarks.push_back(std::move(json));
+      benchmarks.push_back(untimed_entry(benchmark));
       continue;
     }
-    std::vector<double> real;
-    std::vector<double> cpu;
-    for (const SampleRow& sample : row.samples) {
-      Json json = entry(run_name, "iteration");
-      json["repetition_index"] = sample.round;
-      json["iterations"] = 1;
-      json["real_time"] = sample.frame_ns;
-      json["cpu_time"] = sample.cpu_ns;
-      json["time_unit"] = "ns";
-      if (row.status != Status::valid) json["label"] = fmt::format("{}: {}", status_name(row.status), row.reason);
-      if (sample.gpu_ns) json["gpu_ns"] = *sample.gpu_ns;
-      json.update(counters);
-      benchmarks.push_back(std::move(json));
-      real.push_back(static_cast<double>(sample.frame_ns));
-      cpu.push_back(static_cast<double>(sample.cpu_ns));
-    }
-    const auto aggregate = [&](const char* name, double real_time, double cpu_time) {
-      Json json = entry(run_name + "_" + name, "aggregate");
-      json["aggregate_name"] = name;
-      json["aggregate_unit"] = "time";
-      json["iterations"] = row.samples.size();
-      json["real_time"] = real_time;
-      json["cpu_time"] = cpu_time;
-      json["time_unit"] = "ns";
-      json.update(counters);
-      benchmarks.push_back(std::move(json));
-    };
-    aggregate("mean", mean_of(real), mean_of(cpu));
-    aggregate("median", median(real), median(cpu));
-    // One sample has no deviation, and 0 would be a wrong one.
-    if (const auto spread = deviation(real); spread) aggregate("stddev", *spread, *deviation(cpu));
-    for (const auto& [name, q] : {std::pair{"p05", 0.05}, std::pair{"p95", 0.95}, std::pair{"p99", 0.99}})
-      aggregate(name, quantile(real, q), quantile(cpu, q));
+    const Json counters = benchmark_counters(row);
+    for (const SampleRow& sample : row.samples) benchmarks.push_back(sample_entry(benchmark, sample, counters));
+    add_aggregates(benchmark, counters, benchmarks);
   }
-  const Json all = {{"context", context}, {"benchmarks", benchmarks}};
+  const Json all = {{"context", contents.runs.empty() ? Json::object() : benchmark_context(contents.runs.back())},
+                    {"benchmarks", benchmarks}};
   return all.dump(2) + "\n";
 }
 

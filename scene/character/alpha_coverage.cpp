@@ -18,7 +18,7 @@ constexpr int kHalvings = 14;       // of the logarithm of the scale
 
 using Codes = std::array<float, 256>;  // alpha by stored code
 
-// The part of [0, 1] in which a value that runs evenly from a to b is at least `threshold`.
+// The share of [0, 1] in which a value that runs evenly from a to b is at least `threshold`.
 double part_above(double a, double b, double threshold) {
   if (a >= threshold && b >= threshold) return 1;
   if (a < threshold && b < threshold) return 0;
@@ -26,7 +26,7 @@ double part_above(double a, double b, double threshold) {
   return b > a ? 1 - at : at;
 }
 
-// The part of the square between four texels that is there: exactly along the way on which alpha changes more, by lines
+// The share of the square between four texels that is there: exactly along the axis on which alpha changes more, by lines
 // across the other.
 double part_of_square(const std::array<double, 4>& corners, double threshold) {
   const auto [least, most] = std::ranges::minmax(corners);
@@ -76,7 +76,7 @@ struct Prepared {
   }
 };
 
-// The part of a texel that is there: of the four quarters to its neighbours.
+// The share of a texel that is there: of the four quarters to its neighbours.
 double part_of_texel(const Prepared& of, const Codes& codes, size_t x, size_t y, double threshold) {
   const auto value = [&](int right, int down) {
     return static_cast<double>(codes[of.level.alpha[of.at(x, y, right, down)]]);

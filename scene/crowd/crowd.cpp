@@ -396,9 +396,9 @@ void fill_lanes(const Scenario& scenario, const Cast& cast, const Lanes& lanes, 
                         settings.spacing;
     crowd.x[i] = settings.centre.x + along * lanes.axis.sin + side * lanes.axis.cos;
     crowd.z[i] = settings.centre.z + along * lanes.axis.cos - side * lanes.axis.sin;
-    const double way = lanes.both_ways && lane % 2 == 1 ? -1.0 : 1.0;
-    crowd.heading_sin[i] = way * lanes.axis.sin;
-    crowd.heading_cos[i] = way * lanes.axis.cos;
+    const double sign = lanes.both_ways && lane % 2 == 1 ? -1.0 : 1.0;
+    crowd.heading_sin[i] = sign * lanes.axis.sin;
+    crowd.heading_cos[i] = sign * lanes.axis.cos;
     if (!walk) continue;
     // One ground speed a lane; each agent takes its character's nearest clip, plays it as fast as that needs, and faces
     // so that the clip takes it along the lane: who walks sideways or backward looks across the lane or back.
@@ -421,29 +421,17 @@ void fill_lanes(const Scenario& scenario, const Cast& cast, const Lanes& lanes, 
   }
 }
 
-}  // namespace
-
-StageView stage_view(const Scenario& scenario) {
-  return {scenario.camera.at(0.0), static_cast<double>(scenario.width) / scenario.height, scenario.crowd.stage_near,
-          scenario.crowd.stage_far};
-}
-
-Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& view) {
+// What each agent is, wherever it stands.
+void draw_agents(const Scenario& scenario, const Cast& cast, Crowd& crowd) {
   const CrowdSettings& settings = scenario.crowd;
   const uint32_t n = settings.agents;
   const uint64_t seed = scenario.seed;
-  assert(!cast.banks.empty() && cast.banks.size() == cast.shares.size());
-  Crowd crowd;
-  crowd.seed = seed;
-  crowd.motion = settings.motion;
-  crowd.palette = make_outfits(seed, settings.outfits);
   for (auto* values :
        {&crowd.x, &crowd.z, &crowd.heading_sin, &crowd.heading_cos, &crowd.phase, &crowd.speed, &crowd.scale})
     values->resize(n);
   crowd.character.resize(n);
   crowd.bank_clip.resize(n);
   crowd.outfit.resize(n);
-
   for (uint32_t i = 0; i < n; ++i) {
     const double draw = random_unit(seed, i, kCharacter);
     size_t character = 0;
@@ -460,17 +448,11 @@ Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& vi
     crowd.heading_sin[i] = heading.sin;
     crowd.heading_cos[i] = heading.cos;
   }
+}
 
-  crowd.wrap_x = settings.centre.x;
-  crowd.wrap_z = settings.centre.z;
-  const bool lanes_moving = settings.motion == MotionKind::lanes;
-  if (lanes_moving || (settings.placement == PlacementKind::lanes && settings.stage != Stage::frustum)) {
-    const Lanes lanes = plan_lanes(scenario, view);
-    crowd.period = lanes.period;
-    fill_lanes(scenario, cast, lanes, crowd);
-    return crowd;
-  }
-  if (n == 0) return crowd;
+// Where agents stand that do not walk in lanes, and how far those go that walk freely. At least one agent.
+void fill_places(const Scenario& scenario, const Cast& cast, const StageView& view, Crowd& crowd) {
+  const CrowdSettings& settings = scenario.crowd;
   const bool plaza = settings.stage == Stage::plaza;
   std::vector<Place> places;
   if (plaza) {
@@ -481,7 +463,7 @@ Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& vi
   }
   Place low{1e300, 1e300};
   Place high{-1e300, -1e300};
-  for (uint32_t i = 0; i < n; ++i) {
+  for (uint32_t i = 0; i < settings.agents; ++i) {
     crowd.x[i] = places[i].x + (plaza ? settings.centre.x : 0.0);
     crowd.z[i] = places[i].z + (plaza ? settings.centre.z : 0.0);
     low = {std::min(low.x, crowd.x[i]), std::min(low.z, crowd.z[i])};
@@ -491,6 +473,34 @@ Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& vi
     crowd.wrap_x = (low.x + high.x) / 2;
     crowd.wrap_z = (low.z + high.z) / 2;
     crowd.period = std::max({high.x - low.x, high.z - low.z, 1.0}) + settings.spacing;
+  }
+}
+
+}  // namespace
+
+StageView stage_view(const Scenario& scenario) {
+  return {scenario.camera.at(0.0), static_cast<double>(scenario.width) / scenario.height, scenario.crowd.stage_near,
+          scenario.crowd.stage_far};
+}
+
+Crowd make_crowd(const Scenario& scenario, const Cast& cast, const StageView& view) {
+  const CrowdSettings& settings = scenario.crowd;
+  assert(!cast.banks.empty() && cast.banks.size() == cast.shares.size());
+  Crowd crowd;
+  crowd.seed = scenario.seed;
+  crowd.motion = settings.motion;
+  crowd.palette = make_outfits(scenario.seed, settings.outfits);
+  draw_agents(scenario, cast, crowd);
+
+  crowd.wrap_x = settings.centre.x;
+  crowd.wrap_z = settings.centre.z;
+  const bool lanes_moving = settings.motion == MotionKind::lanes;
+  if (lanes_moving || (settings.placement == PlacementKind::lanes && settings.stage != Stage::frustum)) {
+    const Lanes lanes = plan_lanes(scenario, view);
+    crowd.period = lanes.period;
+    fill_lanes(scenario, cast, lanes, crowd);
+  } else if (settings.agents > 0) {
+    fill_places(scenario, cast, view, crowd);
   }
   return crowd;
 }

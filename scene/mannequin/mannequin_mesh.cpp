@@ -240,54 +240,56 @@ struct Detail {
   std::vector<double> shoe_rows;    // into kShoe
 };
 
-Detail detail(int triangles) {
-  if (triangles == 5000) {
-    return {24,
-            {1.435, 1.475, 1.505, 1.524, 1.536, 1.548, 1.562, 1.577, 1.590, 1.604, 1.613, 1.628, 1.644, 1.660, 1.682,
-             1.712},
-            24,
-            7,
-            true,
-            true,
-            24,
-            2,
-            {0.960, 1.008, 1.036, 1.085, 1.135, 1.190, 1.250, 1.308},
-            {1.352, 1.398},
-            {1.442, 1.455, 1.467, 1.477, 1.486, 1.501},
-            {.026, .052, .082, .115, .155, .195, .230},
-            10,
-            {.150, .235, .265, .300, .335, .375, .430, .490, .530, .560, .587, .617, .636, .646},
-            true,
-            6,
-            {0.858, 0.890, 0.930, 0.968, 1.000, 1.017},
-            3,
-            {0.785, 0.715, 0.635, 0.570, 0.525, 0.485, 0.445, 0.390, 0.315, 0.215, 0.115, 0.046, 0.028},
-            16,
-            {0, 1, 2, 3, 4, 5, 6, 8}};
-  }
-  if (triangles == 2200) {
-    return {16,
-            {1.440, 1.485, 1.522, 1.540, 1.560, 1.584, 1.602, 1.613, 1.640, 1.668, 1.705},
-            14,
-            4,
-            false,
-            true,
-            16,
-            1,
-            {0.965, 1.036, 1.120, 1.220, 1.308},
-            {1.370},
-            {1.442, 1.464, 1.482, 1.500},
-            {.060, .115, .190, .230},
-            8,
-            {.160, .245, .290, .335, .410, .510, .548, .590, .632, .680, .722},
-            false,
-            5,
-            {0.858, 0.900, 0.955, 1.016},
-            2,
-            {0.770, 0.670, 0.565, 0.500, 0.440, 0.360, 0.220, 0.100, 0.030},
-            10,
-            {0, 1.5, 3, 4, 5.5, 8}};
-  }
+Detail finest() {
+  return {
+      24,
+      {1.435, 1.475, 1.505, 1.524, 1.536, 1.548, 1.562, 1.577, 1.590, 1.604, 1.613, 1.628, 1.644, 1.660, 1.682, 1.712},
+      24,
+      7,
+      true,
+      true,
+      24,
+      2,
+      {0.960, 1.008, 1.036, 1.085, 1.135, 1.190, 1.250, 1.308},
+      {1.352, 1.398},
+      {1.442, 1.455, 1.467, 1.477, 1.486, 1.501},
+      {.026, .052, .082, .115, .155, .195, .230},
+      10,
+      {.150, .235, .265, .300, .335, .375, .430, .490, .530, .560, .587, .617, .636, .646},
+      true,
+      6,
+      {0.858, 0.890, 0.930, 0.968, 1.000, 1.017},
+      3,
+      {0.785, 0.715, 0.635, 0.570, 0.525, 0.485, 0.445, 0.390, 0.315, 0.215, 0.115, 0.046, 0.028},
+      16,
+      {0, 1, 2, 3, 4, 5, 6, 8}};
+}
+
+Detail middle() {
+  return {16,
+          {1.440, 1.485, 1.522, 1.540, 1.560, 1.584, 1.602, 1.613, 1.640, 1.668, 1.705},
+          14,
+          4,
+          false,
+          true,
+          16,
+          1,
+          {0.965, 1.036, 1.120, 1.220, 1.308},
+          {1.370},
+          {1.442, 1.464, 1.482, 1.500},
+          {.060, .115, .190, .230},
+          8,
+          {.160, .245, .290, .335, .410, .510, .548, .590, .632, .680, .722},
+          false,
+          5,
+          {0.858, 0.900, 0.955, 1.016},
+          2,
+          {0.770, 0.670, 0.565, 0.500, 0.440, 0.360, 0.220, 0.100, 0.030},
+          10,
+          {0, 1.5, 3, 4, 5.5, 8}};
+}
+
+Detail coarsest() {
   return {8,
           {1.460, 1.525, 1.552, 1.611, 1.680},
           6,
@@ -311,8 +313,36 @@ Detail detail(int triangles) {
           {0, 3, 8}};
 }
 
+Detail detail(int triangles) { return triangles == 5000 ? finest() : triangles == 2200 ? middle() : coarsest(); }
+
 // ---------------------------------------------------------------------------------------------------------------
 // Pieces.
+
+// A thick leaf leaning back and out, its root inside the head.
+void build_ear(Builder& b, int side) {
+  struct Row {
+    double out, scale;
+  };
+  constexpr Row kRows[] = {{-.006, .70}, {.004, .95}, {.0105, 1.08}, {.0125, .66}};
+  std::vector<Ring> ear;
+  for (const Row& row : kRows) {
+    Ring ring;
+    ring.v = (row.out + .006) / .0185;
+    for (int i = 0; i < 8; ++i) {
+      const SinCos turn = sincos_turns(i / 8.0);
+      dvec3 p{0.0728 + row.out, 1.628 + 0.0285 * row.scale * turn.cos,
+              -0.008 - row.out * 0.80 + 0.0160 * row.scale * turn.sin * (1.0 + 0.25 * turn.cos)};
+      p.z -= 0.004 * turn.cos;
+      p = mirrored(p, side);
+      ring.points.push_back(b.add(p, head_weights(p, b.full())));
+    }
+    ear.push_back(std::move(ring));
+  }
+  b.cap(ear.front(), chart_ear);
+  for (size_t r = 0; r + 1 < ear.size(); ++r) b.band(ear[r], ear[r + 1], chart_ear);
+  b.cap(ear.back(), chart_ear);
+  b.finish(skin);
+}
 
 void build_head(Builder& b, const Detail& d) {
   const auto weights = [&](const dvec3& p) { return head_weights(p, b.full()); };
@@ -333,31 +363,7 @@ void build_head(Builder& b, const Detail& d) {
   b.finish(skin);
 
   if (!d.ears) return;
-  for (int side = 0; side < 2; ++side) {
-    // An ear: a thick leaf leaning back and out, its root inside the head.
-    struct Row {
-      double out, scale;
-    };
-    constexpr Row kRows[] = {{-.006, .70}, {.004, .95}, {.0105, 1.08}, {.0125, .66}};
-    std::vector<Ring> ear;
-    for (const Row& row : kRows) {
-      Ring ring;
-      ring.v = (row.out + .006) / .0185;
-      for (int i = 0; i < 8; ++i) {
-        const SinCos turn = sincos_turns(i / 8.0);
-        dvec3 p{0.0728 + row.out, 1.628 + 0.0285 * row.scale * turn.cos,
-                -0.008 - row.out * 0.80 + 0.0160 * row.scale * turn.sin * (1.0 + 0.25 * turn.cos)};
-        p.z -= 0.004 * turn.cos;
-        p = mirrored(p, side);
-        ring.points.push_back(b.add(p, weights(p)));
-      }
-      ear.push_back(std::move(ring));
-    }
-    b.cap(ear.front(), chart_ear);
-    for (size_t r = 0; r + 1 < ear.size(); ++r) b.band(ear[r], ear[r + 1], chart_ear);
-    b.cap(ear.back(), chart_ear);
-    b.finish(skin);
-  }
+  for (int side = 0; side < 2; ++side) build_ear(b, side);
 }
 
 void build_hair(Builder& b, const Detail& d) {
@@ -386,37 +392,54 @@ void build_hair(Builder& b, const Detail& d) {
   b.finish(hair);
 }
 
-void build_shirt(Builder& b, const Detail& d) {
-  const int n = d.torso_columns;
-  std::vector<double> rows = d.torso_low;
-  const size_t bottom = rows.size() - 1;
-  rows.insert(rows.end(), d.torso_hole.begin(), d.torso_hole.end());
-  const size_t top = rows.size();
-  rows.insert(rows.end(), d.torso_high.begin(), d.torso_high.end());
-  const auto in_hole = [&](int column, size_t row) {  // the quad right of the column and above the row
-    if (row < bottom || row >= top) return -1;
-    if (column >= n / 4 - d.hole_half && column < n / 4 + d.hole_half) return 0;
-    if (column >= 3 * n / 4 - d.hole_half && column < 3 * n / 4 + d.hole_half) return 1;
-    return -1;
-  };
-  const auto strictly_inside = [&](int column, size_t row) {
+// The torso's rows and columns, and where they leave the armholes open.
+struct TorsoGrid {
+  int columns;
+  int hole_half;             // half an armhole's width in columns
+  std::vector<double> rows;  // y
+  size_t bottom, top;        // the armholes' first and last row
+
+  explicit TorsoGrid(const Detail& d)
+      : columns(d.torso_columns), hole_half(d.hole_half), rows(d.torso_low), bottom(rows.size() - 1) {
+    rows.insert(rows.end(), d.torso_hole.begin(), d.torso_hole.end());
+    top = rows.size();
+    rows.insert(rows.end(), d.torso_high.begin(), d.torso_high.end());
+  }
+  // The column of an armhole's middle.
+  int middle(int side) const { return side == 0 ? columns / 4 : 3 * columns / 4; }
+  // Whether the quad right of the column and above the row is left out.
+  bool open(int column, size_t row) const {
+    if (row < bottom || row >= top) return false;
+    return (column >= middle(0) - hole_half && column < middle(0) + hole_half) ||
+           (column >= middle(1) - hole_half && column < middle(1) + hole_half);
+  }
+  // Whether a point lies within an armhole, not on its edge.
+  bool inside(int column, size_t row) const {
     if (row <= bottom || row >= top) return false;
-    return std::abs(column - n / 4) < d.hole_half || std::abs(column - 3 * n / 4) < d.hole_half;
-  };
+    return std::abs(column - middle(0)) < hole_half || std::abs(column - middle(1)) < hole_half;
+  }
+};
+
+std::vector<Ring> torso_rings(Builder& b, const TorsoGrid& grid) {
   std::vector<Ring> rings;
-  for (size_t r = 0; r < rows.size(); ++r) {
+  for (size_t r = 0; r < grid.rows.size(); ++r) {
     Ring ring;
-    ring.v = (rows[r] - kTorsoLow) / (kTorsoHigh - kTorsoLow);
-    for (int i = 0; i < n; ++i) {
-      const dvec3 p = torso_shape(static_cast<double>(i) / n, rows[r]);
-      ring.points.push_back(strictly_inside(i, r) ? -1 : b.add(p, torso_weights(p, false)));
+    ring.v = (grid.rows[r] - kTorsoLow) / (kTorsoHigh - kTorsoLow);
+    for (int i = 0; i < grid.columns; ++i) {
+      const dvec3 p = torso_shape(static_cast<double>(i) / grid.columns, grid.rows[r]);
+      ring.points.push_back(grid.inside(i, r) ? -1 : b.add(p, torso_weights(p, false)));
     }
     rings.push_back(std::move(ring));
   }
+  return rings;
+}
+
+void build_torso(Builder& b, const TorsoGrid& grid, const std::vector<Ring>& rings) {
+  const int n = grid.columns;
   b.cap(rings.front(), chart_torso);
   for (size_t r = 0; r + 1 < rings.size(); ++r) {
     for (int i = 0; i < n; ++i) {
-      if (in_hole(i, r) >= 0) continue;
+      if (grid.open(i, r)) continue;
       const auto c = static_cast<size_t>(i);
       const size_t next = (c + 1) % static_cast<size_t>(n);
       const double u0 = static_cast<double>(i) / n;
@@ -427,62 +450,115 @@ void build_shirt(Builder& b, const Detail& d) {
              {rings[r + 1].points[c], chart_uv(chart_torso, u0, 1 - rings[r + 1].v)});
     }
   }
-  // The collar turns inwards and ends below, around the neck.
-  if (d.folds) {
-    Ring inner;
-    inner.v = 1.0;
-    for (const int point : rings.back().points) {
-      const dvec3 p = b.at(point);
-      const dvec3 q{p.x * 0.80, p.y - 0.022, -0.012 + (p.z + 0.012) * 0.80};
-      inner.points.push_back(b.add(q, torso_weights(p, false)));
-    }
-    b.band(rings.back(), inner, chart_torso);
-    b.cap(inner, chart_torso);
-  } else {
-    b.cap(rings.back(), chart_torso);
-  }
+}
 
-  for (int side = 0; side < 2; ++side) {
-    // The armhole's edge, once around from the middle of its top over the front.
-    std::vector<int> edge;
-    const int middle = side == 0 ? n / 4 : 3 * n / 4;
-    const int step = side == 0 ? 1 : -1;  // towards the front
-    const auto point = [&](int column, size_t row) { return rings[row].points[static_cast<size_t>(column)]; };
-    for (int k = 0; k < d.hole_half; ++k) edge.push_back(point(middle + step * k, top));
-    for (size_t r = top; r > bottom; --r) edge.push_back(point(middle + step * d.hole_half, r));
-    for (int k = d.hole_half; k > -d.hole_half; --k) edge.push_back(point(middle + step * k, bottom));
-    for (size_t r = bottom; r < top; ++r) edge.push_back(point(middle - step * d.hole_half, r));
-    for (int k = d.hole_half; k > 0; --k) edge.push_back(point(middle - step * k, top));
-    Ring previous{edge, 1.0};
-    const auto columns = static_cast<int>(edge.size());
-    const auto sleeve_ring = [&](double t, double shrink, double v) {
-      const auto p = along<2>(kSleeve, t);
-      Ring ring;
-      ring.v = v;
-      for (int i = 0; i < columns; ++i) {
-        const SinCos turn = sincos_turns(static_cast<double>(i) / columns);
-        // Near the shoulder the rings lean with the armhole, whose lower end lies further along the arm.
-        const double lean = 0.60 * smooth(0.17, 0.05, t) * p[1];
-        const dvec3 q = mirrored(arm_point(t - lean * turn.cos) + kArmUp * (p[1] * shrink * turn.cos) +
-                                     kForward * (p[0] * shrink * turn.sin),
-                                 side);
-        ring.points.push_back(b.add(q, torso_weights(q, true)));
-      }
-      return ring;
-    };
-    for (const double t : d.sleeve) {
-      Ring ring = sleeve_ring(t, 1.0, 1.0 - t / d.sleeve.back());
-      b.band(previous, ring, chart_sleeve);
-      previous = std::move(ring);
-    }
-    if (d.folds) {
-      Ring hem = sleeve_ring(d.sleeve.back() - 0.015, 0.62, 0.0);
-      b.band(previous, hem, chart_sleeve);
-      previous = std::move(hem);
-    }
-    b.cap(previous, chart_sleeve);
+// Closes the torso's uppermost ring. With folds the collar turns inwards and ends below, around the neck.
+void build_collar(Builder& b, const Ring& upper, bool folds) {
+  if (!folds) {
+    b.cap(upper, chart_torso);
+    return;
   }
+  Ring inner;
+  inner.v = 1.0;
+  for (const int point : upper.points) {
+    const dvec3 p = b.at(point);
+    const dvec3 q{p.x * 0.80, p.y - 0.022, -0.012 + (p.z + 0.012) * 0.80};
+    inner.points.push_back(b.add(q, torso_weights(p, false)));
+  }
+  b.band(upper, inner, chart_torso);
+  b.cap(inner, chart_torso);
+}
+
+// An armhole's edge, once around from the middle of its top over the front.
+Ring armhole(const TorsoGrid& grid, const std::vector<Ring>& rings, int side) {
+  Ring edge;
+  edge.v = 1.0;
+  const int middle = grid.middle(side);
+  const int step = side == 0 ? 1 : -1;  // towards the front
+  const auto add = [&](int k, size_t row) {
+    edge.points.push_back(rings[row].points[static_cast<size_t>(middle + step * k)]);
+  };
+  for (int k = 0; k < grid.hole_half; ++k) add(k, grid.top);
+  for (size_t r = grid.top; r > grid.bottom; --r) add(grid.hole_half, r);
+  for (int k = grid.hole_half; k > -grid.hole_half; --k) add(k, grid.bottom);
+  for (size_t r = grid.bottom; r < grid.top; ++r) add(-grid.hole_half, r);
+  for (int k = grid.hole_half; k > 0; --k) add(-k, grid.top);
+  return edge;
+}
+
+// From an armhole to the hem.
+void build_sleeve(Builder& b, const Detail& d, Ring previous, int side) {
+  const auto columns = static_cast<int>(previous.points.size());
+  const auto ring_at = [&](double t, double shrink, double v) {
+    const auto p = along<2>(kSleeve, t);
+    Ring ring;
+    ring.v = v;
+    for (int i = 0; i < columns; ++i) {
+      const SinCos turn = sincos_turns(static_cast<double>(i) / columns);
+      // Near the shoulder the rings lean with the armhole, whose lower end lies further along the arm.
+      const double lean = 0.60 * smooth(0.17, 0.05, t) * p[1];
+      const dvec3 q = mirrored(
+          arm_point(t - lean * turn.cos) + kArmUp * (p[1] * shrink * turn.cos) + kForward * (p[0] * shrink * turn.sin),
+          side);
+      ring.points.push_back(b.add(q, torso_weights(q, true)));
+    }
+    return ring;
+  };
+  for (const double t : d.sleeve) {
+    Ring ring = ring_at(t, 1.0, 1.0 - t / d.sleeve.back());
+    b.band(previous, ring, chart_sleeve);
+    previous = std::move(ring);
+  }
+  if (d.folds) {
+    Ring hem = ring_at(d.sleeve.back() - 0.015, 0.62, 0.0);
+    b.band(previous, hem, chart_sleeve);
+    previous = std::move(hem);
+  }
+  b.cap(previous, chart_sleeve);
+}
+
+void build_shirt(Builder& b, const Detail& d) {
+  const TorsoGrid grid(d);
+  const std::vector<Ring> rings = torso_rings(b, grid);
+  build_torso(b, grid, rings);
+  build_collar(b, rings.back(), d.folds);
+  for (int side = 0; side < 2; ++side) build_sleeve(b, d, armhole(grid, rings, side), side);
   b.finish(shirt);
+}
+
+// digit: 0 is the thumb.
+void build_finger(Builder& b, int columns, int side, int digit) {
+  const auto chain = finger_chain(side, digit);
+  const double thick = digit == 0 ? 0.0112 : digit == 4 ? 0.0078 : 0.0090;
+  const dvec3 across = glm::normalize(digit == 0 ? mirrored(dvec3(0.45, 0.45, -0.77), side) : kForward);
+  const auto weights = [&](const dvec3& p) {
+    return b.full() ? finger_weights(p, digit) : Influences{{hand(side), 1.0}};
+  };
+  struct Row {
+    int bone;
+    double share, radius;  // of the bone's length; of the thickness
+  };
+  constexpr Row kRows[] = {{0, -0.30, 1.05}, {1, 0.0, 1.0}, {2, 0.0, 0.92}, {2, 0.78, 0.72}};
+  std::vector<Ring> rings;
+  for (const Row& row : kRows) {
+    const auto bone = static_cast<size_t>(row.bone);
+    const dvec3 direction = glm::normalize(chain[bone + 1] - chain[bone]);
+    const dvec3 other = glm::normalize(glm::cross(direction, across));
+    const dvec3 sideways = glm::cross(other, direction);
+    Ring ring;
+    ring.v = std::max(0.0, (row.bone + row.share) / 3.0);
+    const dvec3 centre = chain[bone] + (chain[bone + 1] - chain[bone]) * row.share;
+    for (int i = 0; i < columns; ++i) {
+      const SinCos turn = sincos_turns(static_cast<double>(i) / columns);
+      const dvec3 q = centre + (sideways * turn.cos + other * turn.sin) * (thick * row.radius);
+      ring.points.push_back(b.add(q, weights(q)));
+    }
+    rings.push_back(std::move(ring));
+  }
+  b.cap(rings.front(), chart_finger);
+  for (size_t r = 0; r + 1 < rings.size(); ++r) b.band(rings[r], rings[r + 1], chart_finger);
+  b.tip(rings.back(), b.add(chain[3], weights(chain[3])), 1.0, chart_finger);
+  b.finish(skin);
 }
 
 void build_arm(Builder& b, const Detail& d, int side) {
@@ -513,44 +589,14 @@ void build_arm(Builder& b, const Detail& d, int side) {
 
   for (int digit = 0; digit < 5; ++digit) {
     const int columns = digit == 0 ? d.thumb_columns : 5;
-    if ((digit > 0 && !d.fingers) || columns == 0) continue;
-    const auto chain = finger_chain(side, digit);
-    const double thick = digit == 0 ? 0.0112 : digit == 4 ? 0.0078 : 0.0090;
-    const dvec3 across = glm::normalize(digit == 0 ? mirrored(dvec3(0.45, 0.45, -0.77), side) : kForward);
-    const auto weights = [&](const dvec3& p) {
-      return b.full() ? finger_weights(p, digit) : Influences{{hand(side), 1.0}};
-    };
-    struct Row {
-      int bone;
-      double part, radius;
-    };
-    constexpr Row kRows[] = {{0, -0.30, 1.05}, {1, 0.0, 1.0}, {2, 0.0, 0.92}, {2, 0.78, 0.72}};
-    std::vector<Ring> rings;
-    for (const Row& row : kRows) {
-      const auto bone = static_cast<size_t>(row.bone);
-      const dvec3 direction = glm::normalize(chain[bone + 1] - chain[bone]);
-      const dvec3 other = glm::normalize(glm::cross(direction, across));
-      const dvec3 sideways = glm::cross(other, direction);
-      Ring ring;
-      ring.v = std::max(0.0, (row.bone + row.part) / 3.0);
-      const dvec3 centre = chain[bone] + (chain[bone + 1] - chain[bone]) * row.part;
-      for (int i = 0; i < columns; ++i) {
-        const SinCos turn = sincos_turns(static_cast<double>(i) / columns);
-        const dvec3 q = centre + (sideways * turn.cos + other * turn.sin) * (thick * row.radius);
-        ring.points.push_back(b.add(q, weights(q)));
-      }
-      rings.push_back(std::move(ring));
-    }
-    b.cap(rings.front(), chart_finger);
-    for (size_t r = 0; r + 1 < rings.size(); ++r) b.band(rings[r], rings[r + 1], chart_finger);
-    b.tip(rings.back(), b.add(chain[3], weights(chain[3])), 1.0, chart_finger);
-    b.finish(skin);
+    if ((digit == 0 || d.fingers) && columns > 0) build_finger(b, columns, side, digit);
   }
 }
 
-void build_trousers(Builder& b, const Detail& d) {
+// From the crotch's ring up to the waist. Returns the crotch's ring.
+Ring build_pelvis(Builder& b, const Detail& d) {
   const int n = d.torso_columns;
-  const auto pelvis_ring = [&](double y, double shrink, double v) {
+  const auto ring_at = [&](double y, double shrink, double v) {
     Ring ring;
     ring.v = v;
     for (int i = 0; i < n; ++i) {
@@ -563,21 +609,23 @@ void build_trousers(Builder& b, const Detail& d) {
   };
   const double low = d.pelvis_rows.front();
   const double high = d.pelvis_rows.back();
-  const auto v_of = [&](double y) { return (y - low) / (high - low); };
   std::vector<Ring> pelvis;
-  for (const double y : d.pelvis_rows) pelvis.push_back(pelvis_ring(y, 1.0, v_of(y)));
+  for (const double y : d.pelvis_rows) pelvis.push_back(ring_at(y, 1.0, (y - low) / (high - low)));
   for (size_t r = 0; r + 1 < pelvis.size(); ++r) b.band(pelvis[r], pelvis[r + 1], chart_pelvis);
   Ring waist = pelvis.back();
   if (d.folds) {
-    waist = pelvis_ring(high - 0.012, 0.84, 1.0);
+    waist = ring_at(high - 0.012, 0.84, 1.0);
     b.band(pelvis.back(), waist, chart_pelvis);
   }
   b.cap(waist, chart_pelvis);
+  return pelvis.front();
+}
 
-  // The crotch's line, from the front to the back, shared by both legs.
-  const Ring& split = pelvis.front();
-  const dvec3 front = b.at(split.points[static_cast<size_t>(n / 2)]);
+// The crotch's line, from the front to the back, shared by both legs.
+std::vector<int> crotch_line(Builder& b, const Detail& d, const Ring& split) {
+  const dvec3 front = b.at(split.points[static_cast<size_t>(d.torso_columns / 2)]);
   const dvec3 back = b.at(split.points[0]);
+  const double low = d.pelvis_rows.front();
   std::vector<int> line;
   for (int i = 1; i <= d.crotch_points; ++i) {
     const double t = static_cast<double>(i) / (d.crotch_points + 1);
@@ -585,45 +633,54 @@ void build_trousers(Builder& b, const Detail& d) {
     const dvec3 p{0.0, low - 0.052 * (1.0 - square(square(2.0 * t - 1.0))), z};
     line.push_back(b.add(p, leg_weights(p)));
   }
-  for (int side = 0; side < 2; ++side) {
-    // Once around the leg, from the back middle over the outside to the front middle, and back along the crotch.
-    Ring previous;
-    previous.v = 1.0;
-    const int half = n / 2;
-    for (int i = 0; i <= half; ++i) {
-      previous.points.push_back(split.points[static_cast<size_t>(side == 0 ? i : (n - i) % n)]);
+  return line;
+}
+
+// split: the crotch's ring; line: crotch_line().
+void build_leg(Builder& b, const Detail& d, const Ring& split, const std::vector<int>& line, int side) {
+  // Once around the leg, from the back middle over the outside to the front middle, and back along the crotch.
+  const int n = d.torso_columns;
+  const int half = n / 2;
+  Ring previous;
+  previous.v = 1.0;
+  for (int i = 0; i <= half; ++i)
+    previous.points.push_back(split.points[static_cast<size_t>(side == 0 ? i : (n - i) % n)]);
+  previous.points.insert(previous.points.end(), line.begin(), line.end());
+  const auto columns = static_cast<int>(previous.points.size());
+  const double outer = static_cast<double>(half) / columns;  // of the full turn
+  const auto ring_at = [&](double y, double shrink, double v) {
+    const auto p = along<4>(kLeg, y);
+    Ring ring;
+    ring.v = v;
+    for (int i = 0; i < columns; ++i) {
+      // The outer arc is centred on the outward direction: a quarter turn from the back.
+      const SinCos turn = sincos_turns(0.25 - 0.5 * outer + static_cast<double>(i) / columns);
+      const double z = 0.5 * (p[0] + p[1]);
+      const dvec2 round = rounded(turn.sin, -turn.cos, 0.08);
+      const dvec3 q = mirrored({p[2] + p[3] * shrink * round.x, y, z + 0.5 * (p[0] - p[1]) * shrink * round.y}, side);
+      ring.points.push_back(b.add(q, leg_weights(q)));
     }
-    previous.points.insert(previous.points.end(), line.begin(), line.end());
-    const auto columns = static_cast<int>(previous.points.size());
-    const double outer = static_cast<double>(half) / columns;  // of the way around
-    const auto leg_ring = [&](double y, double shrink, double v) {
-      const auto p = along<4>(kLeg, y);
-      Ring ring;
-      ring.v = v;
-      for (int i = 0; i < columns; ++i) {
-        // The outer arc is centred on the outward direction: a quarter turn from the back.
-        const SinCos turn = sincos_turns(0.25 - 0.5 * outer + static_cast<double>(i) / columns);
-        const double z = 0.5 * (p[0] + p[1]);
-        const dvec2 round = rounded(turn.sin, -turn.cos, 0.08);
-        const dvec3 q = mirrored({p[2] + p[3] * shrink * round.x, y, z + 0.5 * (p[0] - p[1]) * shrink * round.y}, side);
-        Influences w = leg_weights(q);
-        ring.points.push_back(b.add(q, std::move(w)));
-      }
-      return ring;
-    };
-    const double hem = d.leg_rows.back();
-    for (const double y : d.leg_rows) {
-      Ring ring = leg_ring(y, 1.0, (y - hem) / (low - hem));
-      b.band(previous, ring, chart_leg);
-      previous = std::move(ring);
-    }
-    if (d.folds) {
-      Ring fold = leg_ring(hem + 0.012, 0.70, 0.0);
-      b.band(previous, fold, chart_leg);
-      previous = std::move(fold);
-    }
-    b.cap(previous, chart_leg);
+    return ring;
+  };
+  const double low = d.pelvis_rows.front();
+  const double hem = d.leg_rows.back();
+  for (const double y : d.leg_rows) {
+    Ring ring = ring_at(y, 1.0, (y - hem) / (low - hem));
+    b.band(previous, ring, chart_leg);
+    previous = std::move(ring);
   }
+  if (d.folds) {
+    Ring fold = ring_at(hem + 0.012, 0.70, 0.0);
+    b.band(previous, fold, chart_leg);
+    previous = std::move(fold);
+  }
+  b.cap(previous, chart_leg);
+}
+
+void build_trousers(Builder& b, const Detail& d) {
+  const Ring split = build_pelvis(b, d);
+  const std::vector<int> line = crotch_line(b, d, split);
+  for (int side = 0; side < 2; ++side) build_leg(b, d, split, line, side);
   b.finish(trousers);
 }
 

@@ -65,7 +65,7 @@ struct FootState {
 struct Gait {
   double seconds;
   double speed;                                      // metres a second
-  double stance;                                     // part of the cycle
+  double stance;                                     // share of the cycle
   double first_ankle;                                // z of the flat foot's ankle at heel strike
   std::vector<Keyed> stance_pitch;                   // over the stance, 0..1
   std::vector<Keyed> swing_pitch, swing_y, swing_z;  // over the swing, without its ends, which follow from the stance

@@ -65,7 +65,7 @@ dvec3 head_shape(double u, double y) {
   return at;
 }
 
-// By the cosine and sine of the way around (front = 1).
+// By the cosine and sine of the angle around (front = 1).
 double hairline(double u) {
   const SinCos turn = head_turn(u);
   const double front = -turn.cos;

@@ -27,7 +27,7 @@ constexpr double kSameTranslation = 1e-3;  // of the height: a loop's ends that 
 constexpr double kSameRotation = 5e-3;     // radians, likewise
 constexpr double kRootMotion = 0.1;        // of the height: a smaller net displacement is sway, not travel
 constexpr double kRootTurn = 0.05;         // radians: likewise for a net turn
-// A travel or a turn ends in the pose in which it began: what remains is at most this part of the displacement, or of
+// A travel or a turn ends in the pose in which it began: what remains is at most this share of the displacement, or of
 // the height. Who falls, sits down or lunges moves as far but does not travel.
 constexpr double kLeftOfTravel = 0.35;
 constexpr double kLeftOfHeight = 0.1;  // of a turn
@@ -341,7 +341,7 @@ int clip_along_minus_z(const Character& character) {
   return -1;
 }
 
-// Does the character walk along -Z? What it looks like decides whether that is forwards: VRM 0.x files face that way.
+// Does the character walk along -Z? What it looks like decides whether that is forwards: VRM 0.x files face -Z.
 bool turn_was_guessed(Character& character, const std::vector<uint32_t>& soles) {
   const int clip = clip_along_minus_z(character);
   if (clip < 0) return false;
@@ -419,24 +419,26 @@ void normalise(Character& character, const NormaliseOptions& options) {
   character.content_hash = compute_content_hash(character);
 }
 
-std::string compute_content_hash(const Character& character) {
-  Sha256 hash;
-  hash.text("crowdbench character 1");
-  const Skeleton& skeleton = character.skeleton;
-  const auto matrix = [&](const glm::dmat4& m) { hash.bytes(&m, sizeof m); };
+namespace {
+
+void hash_matrix(Sha256& hash, const glm::dmat4& matrix) { hash.bytes(&matrix, sizeof matrix); }
+
+void hash_skeleton(Sha256& hash, const Skeleton& skeleton) {
   hash.value(skeleton.root_node).value(skeleton.nodes.size());
   for (const Node& node : skeleton.nodes) {
     hash.text(node.name).value(node.parent).value(node.has_matrix);
-    matrix(node.matrix);
+    hash_matrix(hash, node.matrix);
     for (int i = 0; i < 3; ++i) hash.value(node.translation[i]).value(node.scale[i]);
     hash.value(node.rotation.x).value(node.rotation.y).value(node.rotation.z).value(node.rotation.w);
   }
   hash.value(skeleton.joints.size());
   for (const Joint& joint : skeleton.joints) {
     hash.value(joint.node).value(joint.rigid);
-    matrix(joint.inverse_bind);
+    hash_matrix(hash, joint.inverse_bind);
   }
-  const Mesh& mesh = character.mesh;
+}
+
+void hash_mesh(Sha256& hash, const Mesh& mesh) {
   // glm's vectors are plain floats without padding, though their constructors keep them from counting as trivial.
   const auto vectors = [&](const auto& v) { hash.value(v.size()).bytes(v.data(), v.size() * sizeof(v[0])); };
   vectors(mesh.positions);
@@ -451,37 +453,57 @@ std::string compute_content_hash(const Character& character) {
     hash.value(p.first_index).value(p.index_count).value(p.first_vertex).value(p.vertex_count);
     hash.value(p.material).value(p.node).value(static_cast<uint8_t>((p.mirrored ? 1 : 0) | (p.flat ? 2 : 0)));
   }
-  hash.value(character.materials.size());
-  for (const Material& m : character.materials) {
+}
+
+void hash_surfaces(Sha256& hash, const std::vector<Material>& materials, const std::vector<Texture>& images) {
+  hash.value(materials.size());
+  for (const Material& m : materials) {
     hash.bytes(&m.base_colour, sizeof m.base_colour).value(m.base_colour_image);
     hash.bytes(&m.emissive, sizeof m.emissive).value(m.emissive_image);
     hash.value(m.unlit).value(m.double_sided).value(m.slot);
     // Only where there is one, so that the hashes of most characters are those of earlier versions.
     if (m.alpha_cutoff > 0) hash.value(m.alpha_cutoff).text("levels hold what masks leave");
   }
-  hash.value(character.images.size());
-  for (const Texture& t : character.images) {
+  hash.value(images.size());
+  for (const Texture& t : images) {
     hash.value(t.image.width).value(t.image.height).value(t.image.channels).values(t.image.data);
     hash.value(t.repeat_u).value(t.repeat_v).value(t.mirrored_u).value(t.mirrored_v).value(t.nearest);
     // Only where it is not the usual one, so that the hashes of most characters are those of earlier versions.
     if (t.min_filter != MinFilter::linear_mipmap_linear) hash.value(t.min_filter);
   }
-  hash.value(character.clips.size());
-  for (const Clip& clip : character.clips) {
+}
+
+void hash_clips(Sha256& hash, const std::vector<Clip>& clips) {
+  hash.value(clips.size());
+  for (const Clip& clip : clips) {
     hash.text(clip.name).value(clip.start).value(clip.end).value(clip.loops).value(clip.channels.size());
-    for (const Channel& c : clip.channels) {
+    for (const Channel& c : clip.channels)
       hash.value(c.node).value(c.target).value(c.interpolation).values(c.times).values(c.values);
-    }
   }
-  matrix(character.placement.model_from_gltf);
-  hash.value(character.placement.default_clip);
-  for (const ClipMotion& motion : character.motion) {
+}
+
+void hash_motion(Sha256& hash, const std::vector<ClipMotion>& motions) {
+  for (const ClipMotion& motion : motions) {
     for (int i = 0; i < 3; ++i) hash.value(motion.root_displacement[i]);
     hash.value(motion.ground_speed).value(motion.closing_seconds);
     // Only where they are not the usual ones, so that the hashes of most characters are those of earlier versions.
     if (motion.direction != glm::dvec2(0.0, 1.0)) hash.value(motion.direction.x).value(motion.direction.y);
     if (motion.root_yaw != 0) hash.value(motion.root_yaw).value(motion.root_axis.x).value(motion.root_axis.z);
   }
+}
+
+}  // namespace
+
+std::string compute_content_hash(const Character& character) {
+  Sha256 hash;
+  hash.text("crowdbench character 1");
+  hash_skeleton(hash, character.skeleton);
+  hash_mesh(hash, character.mesh);
+  hash_surfaces(hash, character.materials, character.images);
+  hash_clips(hash, character.clips);
+  hash_matrix(hash, character.placement.model_from_gltf);
+  hash.value(character.placement.default_clip);
+  hash_motion(hash, character.motion);
   return hash.hex();
 }
 

@@ -213,7 +213,7 @@ class Retargeter {
     Channel& channel = channels[node];
     channel.node = node;
     channel.target = Target::rotation;
-    if (const size_t n = channel.values.size(); n >= 4) {  // the shorter way from the key before
+    if (const size_t n = channel.values.size(); n >= 4) {  // the shorter turn from the key before
       const double* before = &channel.values[n - 4];
       if (before[0] * q.x + before[1] * q.y + before[2] * q.z + before[3] * q.w < 0) q = -q;
     }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kApart = 0.1;       // of the height: a root that stands farther from the body is not where it is
 constexpr double kSoleBand = 0.05;   // of the height above the lowest point: these vertices can touch the ground
 constexpr double kSameLevel = 0.01;  // of the height
-constexpr size_t kStays = 6;         // one part of so many of a cycle
+constexpr size_t kStays = 6;         // one of so many equal stretches of a cycle
 constexpr double kBoundsRate = 30.0;
 
 // The node whose travel is the character's: the skin's root, or without a skin the first joint's topmost ancestor.

@@ -38,85 +38,94 @@ size_t utf8_length(const std::string& text, size_t at) {
   return length;
 }
 
+// What a character of TOML means depends on what it stands in.
+enum class In : uint8_t { plain, comment, basic, literal, basic_block, literal_block };
+
+struct Scan {
+  In in = In::plain;
+  int depth = 0;  // of brackets
+  int dots = 0;   // on this line
+};
+
+// One character outside of texts and comments. Whether it opens a block of text, which takes three quotes.
+bool take_plain(Scan& scan, char c, bool triple) {
+  if (c == '#') {
+    scan.in = In::comment;
+  } else if (triple) {
+    scan.in = c == '"' ? In::basic_block : In::literal_block;
+    return true;
+  } else if (c == '"') {
+    scan.in = In::basic;
+  } else if (c == '\'') {
+    scan.in = In::literal;
+  } else if (c == '[' || c == '{') {
+    ++scan.depth;
+  } else if (c == ']' || c == '}') {
+    scan.depth = std::max(0, scan.depth - 1);
+  } else if (c == '.') {
+    ++scan.dots;
+  }
+  return false;
+}
+
+// One character of `length` bytes; how many bytes it takes with it: those of three quotes that open or close a block,
+// and a quote or backslash that is escaped. next: the byte after it; 0: none.
+size_t take(Scan& scan, char c, size_t length, bool triple, bool line_end, char next) {
+  const bool block = scan.in == In::basic_block || scan.in == In::literal_block;
+  const bool escapes = scan.in == In::basic || scan.in == In::basic_block;
+  if (scan.in == In::plain) return take_plain(scan, c, triple) ? 3 : length;
+  if (scan.in == In::comment) return length;
+  // Other escaped bytes may end a line or begin a longer character: they are looked at in their turn.
+  if (escapes && c == '\\') return next == '"' || next == '\\' ? 2 : 1;
+  const bool quote = c == (escapes ? '"' : '\'');
+  if (block ? quote && triple : quote || line_end) {
+    scan.in = In::plain;
+    return block ? 3 : length;
+  }
+  return length;
+}
+
+void refuse_bytes(char c, size_t length, bool line_end, const std::string& where, size_t line) {
+  const auto byte = static_cast<unsigned char>(c);
+  if (length == 0) throw Error(line_place(where, line), "is not valid UTF-8", "save the file as UTF-8");
+  if ((byte < 0x20 && c != '\t' && !line_end) || byte == 0x7f)
+    throw Error(line_place(where, line),
+                fmt::format("holds the control character 0x{:02x}", static_cast<unsigned>(byte)),
+                "remove it, or write it as \\u00XX inside double quotes");
+}
+
+void refuse_excess(const Scan& scan, size_t line_bytes, const std::string& where, size_t line) {
+  if (scan.depth > kDepth)
+    throw Error(line_place(where, line), fmt::format("brackets nest deeper than {}", kDepth),
+                "no key needs more than a few");
+  if (scan.dots > kDotsPerLine)
+    throw Error(line_place(where, line), fmt::format("has more than {} dots", kDotsPerLine), "break the line up");
+  if (line_bytes > kLineBytes)
+    throw Error(line_place(where, line), fmt::format("is longer than {} bytes", kLineBytes), "break the line up");
+}
+
 // Refuses, with its line, what toml11 must not see: it recurses once a bracket and once a dot, and takes any byte.
-void scan(const std::string& text, const std::string& where) {
+void scan_text(const std::string& text, const std::string& where) {
   if (text.size() > kScenarioBytes)
     throw Error(where, fmt::format("is {} bytes, more than the limit of {}", text.size(), kScenarioBytes),
                 "scenarios and plans are short texts; is this the right file?");
-  enum class In : uint8_t { plain, comment, basic, literal, basic_block, literal_block };
-  In in = In::plain;
-  int depth = 0;
-  int dots = 0;
+  Scan scan;
   size_t line = 1;
   size_t line_start = 0;
   for (size_t i = 0; i < text.size();) {
-    const size_t length = utf8_length(text, i);
     const char c = text[i];
-    const auto byte = static_cast<unsigned char>(c);
-    if (length == 0) throw Error(line_place(where, line), "is not valid UTF-8", "save the file as UTF-8");
-    const bool line_end = c == '\n' || (c == '\r' && i + 1 < text.size() && text[i + 1] == '\n');
-    if ((byte < 0x20 && c != '\t' && !line_end) || byte == 0x7f)
-      throw Error(line_place(where, line),
-                  fmt::format("holds the control character 0x{:02x}", static_cast<unsigned>(byte)),
-                  "remove it, or write it as \\u00XX inside double quotes");
+    const char next = i + 1 < text.size() ? text[i + 1] : '\0';
+    const size_t length = utf8_length(text, i);
+    const bool line_end = c == '\n' || (c == '\r' && next == '\n');
+    refuse_bytes(c, length, line_end, where, line);
     const bool triple = (c == '"' || c == '\'') && text.compare(i, 3, std::string(3, c)) == 0;
-    size_t step = length;
-    switch (in) {
-      case In::plain:
-        if (c == '#')
-          in = In::comment;
-        else if (triple) {
-          in = c == '"' ? In::basic_block : In::literal_block;
-          step = 3;
-        } else if (c == '"')
-          in = In::basic;
-        else if (c == '\'')
-          in = In::literal;
-        else if (c == '[' || c == '{')
-          ++depth;
-        else if (c == ']' || c == '}')
-          depth = std::max(0, depth - 1);
-        else if (c == '.')
-          ++dots;
-        break;
-      case In::basic:
-        if (c == '\\') step = 2;
-        if (c == '"' || line_end) in = In::plain;
-        break;
-      case In::literal:
-        if (c == '\'' || line_end) in = In::plain;
-        break;
-      case In::basic_block:
-        if (c == '\\') step = 2;
-        if (c == '"' && triple) {
-          in = In::plain;
-          step = 3;
-        }
-        break;
-      case In::literal_block:
-        if (c == '\'' && triple) {
-          in = In::plain;
-          step = 3;
-        }
-        break;
-      case In::comment: break;
-    }
-    if (depth > kDepth)
-      throw Error(line_place(where, line), fmt::format("brackets nest deeper than {}", kDepth),
-                  "no key needs more than a few");
-    if (dots > kDotsPerLine)
-      throw Error(line_place(where, line), fmt::format("has more than {} dots", kDotsPerLine), "break the line up");
-    if (i - line_start > kLineBytes)
-      throw Error(line_place(where, line), fmt::format("is longer than {} bytes", kLineBytes), "break the line up");
-    if (c == '\\' && step == 2 && i + 1 < text.size()) {
-      // The escaped byte may end a line or begin a longer character: both are looked at in their turn.
-      if (text[i + 1] != '"' && text[i + 1] != '\\') step = 1;
-    }
+    const size_t step = take(scan, c, length, triple, line_end, next);
+    refuse_excess(scan, i - line_start, where, line);
     if (c == '\n') {
       ++line;
-      dots = 0;
+      scan.dots = 0;
       line_start = i;
-      if (in == In::comment) in = In::plain;
+      if (scan.in == In::comment) scan.in = In::plain;
     }
     i += step;
   }
@@ -213,7 +222,7 @@ const char* TomlNode::type_name() const {
 }
 
 TomlNode parse_toml(const std::string& text, const std::string& where) {
-  scan(text, where);
+  scan_text(text, where);
   return node_of(parse_text(text, where));
 }
 

@@ -9,6 +9,8 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/module.h"
+#include "core/png.h"
 #include "core/random.h"
 
 namespace crowdbench {
@@ -265,6 +267,41 @@ TEST(ReadImage, FewerBitsAndGreyWithAlphaAreWidened) {
   const Image8 grey_alpha = decode_png(raw_png(8, 4, {10, 20, 30, 40}), "x");
   EXPECT_EQ(grey_alpha.channels, 4);
   EXPECT_EQ(grey_alpha.data, (std::vector<uint8_t>{10, 10, 10, 20, 30, 30, 30, 40}));
+}
+
+// ---- what image_io.h is made of
+
+TEST(Png, IsToldByItsSignatureAlone) {
+  const std::vector<uint8_t> signature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  EXPECT_TRUE(is_png(signature));
+  EXPECT_FALSE(is_png({}));
+  EXPECT_FALSE(is_png(std::span(signature).first(7)));
+  std::vector<uint8_t> text_mode = signature;  // as a transfer of text would leave it
+  text_mode[4] = '\n';
+  EXPECT_FALSE(is_png(text_mode));
+  const fs::path file = fs::path(::testing::TempDir()) / "crowdbench_signature";
+  write_file(file, std::string_view("\x89PNG\r\n\x1a\n and then what is no picture"));
+  EXPECT_TRUE(is_png_file(file));
+  fs::remove(file);
+  EXPECT_FALSE(is_png_file(file)) << "there is no such file";
+}
+
+TEST(Png, WhatIsNoPngIsRefusedAndOneRowMayBeAsLongAsTheSideAllows) {
+  EXPECT_THROW((void)decode_any_png({}, "memory"), Error);
+  const Image8 row(kMaxImageSide, 1, 1);
+  const auto decoded = decode_any_png(encode_png(row), "memory");
+  ASSERT_TRUE(std::holds_alternative<Image8>(decoded));
+  EXPECT_EQ(std::get<Image8>(decoded), row);
+}
+
+TEST(Module, WhatIsMissingIsNamedWithWhatNeedsIt) {
+  try {
+    (void)module_symbol("no_such_module", "entry", "reading dreams");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where, "crowdbench_no_such_module.so");
+    EXPECT_TRUE(error.wrong.starts_with("reading dreams needs this module, which cannot be loaded (")) << error.wrong;
+  }
 }
 
 }  // namespace

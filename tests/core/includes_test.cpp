@@ -1,6 +1,8 @@
-// The rooms and which way their doors open: every include of the tree is held to the arrows.
+// The rooms and which way their doors open: every include of the tree is held to the arrows, and every header that
+// another folder includes has a test.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -273,6 +275,79 @@ TEST(Includes, CheckerFindsEveryKindOfFault) {
   EXPECT_EQ(faults_of("renderers/mesh/a.cpp", "glGenerateTextureMipmap(t);\n"), none);
   EXPECT_EQ(faults_of("renderers/gl/objects.cpp", "glCreateBuffers(1, &b);\n"), none);
   EXPECT_EQ(faults_of("scene/a.cpp", "// #include \"renderers/x.h\"\n/* \n#include \"bench/x.h\"\n*/\n"), none);
+}
+
+// ---- headers and tests
+
+// Headers that another folder includes and no test: path, or the end of one -> why.
+const std::map<std::string, std::string>& untested_headers() {
+  static const std::map<std::string, std::string> all = {
+      {"_api.h", "the C interface of a module, which both of its sides include and nobody else"},
+      {"core/oiio/oiio.h", "the C interface of a module"},
+      {"renderers/mesh/mesh.h", "declares a type that the registry lists, and what only bakes draw with"},
+      {"renderers/polypostor/polypostor.h", "declares the type that the registry lists"},
+      {"renderers/relief/relief.h", "declares the type that the registry lists"},
+  };
+  return all;
+}
+
+bool ends_with_any(const std::string& path) {
+  return std::ranges::any_of(untested_headers(), [&](const auto& entry) { return path.ends_with(entry.first); });
+}
+
+// includes: by file, what it includes. Headers that only their own folder includes are its own affair.
+Strings headers_without_test(const std::map<std::string, Strings>& includes) {
+  std::set<std::string> shared;
+  std::set<std::string> tested;
+  for (const auto& [file, targets] : includes)
+    for (const std::string& target : targets) {
+      const bool test = starts_with(file, "tests/");
+      if (test)
+        tested.insert(target);
+      else if (fs::path(file).parent_path() != fs::path(target).parent_path())
+        shared.insert(target);
+    }
+  Strings out;
+  for (const std::string& header : shared)
+    if (!tested.contains(header)) out.push_back(header);
+  return out;
+}
+
+// What a file includes by its path from the repository's root, of the rooms.
+Strings own_includes(const std::string& text) {
+  static const std::regex include(R"re(^\s*#\s*include\s*"([^"]+\.h)")re");
+  Strings out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (std::smatch match; std::regex_search(line, match, include) && doors().contains(room_of(match[1])))
+      out.push_back(match[1]);
+  return out;
+}
+
+TEST(Includes, AHeaderThatAnotherFolderIncludesHasATest) {
+  CROWDBENCH_SKIP_SANITIZED("TheSearchForUntestedHeadersFindsThem");
+  const fs::path root = CROWDBENCH_SOURCE_DIR;
+  std::map<std::string, Strings> includes;
+  for (const char* room : {"core", "store", "scene", "renderers", "metrics", "studies", "reports", "bench", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / room))
+      if (const auto extension = entry.path().extension(); extension == ".h" || extension == ".cpp")
+        includes[entry.path().lexically_relative(root).generic_string()] = own_includes(read(entry.path()));
+  const Strings found = headers_without_test(includes);
+  for (const std::string& header : found)
+    EXPECT_TRUE(ends_with_any(header)) << header << ": another folder includes it; hold it to worked values in a test";
+  for (const auto& [header, why] : untested_headers())
+    EXPECT_TRUE(std::ranges::any_of(found, [&](const std::string& path) { return path.ends_with(header); }))
+        << header << " is tested, or gone: take it off the list";
+}
+
+TEST(Includes, TheSearchForUntestedHeadersFindsThem) {
+  const std::string text = "#pragma once\n#include <vector>\n#include \"core/error.h\"\n#include \"test_paths.h\"\n";
+  EXPECT_EQ(own_includes(text), Strings{"core/error.h"});
+  std::map<std::string, Strings> includes = {{"scene/pose/a.cpp", {"scene/pose/own.h", "scene/frame/shared.h"}},
+                                             {"tests/scene/a_test.cpp", {"scene/pose/own.h"}}};
+  EXPECT_EQ(headers_without_test(includes), Strings{"scene/frame/shared.h"});
+  includes["tests/scene/b_test.cpp"] = {"scene/frame/shared.h"};
+  EXPECT_TRUE(headers_without_test(includes).empty());
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <filesystem>
 
 #include "core/files.h"
+#include "core/version.h"
+#include "test_paths.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench {
@@ -55,6 +57,16 @@ TEST_F(MachineTest, OneScalingProcessorIsEnough) {
   put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "schedutil\n");
   put("sys/devices/system/cpu/cpu2/cpufreq/scaling_governor", "performance\n");
   EXPECT_EQ(read().cpu_scaling_enabled, true);
+}
+
+// One number of the program, in the build, the package and the list of changes.
+TEST(Version, IsTheProjects) {
+  const std::filesystem::path root = CROWDBENCH_SOURCE_DIR;
+  const std::string number(version());
+  EXPECT_EQ(std::count(number.begin(), number.end(), '.'), 2) << number;
+  EXPECT_NE(read_text(root / "CMakeLists.txt").find("project(crowdbench VERSION " + number + " "), std::string::npos);
+  EXPECT_FALSE(git_revision().empty());
+  EXPECT_EQ(git_revision().find_first_of(" \n"), std::string_view::npos) << git_revision();
 }
 
 }  // namespace

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
+
+#include "core/term_waits.h"
+
 namespace crowdbench {
 namespace {
 
@@ -110,6 +114,42 @@ TEST(DurationText, IsWhatAPersonWouldSay) {
   EXPECT_EQ(duration_text(200), "3 min 20 s");
   EXPECT_EQ(duration_text(3600), "1 h");
   EXPECT_EQ(duration_text(7510), "2 h 5 min");
+}
+
+// ---- signals
+
+// What one is told is a process's own: the test ends in a process of its own.
+TEST(TermWaitsDeathTest, TheFirstSigtermWaitsAndTheSecondStops) {
+  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
+  const auto show = [] {
+    install_interrupt_handler();
+    {
+      const TermWaits waits;
+      if (waits.came() || interrupted()) std::_Exit(1);
+      std::raise(SIGTERM);
+      if (!waits.came() || interrupted()) std::_Exit(2);
+    }
+    {
+      const TermWaits waits;  // the next piece of work: nothing has come yet
+      if (waits.came()) std::_Exit(3);
+      std::raise(SIGTERM);
+      std::raise(SIGTERM);
+      if (!waits.came() || !interrupted()) std::_Exit(4);
+    }
+    std::_Exit(interrupt_status());
+  };
+  EXPECT_EXIT(show(), ::testing::ExitedWithCode(128 + SIGTERM), "");
+}
+
+TEST(TermWaitsDeathTest, WithoutOneTheFirstStops) {
+  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
+  const auto show = [] {
+    install_interrupt_handler();
+    { const TermWaits over; }
+    std::raise(SIGTERM);
+    std::_Exit(interrupted() ? 0 : 1);
+  };
+  EXPECT_EXIT(show(), ::testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

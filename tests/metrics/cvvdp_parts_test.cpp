@@ -7,6 +7,7 @@
 
 #include "metrics/cvvdp/fast_math.h"
 #include "metrics/cvvdp/pooling.h"
+#include "metrics/cvvdp/temporal_filter.h"
 #include "metrics/cvvdp/window.h"
 #include "tests/metrics/cvvdp_cases.h"
 

@@ -243,6 +243,17 @@ TEST(Registry, SharedWorkIsDoneOnce) {
   EXPECT_EQ(&similarity(input, shared), &similarity(input, shared));
 }
 
+// The threshold that is taken where nobody says one.
+TEST(Registry, OneScoreHasAThresholdOfTwoPictures) {
+  const Score* score = score_of_threshold(scores());
+  ASSERT_NE(score, nullptr);
+  EXPECT_EQ(score->name, "cvvdp");
+  EXPECT_EQ(score->threshold, 9.5);
+  EXPECT_NE(score->compute, nullptr);
+  EXPECT_EQ(std::ranges::count_if(scores(), [](const Score* s) { return s->threshold.has_value(); }), 1);
+  EXPECT_EQ(score_of_threshold(scores().first(1)), nullptr);
+}
+
 // A view of OpenCV is the image's own memory.
 TEST(Mat, IsAView) {
   Image8 image(4, 3, 3);
@@ -263,8 +274,9 @@ TEST(Registry, NamesAreSpelledInMetricsAlone) {
       std::ifstream file(entry.path(), std::ios::binary);
       const std::string text{std::istreambuf_iterator<char>(file), {}};
       for (const Score* score : scores())
-        for (const std::string& quoted : {'"' + std::string(score->name) + '"', "{{" + std::string(score->name) + "}}",
-                                          "{{#" + std::string(score->name) + "}}"})
+        for (const std::string& quoted :
+             {'"' + std::string(score->name) + '"', '"' + std::string(score->name) + '=',
+              "{{" + std::string(score->name) + "}}", "{{#" + std::string(score->name) + "}}"})
           EXPECT_EQ(text.find(quoted), std::string::npos) << entry.path() << " spells " << quoted;
     }
   EXPECT_GT(files, 100U) << "the walk found the tree";

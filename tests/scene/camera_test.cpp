@@ -4,6 +4,10 @@
 
 #include <cmath>
 
+#include "core/colour.h"
+#include "scene/frame/frame.h"
+#include "scene/frame/light.h"
+
 namespace crowdbench::scene {
 namespace {
 
@@ -114,6 +118,28 @@ TEST(CameraPath, IsLinearBetweenKeysAndClampedOutside) {
   EXPECT_DOUBLE_EQ(middle.fov_y, 0.75);
   EXPECT_EQ(middle.up, glm::dvec3(0, 1, 0));
   EXPECT_EQ(middle.near, 0.1);
+}
+
+// What the header says of a light that nobody sets: towards (0.4, 0.8, 0.45), and 1 on a surface that faces it.
+TEST(Light, TheDefaultComesFromAboveTheFrontAndTheLeft) {
+  const Light light;
+  expect_near(glm::normalize(glm::dvec3(light.direction)), glm::normalize(glm::dvec3(0.4, 0.8, 0.45)), 1e-5);
+  EXPECT_EQ(light.ambient + light.diffuse, 1.0F);
+  Light other = light;
+  EXPECT_EQ(other, light);
+  other.direction.x += 1;
+  EXPECT_NE(other, light);
+}
+
+TEST(Frame, TheDefaultBackgroundIsTheMiddleCodeValueAndAnAgentFacesPlusZ) {
+  const Frame frame;
+  for (int c = 0; c < 3; ++c) EXPECT_EQ(linear_to_srgb8(frame.background[c]), 128) << c;
+  EXPECT_EQ(frame.background.a, 1.0F);
+  EXPECT_TRUE(frame.agents.empty());
+  EXPECT_EQ(frame.antialiasing, (Antialiasing{1, 1}));
+  const FrameAgent agent;
+  EXPECT_EQ(agent.heading, glm::vec2(0, 1));  // (sin, cos) of 0: model +Z maps to world (sin, 0, cos)
+  EXPECT_EQ(agent.id, 1U) << "0 is nothing in an id buffer";
 }
 
 }  // namespace

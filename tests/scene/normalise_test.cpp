@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
+#include "scene/character/take_apart.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/reach.h"
+#include "scene/pose/visible.h"
 #include "tests/scene/tiny_character.h"
 
 namespace crowdbench::scene {
@@ -168,6 +172,121 @@ TEST(Clips, ANameWinsOverAnIndex) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("1, b"), std::string::npos) << error.what();
   }
+}
+
+// ---- what loading does before
+
+glm::dmat4 transform_of(const Node& node) {
+  glm::dmat4 out = glm::mat4_cast(node.rotation);
+  for (int i = 0; i < 3; ++i) out[i] *= node.scale[i];
+  out[3] = glm::dvec4(node.translation, 1.0);
+  return out;
+}
+
+Node matrix_node(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z, const glm::dvec3& place) {
+  Node node;
+  node.has_matrix = true;
+  node.matrix = glm::dmat4(glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(place, 1));
+  return node;
+}
+
+TEST(TakeApart, AQuarterTurnScaledAndMoved) {
+  // About y by 90 degrees: x goes to -z and z to x; scaled by 2, 3 and 4 before.
+  Node node = matrix_node({0, 0, -2}, {0, 3, 0}, {4, 0, 0}, {5, 6, 7});
+  ASSERT_TRUE(take_apart(node));
+  EXPECT_FALSE(node.has_matrix);
+  EXPECT_EQ(node.matrix, glm::dmat4(1.0));
+  EXPECT_EQ(node.translation, glm::dvec3(5, 6, 7));
+  EXPECT_EQ(node.scale, glm::dvec3(2, 3, 4));
+  EXPECT_NEAR(node.rotation.w, kHalf, 1e-15);
+  EXPECT_NEAR(node.rotation.y, kHalf, 1e-15);
+  EXPECT_NEAR(node.rotation.x, 0, 1e-15);
+  EXPECT_NEAR(node.rotation.z, 0, 1e-15);
+}
+
+TEST(TakeApart, AMirrorBecomesANegativeScaleInX) {
+  Node node = matrix_node({2, 0, 0}, {0, -3, 0}, {0, 0, 4}, {0, 0, 0});
+  const glm::dmat4 wanted = node.matrix;
+  ASSERT_TRUE(take_apart(node));
+  EXPECT_EQ(node.scale, glm::dvec3(-2, 3, 4));
+  const glm::dmat4 got = transform_of(node);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) EXPECT_NEAR(got[i][j], wanted[i][j], 1e-14) << i << j;
+}
+
+TEST(TakeApart, ShearAndNoVolumeStayAsTheyAre) {
+  for (Node node :
+       {matrix_node({1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {}), matrix_node({1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {})}) {
+    const glm::dmat4 before = node.matrix;
+    EXPECT_FALSE(take_apart(node));
+    EXPECT_TRUE(node.has_matrix);
+    EXPECT_EQ(node.matrix, before);
+  }
+  Node plain;
+  plain.translation = {1, 2, 3};
+  EXPECT_TRUE(take_apart(plain)) << "without a matrix there is nothing to do";
+  EXPECT_EQ(plain.translation, glm::dvec3(1, 2, 3));
+}
+
+// The arm stands 1 above the root, and each step counts twice: a bound, as a cube's corner lies beyond its faces.
+TEST(Reach, ABoundOfScalesAndDistancesDownTheHierarchy) {
+  Character c = tiny_character();
+  EXPECT_EQ(node_beyond_reach(c, 2), std::nullopt) << "0 + 2 * 1 * 1";
+  EXPECT_EQ(node_beyond_reach(c, 1.99), 1U);
+  EXPECT_EQ(node_beyond_reach(c, 0.5), 0U) << "the root's own scale is 1";
+  // A clip that makes the root three times as large takes the arm along: 2 * 3 * 1.
+  c.clips = {one_channel("grow", {0, Target::scale, Interpolation::linear, {0.0, 1.0}, {1, 1, 1, 1, -3, 1}})};
+  EXPECT_EQ(node_beyond_reach(c, 6), std::nullopt);
+  EXPECT_EQ(node_beyond_reach(c, 5.99), 1U);
+  EXPECT_EQ(node_beyond_reach(c, 2.99), 0U);
+  // The tangents of a spline count by the time between keys: twice over one second.
+  c.clips = {one_channel("sway", {1,
+                                  Target::translation,
+                                  Interpolation::cubic_spline,
+                                  {0.0, 1.0},
+                                  {0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0}})};
+  EXPECT_EQ(node_beyond_reach(c, 8), std::nullopt) << "2 * 1 * (2 * 2)";
+  EXPECT_EQ(node_beyond_reach(c, 7.99), 1U);
+  // Rotations reach nowhere, and no bound holds what is not a number.
+  c.clips = {one_channel("turn", {1, Target::rotation, Interpolation::step, {0.0}, {100, 0, 0, 0}})};
+  EXPECT_EQ(node_beyond_reach(c, 2), std::nullopt);
+  c.skeleton.nodes[1].translation.x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(node_beyond_reach(c, 1e300), 1U);
+  c.skeleton.nodes[0].scale.x = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(node_beyond_reach(c, 1e300), 0U);
+  EXPECT_EQ(node_beyond_reach(Character{}, 1), std::nullopt);
+}
+
+TEST(Visible, DropsWhatNoPoseShowsAndNeverAll) {
+  Character c = tiny_character();
+  EXPECT_EQ(drop_invisible(c), 0U);
+  // A triangle without area beside the one that has some.
+  c.mesh.indices = {0, 1, 2, 0, 1, 1};
+  c.mesh.primitives[0].index_count = 6;
+  EXPECT_EQ(drop_invisible(c), 1U);
+  EXPECT_EQ(c.mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(c.mesh.primitives[0].index_count, 3U);
+  // Flat in the bind pose, and opened by a clip that moves the arm away from the root's vertex: it stays.
+  c.mesh.positions[2] = {0, 1, 0};
+  c.mesh.joints[2] = {0, 0, 0, 0};
+  Character opened = c;
+  opened.clips = {one_channel("open", {1, Target::translation, Interpolation::linear, {0.0, 1.0}, {0, 1, 0, 1, 1, 0}})};
+  opened.mesh.indices = {0, 1, 2, 0, 1, 1};
+  opened.mesh.primitives[0].index_count = 6;
+  EXPECT_EQ(drop_invisible(opened), 1U) << "the other one";
+  EXPECT_EQ(opened.mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(drop_invisible(c), 0U) << "nothing would be left";
+  EXPECT_EQ(c.mesh.indices.size(), 3U);
+}
+
+TEST(Visible, AMaskThatLeavesNothing) {
+  Character c = tiny_character();
+  EXPECT_FALSE(nothing_seen(c));
+  c.materials[0].alpha_cutoff = 0.5F;
+  c.materials[0].base_colour.a = 0.5F;
+  EXPECT_FALSE(nothing_seen(c)) << "alpha 0.5 passes a cutoff of 0.5";
+  c.materials[0].base_colour.a = 0.25F;
+  EXPECT_TRUE(nothing_seen(c));
 }
 
 }  // namespace

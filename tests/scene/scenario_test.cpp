@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/random.h"
+#include "scene/scenario/scenario_changes.h"
 #include "scene/scenario/scenario_keys.h"
 #include "scene/scenario/scenario_toml.h"
 #include "scene/scenario/scenario_writer.h"
@@ -318,6 +321,67 @@ TEST(Scenario, KeysHaveTheirUnitsInTheirNames) {
     EXPECT_EQ(key.unit == "degrees", key.name.ends_with("_deg")) << key.name;
     EXPECT_FALSE(key.meaning.empty()) << key.name;
   }
+}
+
+// ---- scenarios within other documents
+
+std::string fault_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ScenarioChanges, TouchNothingButTheirKeys) {
+  Scenario scenario;
+  scenario.seed = 9;
+  KeyPlaces places;
+  change_scenario(scenario, parse_toml("label = \"ten\"\ncrowd.agents = 10\n", "p.toml"), "p.toml", &places, "label");
+  Scenario wanted;
+  wanted.seed = 9;
+  wanted.crowd.agents = 10;
+  EXPECT_EQ(scenario, wanted);
+  EXPECT_EQ(places, (KeyPlaces{{"crowd.agents", "p.toml:2"}}));
+  change_scenario(scenario, TomlNode{}, "p.toml");
+  EXPECT_EQ(scenario, wanted) << "an empty table";
+  EXPECT_EQ(fault_of([&] { change_scenario(scenario, parse_toml("label = 1", "p.toml"), "p.toml"); }).substr(0, 30),
+            "p.toml:1: unknown key `label`;")
+      << "nobody said that it is to be passed over";
+}
+
+TEST(ScenarioChanges, OneValueIsReadAsItsKeysType) {
+  const auto key = [](const char* table, const char* name) -> const Key& {
+    return *std::ranges::find_if(scenario_keys(), [&](const Key& k) { return k.table == table && k.name == name; });
+  };
+  TomlNode seven;
+  seven.type = TomlNode::Type::integer;
+  seven.integer = 7;
+  seven.line = 3;
+  EXPECT_TRUE(read_key(key("crowd", "agents"), seven, "p.toml") == KeyValue(int64_t{7}));
+  EXPECT_TRUE(read_key(key("crowd", "spacing"), seven, "p.toml") == KeyValue(7.0)) << "integers are taken as numbers";
+  const std::string fault = fault_of([&] { (void)read_key(key("", "name"), seven, "p.toml"); });
+  EXPECT_TRUE(fault.starts_with("p.toml:3: ")) << fault;
+}
+
+// What no single key can know, each at its limit and just beyond it.
+TEST(ScenarioChanges, KeysThatDoNotGoTogetherAreRefusedWhereTheyWereGiven) {
+  const auto fault_with = [](const std::function<void(Scenario&)>& change) {
+    Scenario scenario;
+    change(scenario);
+    return fault_of([&] { check_scenario(scenario, [](const char* key) { return std::string("at ") + key; }); });
+  };
+  EXPECT_EQ(fault_with([](Scenario&) {}), "accepted");
+  EXPECT_EQ(fault_with([](Scenario& s) { s.antialiasing.samples = 8; }), "accepted");
+  EXPECT_TRUE(fault_with([](Scenario& s) { s.antialiasing.samples = 6; }).starts_with("at samples: `samples` is 6"));
+  EXPECT_TRUE(fault_with([](Scenario& s) { s.antialiasing.supersample = 4; }).starts_with("at supersample: "));
+  EXPECT_TRUE(fault_with([](Scenario& s) { s.light.direction = {}; }).starts_with("at light: "));
+  EXPECT_EQ(fault_with([](Scenario& s) { s.crowd.stage_far = s.crowd.stage_near; }), "accepted");
+  EXPECT_TRUE(fault_with([](Scenario& s) { s.crowd.stage_far = s.crowd.stage_near - 1; }).starts_with("at crowd: "));
+  EXPECT_TRUE(fault_with([](Scenario& s) {
+                s.camera.keys.push_back(s.camera.keys.front());
+              }).starts_with("at camera: camera key 2 at 0 s does not follow"));
 }
 
 }  // namespace

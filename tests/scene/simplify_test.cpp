@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "scene/character/flat_normals.h"
 #include "scene/character/surface_distance.h"
 #include "scene/character/weld.h"
 #include "scene/mannequin/mannequin.h"
@@ -205,6 +206,52 @@ TEST(SurfaceDistance, IsThatOfParallelSquaresAndOfASpike) {
   const std::vector<uint32_t> tent = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4};
   EXPECT_NEAR(surface_distance({spike, tent}, {low, square}, 100).max, 2, 1e-6);
   EXPECT_NEAR(surface_distance({low, square}, {spike, tent}, 100).max, 2, 1e-6);
+}
+
+// ---- normals of faces
+
+Mesh folded(const glm::vec3& last) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, last};
+  mesh.uvs = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  mesh.joints.resize(4);
+  mesh.weights.resize(4, glm::vec4(1, 0, 0, 0));
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+TEST(FlatNormals, VerticesOfAFoldAreDoubled) {
+  // The first face looks along +z; the second, whose third corner stands up, along +x.
+  Mesh mesh = folded({0, 0, 1});
+  ASSERT_TRUE(add_flat_normals(mesh, Primitive{}, 6));
+  EXPECT_EQ(mesh.indices, (std::vector<uint32_t>{0, 1, 2, 4, 5, 3}));
+  ASSERT_EQ(mesh.positions.size(), 6U);
+  EXPECT_EQ(mesh.positions[4], mesh.positions[0]);
+  EXPECT_EQ(mesh.positions[5], mesh.positions[2]);
+  EXPECT_EQ(mesh.uvs[5], glm::vec2(0, 1));
+  for (const size_t v : {0U, 1U, 2U}) EXPECT_EQ(mesh.normals[v], glm::vec3(0, 0, 1)) << v;
+  for (const size_t v : {3U, 4U, 5U}) EXPECT_EQ(mesh.normals[v], glm::vec3(1, 0, 0)) << v;
+  Mesh small = folded({0, 0, 1});
+  EXPECT_FALSE(add_flat_normals(small, Primitive{}, 5)) << "two more than four";
+}
+
+TEST(FlatNormals, FacesOfOnePlaneShareTheirVertices) {
+  Mesh mesh = folded({-1, 0, 0});
+  ASSERT_TRUE(add_flat_normals(mesh, Primitive{}, 4));
+  EXPECT_EQ(mesh.positions.size(), 4U);
+  EXPECT_EQ(mesh.indices, folded({}).indices);
+  for (const glm::vec3& normal : mesh.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
+}
+
+TEST(FlatNormals, WhatHasNoFaceLooksUpAndWhatIsBeforeStays) {
+  Mesh mesh = folded({0, 0, 1});
+  mesh.normals = {{0, -1, 0}, {0, -1, 0}};
+  mesh.indices = {3, 3, 3};  // without area
+  Primitive last;
+  last.first_vertex = 2;
+  ASSERT_TRUE(add_flat_normals(mesh, last, 4));
+  const std::vector<glm::vec3> wanted = {{0, -1, 0}, {0, -1, 0}, {0, 1, 0}, {0, 1, 0}};
+  EXPECT_EQ(mesh.normals, wanted);
 }
 
 }  // namespace

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/random.h"
+#include "studies/analysis/optimise.h"
 #include "tests/studies/ground_truth.h"
 
 namespace crowdbench::studies {
@@ -198,6 +200,65 @@ TEST(Psychometric, BootstrapHoldsTheEstimateAndIsWiderByParticipants) {
             1.3 * (trials->threshold.high - trials->threshold.low));
   const auto again = bootstrap_threshold(fit, all, people, settings, 1, 200);
   EXPECT_EQ(again->threshold.low, participants->threshold.low) << "one seed, one interval";
+}
+
+// ---- what fits are found by
+
+constexpr double kOpen = std::numeric_limits<double>::infinity();
+
+// (x - 1)^2 + 4 (y + 2)^2 + 3.
+double bowl(std::span<const double> x) { return (x[0] - 1) * (x[0] - 1) + 4 * (x[1] + 2) * (x[1] + 2) + 3; }
+
+TEST(Optimise, ABowlsLowestPointAndTheNearestOneWithinBounds) {
+  for (const bool simplex : {false, true}) {
+    SCOPED_TRACE(simplex);
+    const auto lowest = [&](const Objective& objective, const Bounds& bounds) {
+      return simplex ? minimise_by_simplex(objective, {3, 3}, bounds, {0.5, 0.5})
+                     : minimise(objective, {3, 3}, bounds, {0.5, 0.5});
+    };
+    const Minimum open = lowest(bowl, {{-kOpen, -kOpen}, {kOpen, kOpen}});
+    EXPECT_NEAR(open.x[0], 1, 1e-4);
+    EXPECT_NEAR(open.x[1], -2, 1e-4);
+    EXPECT_NEAR(open.value, 3, 1e-8);
+    // y may not fall below 1: 4 * 3^2 more.
+    const Minimum bound = lowest(bowl, {{-kOpen, 1}, {kOpen, kOpen}});
+    EXPECT_NEAR(bound.x[1], 1, 1e-6);
+    EXPECT_NEAR(bound.value, 39, 1e-6);
+    // What is not a number counts as very bad, and is left again.
+    const Minimum hole = lowest([](std::span<const double> x) { return x[0] > 3.25 ? std::nan("") : bowl(x); },
+                                {{-kOpen, -kOpen}, {kOpen, kOpen}});
+    EXPECT_NEAR(hole.value, 3, 1e-6);
+  }
+}
+
+TEST(Optimise, OneUnknownAndASmoothFunctionOfItsGradient) {
+  const Minimum one = minimise([](std::span<const double> x) { return std::abs(x[0] - 0.25); }, {1}, {{0}, {1}}, {0.1});
+  EXPECT_NEAR(one.x[0], 0.25, 1e-6);
+  const Minimum smooth = minimise_smooth(
+      [](std::span<const double> x, std::span<double> gradient) {
+        gradient[0] = 2 * (x[0] - 1);
+        gradient[1] = 8 * (x[1] + 2);
+        return bowl(x);
+      },
+      {30, 40});
+  EXPECT_NEAR(smooth.x[0], 1, 1e-8);
+  EXPECT_NEAR(smooth.x[1], -2, 1e-8);
+}
+
+TEST(Optimise, CurvatureOfAQuadraticAndItsInverse) {
+  // x^2 + 3 x y + 5 y^2 has the second derivatives 2, 3, 10: central differences of a quadratic are exact.
+  const Matrix curved =
+      hessian([](std::span<const double> x) { return x[0] * x[0] + 3 * x[0] * x[1] + 5 * x[1] * x[1]; }, {0.5, -0.25},
+              {0.125, 0.25});
+  EXPECT_EQ(curved, (Matrix{{2, 3}, {3, 10}}));
+  const std::optional<Matrix> inverse = inverse_of_positive(curved);  // of determinant 11
+  ASSERT_TRUE(inverse.has_value());
+  EXPECT_NEAR((*inverse)[0][0], 10.0 / 11, 1e-14);
+  EXPECT_NEAR((*inverse)[0][1], -3.0 / 11, 1e-14);
+  EXPECT_NEAR((*inverse)[1][1], 2.0 / 11, 1e-14);
+  EXPECT_FALSE(inverse_of_positive({{1, 2}, {2, 1}}).has_value()) << "a saddle";
+  EXPECT_FALSE(inverse_of_positive(Matrix{std::vector<double>{0}}).has_value());
+  EXPECT_FALSE(inverse_of_positive(Matrix{std::vector<double>{std::nan("")}}).has_value());
 }
 
 }  // namespace

@@ -54,67 +54,80 @@ TileRect half(const TileRect& r) {
   return {x, y, floor_half(r.x + r.width - 1) + 1 - x, floor_half(r.y + r.height - 1) + 1 - y};
 }
 
+// Of the four fine texels under a coarse one those that are covered at all.
+struct Sources {
+  std::array<size_t, 4> texel{};
+  size_t count = 0;
+};
+Sources sources_of(const Plane& fine, int x, int y) {
+  Sources out;
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      if (!fine.inside(2 * x + i, 2 * y + j)) continue;
+      const size_t s = fine.index(2 * x + i, 2 * y + j);
+      if (fine.alpha[s] > 0) out.texel[out.count++] = s;
+    }
+  return out;
+}
+
+std::array<float, 3> weighted_sum(const Plane& fine, const Sources& from,
+                                  const std::vector<std::array<float, 3>>& values) {
+  std::array<float, 3> sum{};
+  for (size_t i = 0; i < from.count; ++i)
+    for (size_t c = 0; c < 3; ++c) sum[c] += fine.alpha[from.texel[i]] * values[from.texel[i]][c];
+  return sum;
+}
+
+// The slot that most of the area has, and how much that is. Depths of other slots are not averaged with it.
+struct MainSlot {
+  uint8_t slot = 0;
+  float area = -1;
+};
+MainSlot main_slot(const Plane& fine, const Sources& from) {
+  MainSlot out;
+  for (size_t i = 0; i < from.count; ++i) {
+    const uint8_t slot = fine.slot[from.texel[i]];
+    float same = 0;
+    for (size_t k = 0; k < from.count; ++k)
+      if (fine.slot[from.texel[k]] == slot) same += fine.alpha[from.texel[k]];
+    if (same > out.area) out = {slot, same};
+  }
+  return out;
+}
+
+// The mean of at least one source, as texel `d`.
+void average(const Plane& fine, const Sources& from, Plane& coarse, size_t d) {
+  const MainSlot most = main_slot(fine, from);
+  float total = 0;
+  float depth = 0;
+  for (size_t i = 0; i < from.count; ++i) {
+    const size_t s = from.texel[i];
+    total += fine.alpha[s];
+    if (fine.slot[s] == most.slot) depth += fine.alpha[s] * fine.depth[s];
+  }
+  const std::array<float, 3> colour = weighted_sum(fine, from, fine.colour);
+  const std::array<float, 3> normal = weighted_sum(fine, from, fine.normal);
+  const float length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+  coarse.slot[d] = most.slot;
+  coarse.alpha[d] = total / 4;
+  coarse.depth[d] = depth / most.area;
+  for (size_t c = 0; c < 3; ++c) {
+    coarse.colour[d][c] = colour[c] / total;
+    coarse.normal[d][c] = length > 0 ? normal[c] / length : (c == 2 ? 1.0F : 0.0F);
+  }
+  if (fine.emission.empty()) return;
+  const std::array<float, 3> emission = weighted_sum(fine, from, fine.emission);
+  for (size_t c = 0; c < 3; ++c) coarse.emission[d][c] = emission[c] / total;
+}
+
 Plane half(const Plane& fine) {
   Plane coarse(half(fine.rect));
   if (!fine.emission.empty()) coarse.emission.resize(coarse.alpha.size());
-  const int x0 = coarse.rect.x;
-  const int y0 = coarse.rect.y;
-  const int x1 = x0 + coarse.rect.width;
-  const int y1 = y0 + coarse.rect.height;
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) {
-      std::array<size_t, 4> source{};
-      int sources = 0;
-      for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 2; ++i) {
-          if (!fine.inside(2 * x + i, 2 * y + j)) continue;
-          const size_t s = fine.index(2 * x + i, 2 * y + j);
-          if (fine.alpha[s] > 0) source[static_cast<size_t>(sources++)] = s;
-        }
-      if (sources == 0) continue;
-      const size_t d = coarse.index(x, y);
-      float total = 0;
-      float best = -1;
-      std::array<float, 3> colour{};
-      std::array<float, 3> normal{};
-      for (int i = 0; i < sources; ++i) {
-        const size_t s = source[static_cast<size_t>(i)];
-        const float w = fine.alpha[s];
-        total += w;
-        for (size_t c = 0; c < 3; ++c) {
-          colour[c] += w * fine.colour[s][c];
-          normal[c] += w * fine.normal[s][c];
-        }
-        float same = 0;
-        for (int k = 0; k < sources; ++k)
-          if (fine.slot[source[static_cast<size_t>(k)]] == fine.slot[s])
-            same += fine.alpha[source[static_cast<size_t>(k)]];
-        if (same > best) {
-          best = same;
-          coarse.slot[d] = fine.slot[s];
-        }
-      }
-      float depth = 0;
-      for (int i = 0; i < sources; ++i) {
-        const size_t s = source[static_cast<size_t>(i)];
-        if (fine.slot[s] == coarse.slot[d]) depth += fine.alpha[s] * fine.depth[s];
-      }
-      coarse.alpha[d] = total / 4;
-      coarse.depth[d] = depth / best;
-      const float length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-      for (size_t c = 0; c < 3; ++c) {
-        coarse.colour[d][c] = colour[c] / total;
-        coarse.normal[d][c] = length > 0 ? normal[c] / length : (c == 2 ? 1.0F : 0.0F);
-      }
-      if (fine.emission.empty()) continue;
-      for (size_t c = 0; c < 3; ++c) {
-        float sum = 0;
-        for (int i = 0; i < sources; ++i) {
-          const size_t s = source[static_cast<size_t>(i)];
-          sum += fine.alpha[s] * fine.emission[s][c];
-        }
-        coarse.emission[d][c] = sum / total;
-      }
+  const TileRect& rect = coarse.rect;
+  for (int y = rect.y; y < rect.y + rect.height; ++y)
+    for (int x = rect.x; x < rect.x + rect.width; ++x) {
+      const Sources from = sources_of(fine, x, y);
+      if (from.count > 0) average(fine, from, coarse, coarse.index(x, y));
     }
   return coarse;
 }

@@ -1,7 +1,7 @@
 // Triangles, and the skins that bend them.
 //
 // Assimp has a mesh for each material, with bones of its own, and FBX files a vertex for each corner. Vertices that are
-// the same to the bit become one again, and meshes share a skin wherever no node is bound in two ways.
+// the same to the bit become one again, and meshes share a skin wherever no node is bound by two matrices.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
