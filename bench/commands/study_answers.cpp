@@ -18,13 +18,14 @@ namespace {
 struct Options {
   std::vector<std::string> files;
   std::string study, csv, lines, jspsych;
+  bool levels = false;
   bool json = false;
 };
 
 int run_answers(const Options& o) {
   const studies::StudyFolder folder = studies::read_study_folder(o.study);
   const studies::StudyAnswers answers = studies::read_study_answers({o.files.begin(), o.files.end()}, folder.study);
-  if (!o.csv.empty()) write_file(o.csv, std::string_view(studies::answers_csv(answers, o.study)));
+  if (!o.csv.empty()) write_file(o.csv, std::string_view(studies::answers_csv(answers, o.study, o.levels)));
   if (!o.lines.empty()) write_file(o.lines, std::string_view(studies::json_lines(answers)));
   if (!o.jspsych.empty()) write_file(o.jspsych, std::string_view(studies::jspsych_json(answers)));
   std::map<std::string, int> states = {{"started", 0}, {"finished", 0}, {"withdrawn", 0}};
@@ -65,6 +66,8 @@ void add_study_answers(Command& study, Run& run) {
   command->add_option("--csv", o.csv, "one row a trial, what was shown by name, as `study analyze` reads it")
       ->type_name("FILE.csv")
       ->output_file();
+  command->add_flag("--levels", o.levels,
+                    "of --csv: only trials whose level is a number; without, `level` is left out where any has none");
   command->add_option("--json-lines", o.lines, "every record, one a line")->type_name("FILE.jsonl")->output_file();
   command->add_option("--jspsych", o.jspsych, "every record, as jsPsych saves them")
       ->type_name("FILE.json")

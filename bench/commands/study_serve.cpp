@@ -5,6 +5,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/study.h"
+#include "core/error.h"
 #include "studies/server/serve.h"
 
 namespace crowdbench::bench {
@@ -26,7 +27,8 @@ int run_serve(const Options& o) {
   if (!o.origin.empty()) settings.origin = o.origin;
   studies::serve_study(settings, [&](const std::string& url) {
     fmt::print("{}\n", url);
-    std::fflush(stdout);
+    // Nobody would learn where it serves.
+    if (std::fflush(stdout) != 0) throw Error("standard output", "cannot be written", "choose another place");
     fmt::print(stderr, "answers are kept in {}; Ctrl-C ends\n", settings.answers.string());
   });
   return 0;

@@ -53,8 +53,9 @@
   function where(shown) {
     const all = list().trials
     const done = all.filter((each) => session.has(each.trial)).length
-    const text = shown?.kind === 'training' ? 'Practice' : ''
-    document.getElementById('where').textContent = `${text ? text + ', ' : ''}trial ${Math.min(done + 1, all.length)} of ${all.length}`
+    const trial = `${shown?.kind === 'training' ? 'Practice, trial' : 'Trial'} ${done + 1} of ${all.length}`
+    const text = shown || (done > 0 && done < all.length) ? trial : done === 0 ? 'Before the trials' : 'After the trials'
+    document.getElementById('where').textContent = text
     const progress = document.getElementById('progress')
     progress.max = all.length
     progress.value = done
@@ -261,6 +262,7 @@
       whoever invited you.</p><p class="buttons"><button type="button" id="save-json">Save as JSON</button>
       <button type="button" id="save-csv">Save as CSV</button></p>`
     document.getElementById('where').textContent = 'Finished'
+    document.getElementById('leave').textContent = 'Delete my answers'
     stage.innerHTML = `<div class="text">${Study.markdown(texts.debrief) || '<h1>Thank you</h1>'}${files}
       <p>${session.served ? 'All your answers are kept. You may close this window.' : ''}</p></div>`
     document.body.dataset.state = 'finished'

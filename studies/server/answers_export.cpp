@@ -103,7 +103,7 @@ void add_saved_file(StudyAnswers& to, const fs::path& file) {
 
 // A stimulus as sides.json says it; empty texts: does not apply.
 struct Shown {
-  std::string condition, clip, level, kind, item_upper, item_lower, expected;
+  std::string condition, clip, level, kind, upper, lower, expected;
 };
 
 // A text or a number as a field; nothing else.
@@ -124,8 +124,8 @@ std::map<std::string, Shown> read_sides(const fs::path& out) {
   for (const auto& each : stimuli->items()) {
     const json& s = each.value();
     if (!s.is_object()) throw Error(file.string(), fmt::format("`{}` is not a stimulus", printable(each.key(), 60)));
-    shown[each.key()] = {field(s, "condition"),  field(s, "crowd"),      field(s, "level"),   field(s, "kind"),
-                         field(s, "item_upper"), field(s, "item_lower"), field(s, "expected")};
+    shown[each.key()] = {field(s, "condition_name"), field(s, "crowd"), field(s, "level"),   field(s, "kind"),
+                         field(s, "upper"),          field(s, "lower"), field(s, "expected")};
   }
   return shown;
 }
@@ -139,12 +139,15 @@ std::string csv_field(const std::string& text) {
   return quoted + "\"";
 }
 
-// The page's word for an answer in those of `study analyze`.
-std::string analysis_word(const std::string& answer) {
-  static const std::map<std::string, std::string> words = {
-      {"upper", "first"}, {"lower", "second"}, {"cannot-tell", "cannot tell"}};
-  const auto found = words.find(answer);
-  return found != words.end() ? found->second : answer;
+// Of two items that are ranked, the one that `item_a` names: whichever stands above, a pair is one pair.
+const std::string& first_item(const Shown& s) { return std::min(s.upper, s.lower); }
+const std::string& second_item(const Shown& s) { return std::max(s.upper, s.lower); }
+
+// The page's word for an answer in those of `study analyze`: of ranked items a or b, else as it is.
+std::string analysis_word(const std::string& answer, const Shown& shown, bool ranked) {
+  if (answer == "cannot-tell") return "cannot tell";
+  if (!ranked || (answer != "upper" && answer != "lower")) return answer;
+  return (answer == "upper") == (shown.upper <= shown.lower) ? "a" : "b";
 }
 
 template <typename T>
@@ -152,44 +155,87 @@ std::string optional_text(const std::optional<T>& value) {
   return value ? fmt::format("{}", *value) : std::string();
 }
 
+// One row of the table on its way out.
+struct CsvRow {
+  const StudyAnswerRow& answer;
+  const StudyParticipantRow& who;
+  const Shown& shown;
+  const std::string& study;
+  bool ranked;
+};
 struct CsvColumn {
   const char* name;
-  std::string (*value)(const StudyAnswerRow& answer, const StudyParticipantRow& who, const Shown& shown);
-  bool needed = false;  // also where it is empty in every row
+  std::string (*value)(const CsvRow& row);
+  bool always = true;  // otherwise only where some row has a value
 };
 
-bool compares_items(const Shown& s) { return !s.item_upper.empty() && s.item_upper != s.item_lower; }
-// Items have one order whichever stands above, so that a pair of conditions is one pair.
-const std::string& first_item(const Shown& s) { return std::min(s.item_upper, s.item_lower); }
-const std::string& second_item(const Shown& s) { return std::max(s.item_upper, s.item_lower); }
+// Of the frames that the browser was to show, whole showings that were asked for again included.
+std::string dropped_share(const CsvRow& r) {
+  const json record = json::parse(r.answer.data, nullptr, false);
+  const auto total = record.is_object() ? member<double>(record, "frames_total") : std::nullopt;
+  if (!total || *total <= 0 || !r.answer.frames_dropped) return {};
+  return fmt::format("{:.4f}", std::min(1.0, *r.answer.frames_dropped / *total));
+}
+std::string level_of(const CsvRow& r) {
+  // Catch trials are judged and then taken out; where their clips have no level, a number stands there all the same.
+  return r.shown.level.empty() && r.answer.kind == "catch" ? "0" : r.shown.level;
+}
 
-using Answered = const StudyAnswerRow&;
-using Who = const StudyParticipantRow&;
-using What = const Shown&;
+using R = const CsvRow&;
 const std::vector<CsvColumn>& csv_columns() {
   static const std::vector<CsvColumn> all = {
-      {"participant", [](Answered, Who w, What) { return w.participant; }, true},
-      {"trial", [](Answered a, Who, What) { return a.item; }, true},
-      {"condition", [](Answered, Who, What s) { return s.condition; }},
-      {"clip", [](Answered, Who, What s) { return s.clip; }},
-      {"level", [](Answered, Who, What s) { return s.level; }},
-      {"item_a", [](Answered, Who, What s) { return compares_items(s) ? first_item(s) : std::string(); }},
-      {"item_b", [](Answered, Who, What s) { return compares_items(s) ? second_item(s) : std::string(); }},
-      {"shown_first", [](Answered, Who, What s) { return compares_items(s) ? s.item_upper : std::string(); }},
-      {"answer", [](Answered a, Who, What) { return analysis_word(*a.answer); }, true},
-      {"expected", [](Answered, Who, What s) { return analysis_word(s.expected); }},
-      {"rt", [](Answered a, Who, What) { return optional_text(a.rt); }, true},
-      {"catch", [](Answered a, Who, What s) { return a.kind == "catch" ? s.kind : std::string(); }},
-      {"list", [](Answered, Who w, What) { return w.list; }, true},
-      {"block", [](Answered a, Who, What) { return optional_text(a.block); }, true},
-      {"stimulus", [](Answered a, Who, What) { return a.stimulus.value_or(""); }, true},
-      {"replays", [](Answered a, Who, What) { return optional_text(a.replays); }, true},
-      {"frames_dropped", [](Answered a, Who, What) { return optional_text(a.frames_dropped); }, true},
-      {"hidden", [](Answered a, Who, What) { return optional_text(a.hidden); }, true},
-      {"restarts", [](Answered a, Who, What) { return optional_text(a.restarts); }, true},
-      {"pixels_per_degree", [](Answered, Who w, What) { return optional_text(w.pixels_per_degree); }, true},
-      {"pixels_per_degree_se", [](Answered, Who w, What) { return optional_text(w.pixels_per_degree_se); }, true}};
+      {"study", [](R r) { return r.study; }},
+      {"participant", [](R r) { return r.who.participant; }},
+      {"trial", [](R r) { return r.answer.item; }},
+      {"condition", [](R r) { return r.shown.condition; }, false},
+      {"clip", [](R r) { return r.shown.clip; }, false},
+      {"level", level_of, false},
+      {"item_a", [](R r) { return r.ranked ? first_item(r.shown) : std::string(); }, false},
+      {"item_b", [](R r) { return r.ranked ? second_item(r.shown) : std::string(); }, false},
+      {"shown_first", [](R r) { return r.ranked ? r.shown.upper : std::string(); }, false},
+      {"answer", [](R r) { return analysis_word(*r.answer.answer, r.shown, r.ranked); }},
+      {"expected", [](R r) { return analysis_word(r.shown.expected, r.shown, r.ranked); }, false},
+      {"rt", [](R r) { return optional_text(r.answer.rt); }},
+      {"dropped", dropped_share},
+      {"hidden", [](R r) { return std::string(r.answer.hidden.value_or(0) > 0 ? "1" : "0"); }},
+      {"catch", [](R r) { return r.answer.kind == "catch" ? r.shown.kind : std::string(); }, false},
+      {"list", [](R r) { return r.who.list; }},
+      {"block", [](R r) { return optional_text(r.answer.block); }},
+      {"stimulus", [](R r) { return r.answer.stimulus.value_or(""); }},
+      {"upper", [](R r) { return r.shown.upper; }},
+      {"lower", [](R r) { return r.shown.lower; }},
+      {"replays", [](R r) { return optional_text(r.answer.replays); }},
+      {"restarts", [](R r) { return optional_text(r.answer.restarts); }},
+      {"pixels_per_degree", [](R r) { return optional_text(r.who.pixels_per_degree); }},
+      {"pixels_per_degree_se", [](R r) { return optional_text(r.who.pixels_per_degree_se); }}};
   return all;
+}
+
+// Whether the trial is of the table: with a right answer, or of items that are ranked; with a level where that is
+// asked.
+bool is_row(const StudyAnswerRow& row, const Shown& shown, bool ranked, bool levels) {
+  if (levels && row.kind != "catch" && shown.level.empty()) return false;
+  return !shown.expected.empty() || (ranked && row.kind != "catch");
+}
+
+std::string csv_of(const std::vector<CsvRow>& rows) {
+  std::vector<const CsvColumn*> used;
+  for (const CsvColumn& column : csv_columns()) {
+    const auto has = [&](const CsvRow& row) { return !column.value(row).empty(); };
+    // A level that some trials do not have (infinity) is no axis.
+    const bool axis = std::string(column.name) == "level";
+    if (column.always ||
+        (axis ? std::all_of(rows.begin(), rows.end(), has) : std::any_of(rows.begin(), rows.end(), has)))
+      used.push_back(&column);
+  }
+  std::string text;
+  const auto line = [&](const auto& value_of) {
+    for (size_t i = 0; i < used.size(); ++i) text += (i > 0 ? "," : "") + csv_field(value_of(*used[i]));
+    text += "\n";
+  };
+  line([](const CsvColumn& column) { return std::string(column.name); });
+  for (const CsvRow& row : rows) line([&](const CsvColumn& column) { return column.value(row); });
+  return text;
 }
 
 }  // namespace
@@ -230,38 +276,25 @@ std::string jspsych_json(const StudyAnswers& answers) {
   return text + "\n]\n";
 }
 
-std::string answers_csv(const StudyAnswers& answers, const fs::path& out) {
+std::string answers_csv(const StudyAnswers& answers, const fs::path& out, bool levels) {
   const std::map<std::string, Shown> shown = read_sides(out);
   std::map<int64_t, const StudyParticipantRow*> who;
   for (const StudyParticipantRow& row : answers.participants) who[row.id] = &row;
-  std::vector<std::vector<std::string>> rows;
-  std::set<size_t> used;
-  const std::vector<CsvColumn>& columns = csv_columns();
+  const bool ranked =
+      std::any_of(shown.begin(), shown.end(), [](const auto& each) { return each.second.kind == "pair"; });
+  std::vector<CsvRow> rows;
   for (const StudyAnswerRow& row : answers.answers) {
     if (row.kind != "main" && row.kind != "catch") continue;
     const auto found = shown.find(row.stimulus.value_or(""));
     if (found == shown.end() || !row.answer)
-      throw Error(out.string(), fmt::format("sides.json does not know the stimulus '{}'", row.stimulus.value_or("")),
+      throw Error(out.string(),
+                  fmt::format("sides.json does not know the stimulus '{}'", printable(row.stimulus.value_or(""), 60)),
                   "name the folder that these answers were given to");
-    std::vector<std::string>& fields = rows.emplace_back();
-    for (size_t i = 0; i < columns.size(); ++i) {
-      fields.push_back(columns[i].value(row, *who.at(row.participant), found->second));
-      if (columns[i].needed || !fields.back().empty()) used.insert(i);
-    }
+    if (is_row(row, found->second, ranked, levels))
+      rows.push_back(CsvRow{row, *who.at(row.participant), found->second, answers.study, ranked});
   }
-  if (rows.empty()) throw Error(out.string(), "no trial but training was answered", "wait for answers");
-  std::string text;
-  const auto line = [&](const auto& value_of) {
-    std::string separator;
-    for (const size_t i : used) {
-      text += separator + csv_field(value_of(i));
-      separator = ",";
-    }
-    text += "\n";
-  };
-  line([&](size_t i) { return std::string(columns[i].name); });
-  for (const auto& fields : rows) line([&](size_t i) { return fields[i]; });
-  return text;
+  if (rows.empty()) throw Error(out.string(), "no trial that a table holds was answered", "wait for answers");
+  return csv_of(rows);
 }
 
 }  // namespace crowdbench::studies

@@ -24,10 +24,12 @@ StudyAnswers read_study_answers(const std::vector<std::filesystem::path>& files,
 std::string jspsych_json(const StudyAnswers& answers);
 std::string json_lines(const StudyAnswers& answers);
 
-// One row a trial, in the columns that `study analyze` knows by name (participant, trial, condition, clip, level,
-// item_a, item_b, shown_first, answer, expected, rt, catch) where the study has them, and behind them what exclusions
-// look at: list, block, stimulus, replays, frames_dropped, hidden, restarts, pixels_per_degree and its standard error.
-// Training trials are left out. out: the exported folder; its sides.json says what each stimulus was. Throws Error.
-std::string answers_csv(const StudyAnswers& answers, const std::filesystem::path& out);
+// One row a trial, in the columns that `study analyze` knows by name (study, participant, trial, condition, clip,
+// level, answer, expected, rt, dropped, hidden, catch; item_a, item_b and shown_first where items are ranked) as far as
+// the study has them, and behind them list, block, stimulus, upper, lower, replays, restarts, pixels_per_degree and its
+// standard error. Left out: training, and trials that have no right answer. `level` is there where all trials have one;
+// levels: only trials that do (others: infinity). out: the exported folder; its sides.json says what each stimulus was.
+// Throws Error.
+std::string answers_csv(const StudyAnswers& answers, const std::filesystem::path& out, bool levels = false);
 
 }  // namespace crowdbench::studies

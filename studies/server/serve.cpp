@@ -76,6 +76,8 @@ void serve_study(const ServeSettings& settings, const std::function<void(const s
   const Names names = names_of(settings, server.port());
   service = std::make_unique<StudyService>(folder, store, names.hosts, names.origins, &now_utc);
   say_when_interrupted(fmt::format("every answer that was acknowledged is in {}", settings.answers.string()));
+  // It listens: who comes from here on waits until it serves.
+  ready(settings.origin.value_or("http://" + with_port(settings.address, server.port())) + "/");
   std::exception_ptr failed;
   std::thread serving([&] {
     try {
@@ -84,7 +86,6 @@ void serve_study(const ServeSettings& settings, const std::function<void(const s
       failed = std::current_exception();
     }
   });
-  ready(settings.origin.value_or("http://" + with_port(settings.address, server.port())) + "/");
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   server.stop();
   serving.join();
