@@ -205,6 +205,8 @@ async function run() {
     if (shows.startsWith('end:')) {
       said.state = shows.slice(4)
       await picture(said.state)
+      // Where no server of ours is, what the page would save.
+      said.saved = await page.evaluate(() => (document.getElementById('save-json') ? Study.session.rows() : []))
       return
     }
     if (at.withdraw > 0 && said.chosen.length >= at.withdraw && shows === 'clip') {

@@ -138,8 +138,8 @@
      best judged when nothing else is on the screen. The key <kbd>Esc</kbd> leaves full screen.</p>`,
     ['Full screen', 'Go on without'],
     {
-      data: page(session.next('screen')),
       on_finish: async (data) => {
+        Object.assign(data, page(session.next('screen')))
         data.full_screen = data.response === 0 ? await Study.fullScreen() : 'not wanted'
         Study.wantsFullScreen = data.full_screen === 'entered' || data.full_screen === 'already'
         data.window = Study.window.size()
@@ -161,9 +161,9 @@
   // The clips of some trials; the first time with the choice of the file type.
   const load = (some) => ({
     type: Study.LoadPlugin, stimuli: [...new Set(some.map((each) => each.stimulus))], choose: true,
-    on_start: (trial) => { trial.data = Study.clips.type ? {} : page(session.next('browser')) },
     on_finish: (data) => {
-      data.agent = navigator.userAgent
+      if (!session.told) Object.assign(data, page(session.next('browser')), { agent: navigator.userAgent })
+      session.told = true
       if (data.clip_type === null) {
         Study.stopped = true
         Study.jsPsych.abortExperiment()
@@ -171,19 +171,20 @@
     }
   })
 
-  const one = (trial, used) => ({
+  const one = (trial, used, restarts = { before: 0 }) => ({
     type: Study.TrialPlugin,
     url: () => Study.clips.urls.get(trial.stimulus),
     question: trials.question, answers: trials.answers, replays: trials.replays, frames: trials.frames,
     width: trials.width, height: trials.height,
     data: { item: trial.trial, kind: trial.kind, stimulus: trial.stimulus, block: trial.block },
-    on_start: (node) => {
-      node.data.restarts = session.begin(trial.trial)
+    on_start: () => {
+      restarts.before = session.begin(trial.trial)
       where(trial)
       document.body.classList.add('showing')
     },
     on_finish: (data) => {
       document.body.classList.remove('showing')
+      data.restarts = restarts.before
       data.clip_type = Study.clips.type
       if (!used.has(trial.stimulus)) Study.clips.release(trial.stimulus)
     }
@@ -220,7 +221,7 @@
         if (i + 1 < left.length && breaks.includes(number)) nodes.push(pause(all.length - number))
         if (i + 1 < left.length)
           nodes.push({
-            timeline: [{ ...fullScreen(true), data: () => page(session.next('screen')) }],
+            timeline: [fullScreen(true)],
             conditional_function: () => Study.wantsFullScreen === true && !document.fullscreenElement
           })
       }

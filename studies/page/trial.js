@@ -27,6 +27,7 @@
       this.display = display
       this.parameters = trial
       this.shown = { replays: 0, interrupted: 0, longest_gap_ms: 0 }
+      this.frames = { total: 0, dropped: 0 }  // of whole showings
       this.firstEnd = null
       Study.window.begin()
       this.build()
@@ -79,15 +80,21 @@
 
     play() {
       this.spoiled = document.hidden
+      this.before = this.quality()
       this.video.currentTime = 0
       this.lastFrame = null
       this.video.play().catch(() => this.failed())
+    }
+    // Frames since the clip was loaded; a spoiled showing's are taken off.
+    quality() {
+      const quality = this.video.getVideoPlaybackQuality?.()
+      return { total: quality?.totalVideoFrames ?? null, dropped: quality?.droppedVideoFrames ?? null }
     }
     // How long the longest picture stayed on the screen, as the page's own frames tell.
     watch() {
       const look = (now) => {
         if (!this.video) return
-        const playing = !this.video.paused && !this.video.ended
+        const playing = !this.video.paused && !this.video.ended && !this.spoiled
         if (playing && this.lastFrame !== null)
           this.shown.longest_gap_ms = Math.max(this.shown.longest_gap_ms, Math.round(now - this.lastFrame))
         this.lastFrame = playing ? now : null
@@ -107,6 +114,13 @@
 
     ended() {
       if (document.hidden || this.spoiled) return  // shown anew when the page is seen again
+      const now = this.quality()
+      if (now.total !== null) {
+        this.frames.total += now.total - this.before.total
+        this.frames.dropped += now.dropped - this.before.dropped
+      } else {
+        this.frames = { total: null, dropped: null }
+      }
       if (this.firstEnd === null) {
         this.firstEnd = performance.now()
         const keys = this.parameters.answers.map((a) => a.key).filter(Boolean)
@@ -118,6 +132,7 @@
       this.open(true)
     }
     failed() {
+      if (!this.video) return
       Study.notice('The clip stopped. It begins again in a moment; reload the page if it does not.')
       setTimeout(() => {
         if (!this.video) return
@@ -142,15 +157,13 @@
 
     answer(value, by) {
       const rt = Math.round(performance.now() - this.firstEnd)
-      const quality = this.video.getVideoPlaybackQuality?.()
       this.jsPsych.pluginAPI.cancelAllKeyboardResponses()
       window.removeEventListener('resize', this.resized)
       document.removeEventListener('visibilitychange', this.visible)
       this.video.pause()
       const data = {
         answer: value, answered_by: by, rt_ms: rt, ...this.shown,
-        frames_total: quality?.totalVideoFrames ?? null, frames_dropped: quality?.droppedVideoFrames ?? null,
-        frames: this.parameters.frames, css_px_per_clip_px: this.cssWidth / this.parameters.width, ...Study.window.since()
+        frames_total: this.frames.total, frames_dropped: this.frames.dropped, frames: this.parameters.frames, css_px_per_clip_px: this.cssWidth / this.parameters.width, ...Study.window.since()
       }
       this.video = null
       this.display.innerHTML = ''

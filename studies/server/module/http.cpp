@@ -67,7 +67,7 @@ bool send_part(const std::string& path, size_t offset, size_t length, httplib::D
 }
 
 void send(const Reply& reply, httplib::Response& response) {
-  response.status = reply.status;
+  if (reply.status != 200) response.status = reply.status;  // 200, or 206 where a range was asked for, is the library's
   response.set_header("X-Content-Type-Options", "nosniff");
   response.set_header("Referrer-Policy", "no-referrer");
   response.set_header("X-Frame-Options", "DENY");
