@@ -187,6 +187,7 @@
         }
         const key = (event) => {
           if (event.key !== ' ' || event.target.id === 'skip' || event.target.id === 'leave') return
+          if (document.querySelector('dialog[open]')) return
           event.preventDefault()
           if (!event.repeat) press()
         }

@@ -149,7 +149,7 @@
       this.play()
     }
     pressed(pressed) {
-      if (!this.display.querySelector('.trial.open')) return
+      if (!this.display.querySelector('.trial.open') || document.querySelector('dialog[open]')) return
       const chosen = this.parameters.answers.find((a) => a.key?.toLowerCase() === pressed)
       if (chosen) this.answer(chosen.value, 'key')
       else if (pressed === 'r') this.replay()

@@ -93,6 +93,7 @@
           resolve(value)
         }
         const key = (event) => {
+          if (document.querySelector('dialog[open]')) return
           if (/^[2-9]$/.test(event.key)) end(event.key)
           if (event.key.toLowerCase() === 'n') end('none')
         }
