@@ -114,11 +114,15 @@ await start()
 const running = Array.from({ length: clients }, (_, number) => client(number))
 let up = 0
 for (let killed = 0; killed < kills; ++killed) {
-  const ms = Math.random() * 300
-  await sleep(ms)
-  up += ms
+  // After some answers and a moment: also a machine that does much else gets to answer.
+  const begun = performance.now()
+  const until = times.length + 20 * Math.random()
+  while (times.length < until) await sleep(1)
+  await sleep(10 * Math.random())
+  up += performance.now() - begun
   await kill()
   await start()
+  if ((killed + 1) % 100 === 0) console.error(`${killed + 1} kills, ${acknowledged.size} answers acknowledged`)
 }
 over = true
 await Promise.all(running)

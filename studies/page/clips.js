@@ -2,8 +2,8 @@
 (function () {
   'use strict'
 
-  // How far a colour of the known frame may be off, of 255: its places are flat, and another colour matrix or range is
-  // further off.
+  // How far a colour of the known frame, the mean of 5 x 5 pixels, may be off where the study does not say, of 255: another
+  // colour matrix or range is further off.
   const kTolerance = 12
 
   // Bytes of a file, with what arrived told to `arrived`. Throws with a reason in words.
@@ -52,10 +52,14 @@
     canvas.height = video.videoHeight
     const context = canvas.getContext('2d', { willReadFrequently: true })
     context.drawImage(video, 0, 0)
-    let worst = 0
+    let worst = 0  // of the means
     for (const { x, y, rgb } of check.colours) {
-      const seen = context.getImageData(x, y, 1, 1).data
-      for (let i = 0; i < 3; ++i) worst = Math.max(worst, Math.abs(seen[i] - rgb[i]))
+      const seen = context.getImageData(x - 2, y - 2, 5, 5).data
+      for (let i = 0; i < 3; ++i) {
+        let sum = 0
+        for (let at = i; at < seen.length; at += 4) sum += seen[at]
+        worst = Math.max(worst, Math.abs(sum / 25 - rgb[i]))
+      }
     }
     video.removeAttribute('src')
     video.load()

@@ -18,7 +18,6 @@
 namespace crowdbench::studies {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 class StudyBrowser : public ::testing::Test {
  protected:
@@ -41,16 +40,17 @@ class StudyBrowser : public ::testing::Test {
     url_ = said.substr(0, said.find('\n'));
   }
   // What the observer says of itself; it comes to an end.
-  json observe(const std::string& options) const {
+  nlohmann::json observe(const std::string& options) const {
     const fs::path pictures = folder_ / "pictures";
     const support::Outcome outcome = support::run_shell(
         "node " + shell_quoted((fs::path(CROWDBENCH_SOURCE_DIR) / "tools/study_observer.mjs").string()) + " " + url_ +
         " " + options + " 2>" + shell_quoted((folder_ / "observer.txt").string()));
     EXPECT_EQ(outcome.status, 0) << outcome.text << read_text(folder_ / "observer.txt");
-    json said = json::parse(outcome.text, nullptr, false);
+    nlohmann::json said = nlohmann::json::parse(outcome.text, nullptr, false);
     EXPECT_TRUE(said.is_object()) << outcome.text;
-    EXPECT_EQ(said.value("errors", json()), json::array()) << outcome.text;
-    EXPECT_EQ(said.value("requests_elsewhere", json()), json::array()) << "asked for from elsewhere";
+    EXPECT_EQ(said.value("errors", nlohmann::json()), nlohmann::json::array()) << outcome.text;
+    EXPECT_EQ(said.value("requests_elsewhere", nlohmann::json()), nlohmann::json::array())
+        << "asked for from elsewhere";
     return said;
   }
   StoreContents kept() const { return read_store(out_ / "answers.sqlite"); }
@@ -62,26 +62,26 @@ class StudyBrowser : public ::testing::Test {
 };
 
 // Each trial once, as it was chosen, in the order of the list.
-void expect_as_chosen(const StoreContents& all, const json& said) {
+void expect_as_chosen(const StoreContents& all, const nlohmann::json& said) {
   std::vector<StudyAnswerRow> trials;
   for (const StudyAnswerRow& row : all.answers)
     if (row.kind != "page") trials.push_back(row);
   ASSERT_EQ(said.at("chosen").size(), 5U) << said.dump(1);
   ASSERT_EQ(trials.size(), 5U);
   for (size_t i = 0; i < trials.size(); ++i) {
-    const json& chosen = said.at("chosen")[i];
+    const nlohmann::json& chosen = said.at("chosen")[i];
     EXPECT_EQ(trials[i].item, chosen.at("trial"));
     EXPECT_EQ(trials[i].stimulus, chosen.at("stimulus").get<std::string>());
     EXPECT_EQ(trials[i].kind, chosen.at("kind"));
     EXPECT_EQ(trials[i].answer, chosen.at("answer").get<std::string>());
-    EXPECT_EQ(json::parse(trials[i].data).at("answered_by"), chosen.at("by"));
+    EXPECT_EQ(nlohmann::json::parse(trials[i].data).at("answered_by"), chosen.at("by"));
   }
 }
-json page_record(const StoreContents& all, const std::string& item) {
+nlohmann::json page_record(const StoreContents& all, const std::string& item) {
   for (const StudyAnswerRow& row : all.answers)
-    if (row.item == item) return json::parse(row.data);
+    if (row.item == item) return nlohmann::json::parse(row.data);
   ADD_FAILURE() << "no record of " << item;
-  return json::object();
+  return nlohmann::json::object();
 }
 const StudyAnswerRow& trial(const StoreContents& all, const std::string& item) {
   for (const StudyAnswerRow& row : all.answers)
@@ -94,7 +94,8 @@ const StudyAnswerRow& trial(const StoreContents& all, const std::string& item) {
 TEST_F(StudyBrowser, AWholeStudyInChromium) {
   if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
   serve();
-  const json said = observe("--browser chromium --participant 5f00aa --full-screen --reload 2 --hide 3 --lost 4");
+  const nlohmann::json said =
+      observe("--browser chromium --participant 5f00aa --full-screen --reload 2 --hide 3 --lost 4");
   EXPECT_EQ(said.at("state"), "finished");
   EXPECT_EQ(said.at("address"), url_) << "the participant's id stays in no address";
   const StoreContents all = kept();
@@ -108,16 +109,16 @@ TEST_F(StudyBrowser, AWholeStudyInChromium) {
   EXPECT_GE(trial(all, "t003").hidden.value_or(0), 1U) << "another tab was in front";
   EXPECT_EQ(trial(all, "t005").hidden, 0U);
   EXPECT_TRUE(trial(all, "t001").frames_dropped.has_value());
-  const json calibration = page_record(all, "calibration");
-  EXPECT_EQ(calibration.at("card_px"), (json{320, 320, 320}));
+  const nlohmann::json calibration = page_record(all, "calibration");
+  EXPECT_EQ(calibration.at("card_px"), (nlohmann::json{320, 320, 320}));
   EXPECT_EQ(calibration.at("blind_spot_px").size(), 5U);
   // 320 pixels are 85.6 mm; a degree is 2 tan(0.5 deg) of the spot's distance over tan(13.5 deg).
   EXPECT_NEAR(calibration.at("px_per_mm").get<double>(), 320 / 85.6, 1e-9);
   double spot = 0;
-  for (const json& each : calibration.at("blind_spot_px")) spot += each.get<double>() / 5;
+  for (const nlohmann::json& each : calibration.at("blind_spot_px")) spot += each.get<double>() / 5;
   EXPECT_NEAR(who.pixels_per_degree.value_or(0), spot * 0.0727003, spot * 1e-5);
   EXPECT_GT(who.pixels_per_degree_se.value_or(0), 0.08 * *who.pixels_per_degree) << "eyes differ";
-  const json browser = page_record(all, "browser-1");
+  const nlohmann::json browser = page_record(all, "browser-1");
   EXPECT_LE(browser.at("tried")[0].at("worst_difference").get<double>(), 16.0);
   EXPECT_EQ(browser.at("clip_type"), "video/mp4; codecs=\"avc1.F4000A\"");
   EXPECT_EQ(page_record(all, "vision").at("plates").size(), 5U);
@@ -130,7 +131,7 @@ TEST_F(StudyBrowser, AWholeStudyInChromium) {
 TEST_F(StudyBrowser, AWholeStudyInFirefoxByTheKeyboardAlone) {
   if (!has("firefox-esr")) GTEST_SKIP() << "firefox-esr is not installed (firefox-esr)";
   serve();
-  const json said = observe(
+  const nlohmann::json said = observe(
       "--browser firefox --participant 5f00ab --keyboard --no-calibration --reload 2 --hide 3 --width 390 --height "
       "800");
   EXPECT_EQ(said.at("state"), "finished");
@@ -145,7 +146,7 @@ TEST_F(StudyBrowser, AWholeStudyInFirefoxByTheKeyboardAlone) {
 TEST_F(StudyBrowser, WhoWithdrawsLeavesNothing) {
   if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
   serve();
-  const json said = observe("--browser chromium --participant 5f00ac --no-calibration --withdraw 1");
+  const nlohmann::json said = observe("--browser chromium --participant 5f00ac --no-calibration --withdraw 1");
   EXPECT_EQ(said.at("state"), "withdrawn");
   const StoreContents all = kept();
   EXPECT_TRUE(all.answers.empty());
@@ -157,7 +158,7 @@ TEST(StudyPage, IsWholeAndAsksForNothingElsewhere) {
   const support::ScratchFolder folder;
   write_page(folder.path());
   const std::string index = read_text(folder / "index.html");
-  for (const std::string& file :
+  for (const std::string file :
        {"vendor/jspsych.js", "vendor/plugin-html-button-response.js", "vendor/plugin-survey-html-form.js", "text.js",
         "session.js", "clips.js", "screen.js", "vision.js", "trial.js", "page.js"}) {
     EXPECT_NE(index.find("src=\"" + file + "\""), std::string::npos) << file;

@@ -25,16 +25,15 @@
 namespace crowdbench::studies {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
 using support::http_post;
 using support::http_request;
 using support::HttpAnswer;
 
 std::string participant(int number) { return sha256_hex("somebody " + std::to_string(number)); }
 std::string start_body(int number) {
-  return json{{"study", support::kStudyHash}, {"participant", participant(number)}}.dump();
+  return nlohmann::json{{"study", support::kStudyHash}, {"participant", participant(number)}}.dump();
 }
-json record(const std::string& trial, const std::string& answer) {
+nlohmann::json record(const std::string& trial, const std::string& answer) {
   static const std::map<std::string, std::array<std::string, 2>> trials = {{"t001", {"s001", "training"}},
                                                                            {"t002", {"s002", "main"}},
                                                                            {"t003", {"s001", "main"}},
@@ -55,7 +54,7 @@ class StudyServer : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
-    support::write_study_folder(out_, {{"s001", json::object()}, {"s002", json::object()}});
+    support::write_study_folder(out_, {{"s001", nlohmann::json::object()}, {"s002", nlohmann::json::object()}});
     write_file(out_ / "page" / "index.html", std::string_view("<p>page</p>"));
     write_file(out_ / "page" / "clip.mp4", std::string_view("0123456789"));
   }
@@ -71,9 +70,9 @@ class StudyServer : public ::testing::Test {
   std::string start(int number) {
     const HttpAnswer answer = http_post(port_, "/api/start", start_body(number));
     EXPECT_EQ(answer.status, 200) << answer.body;
-    return json::parse(answer.body).at("token");
+    return nlohmann::json::parse(answer.body).at("token");
   }
-  int send(const std::string& token, const json& row) {
+  int send(const std::string& token, const nlohmann::json& row) {
     return http_post(port_, "/api/answer", row.dump(), token).status;
   }
   StoreContents kept() const { return read_store(out_ / "answers.sqlite"); }
@@ -95,7 +94,7 @@ TEST_F(StudyServer, ServesThePageAndNothingElse) {
   const HttpAnswer part = http_request(port_, "GET", "/clip.mp4", "Range: bytes=2-5\r\n");
   EXPECT_EQ(part.status, 206);
   EXPECT_EQ(part.body, "2345");
-  EXPECT_EQ(json::parse(http_request(port_, "GET", "/api/study").body).at("study"), support::kStudyHash);
+  EXPECT_EQ(nlohmann::json::parse(http_request(port_, "GET", "/api/study").body).at("study"), support::kStudyHash);
   for (const char* path :
        {"/../sides.json", "/%2e%2e/sides.json", "/..%2fsides.json", "/clips/../../sides.json", "/link.json",
         "/answers.sqlite", "//etc/passwd", "/page/../../sides.json", "/%00", "/nothing"})
@@ -128,9 +127,12 @@ TEST_F(StudyServer, RefusesWhatIsNotOfItsPage) {
   // What is no start.
   for (const char* body : {"{", "[]", "\"\"", "{}", "\xff", R"({"study": "b"})", R"({"study": 1, "participant": 2})"})
     EXPECT_EQ(status(type, body), 400) << body;
-  EXPECT_EQ(status(type, json{{"study", support::kStudyHash}, {"participant", "me@example.org"}}.dump()), 400);
-  EXPECT_EQ(status(type, json{{"study", support::kStudyHash}, {"participant", participant(1)}, {"list", "9"}}.dump()),
+  EXPECT_EQ(status(type, nlohmann::json{{"study", support::kStudyHash}, {"participant", "me@example.org"}}.dump()),
             400);
+  EXPECT_EQ(
+      status(type,
+             nlohmann::json{{"study", support::kStudyHash}, {"participant", participant(1)}, {"list", "9"}}.dump()),
+      400);
   EXPECT_TRUE(kept().participants.empty());
   // And its own page is let in.
   EXPECT_EQ(
@@ -141,17 +143,17 @@ TEST_F(StudyServer, RefusesWhatIsNotOfItsPage) {
 TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
   serve();
   const std::string token = start(1);
-  const json row = record("t002", "upper");
+  const nlohmann::json row = record("t002", "upper");
   EXPECT_EQ(send(token, row), 200);
   EXPECT_EQ(send(token, row), 200) << "an acknowledgement that got lost";
   EXPECT_EQ(send(token, record("t002", "lower")), 409);
   EXPECT_EQ(send("", row), 401);
   EXPECT_EQ(send(std::string(32, '0'), row), 401);
-  const std::vector<std::pair<const char*, json>> wrong = {
+  const std::vector<std::pair<const char*, nlohmann::json>> wrong = {
       {"answer", "left"}, {"stimulus", "s001"}, {"kind", "catch"}, {"item", "t009"}, {"item", 3},
       {"rt_ms", -1},      {"rt_ms", "fast"},    {"hidden", -2},    {"replays", 1.5}, {"restarts", nullptr}};
   for (const auto& [name, value] : wrong) {
-    json changed = record("t003", "upper");
+    nlohmann::json changed = record("t003", "upper");
     changed[name] = value;
     EXPECT_EQ(send(token, changed), 400) << name << " " << value;
   }
@@ -173,8 +175,8 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
     EXPECT_EQ(all.participants[0].pixels_per_degree_se, 3.25);
   }
   // Another window takes over, and goes on where the first stopped.
-  const json again = json::parse(http_post(port_, "/api/start", start_body(1)).body);
-  EXPECT_EQ(again.at("items"), (json{"t002", "calibration"}));
+  const nlohmann::json again = nlohmann::json::parse(http_post(port_, "/api/start", start_body(1)).body);
+  EXPECT_EQ(again.at("items"), (nlohmann::json{"t002", "calibration"}));
   EXPECT_EQ(again.at("resumed"), true);
   EXPECT_EQ(send(token, record("t003", "lower")), 401);
   const std::string second = again.at("token");
@@ -209,7 +211,7 @@ TEST_F(StudyServer, GivesEveryListToAsManyUnderConcurrentStarts) {
   for (int i = 0; i < 2 * kClients; ++i)  // each participant starts twice at once
     clients.emplace_back([&, i] {
       const HttpAnswer answer = http_post(port_, "/api/start", start_body(i / 2));
-      if (answer.status == 200) lists[static_cast<size_t>(i)] = json::parse(answer.body).at("list");
+      if (answer.status == 200) lists[static_cast<size_t>(i)] = nlohmann::json::parse(answer.body).at("list");
     });
   for (std::thread& each : clients) each.join();
   std::map<std::string, int> started;
@@ -220,8 +222,8 @@ TEST_F(StudyServer, GivesEveryListToAsManyUnderConcurrentStarts) {
   EXPECT_EQ(started, (std::map<std::string, int>{{"1", 8}, {"2", 8}, {"3", 8}}));
   EXPECT_EQ(kept().participants.size(), static_cast<size_t>(kClients));
   // By hand where the address says so.
-  const json body = {{"study", support::kStudyHash}, {"participant", participant(99)}, {"list", "3"}};
-  EXPECT_EQ(json::parse(http_post(port_, "/api/start", body.dump()).body).at("list"), "3");
+  const nlohmann::json body = {{"study", support::kStudyHash}, {"participant", participant(99)}, {"list", "3"}};
+  EXPECT_EQ(nlohmann::json::parse(http_post(port_, "/api/start", body.dump()).body).at("list"), "3");
 }
 
 // SIGKILL at random moments under clients that do nothing but answer: what was acknowledged is there.
@@ -242,7 +244,7 @@ TEST_F(StudyServer, LosesNothingAcknowledgedWhenItIsKilled) {
           const int who = 1000 * kill + 100 * c + number % 100;
           const HttpAnswer started = http_post(port_, "/api/start", start_body(who));
           if (started.status != 200) continue;
-          const std::string token = json::parse(started.body).at("token");
+          const std::string token = nlohmann::json::parse(started.body).at("token");
           for (const char* trial : trials) {
             if (send(token, record(trial, "lower")) != 200) continue;
             expected[c].insert(participant(who) + trial);
@@ -306,7 +308,7 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(table.rows[2].catch_kind, "broken");
   EXPECT_EQ(table.rows[3].ties, 1U);
   // A level that is infinite is no axis: `level` is left out, or the trial.
-  json sides = json::parse(read_text(out_ / "sides.json"));
+  nlohmann::json sides = nlohmann::json::parse(read_text(out_ / "sides.json"));
   sides["stimuli"]["s001"]["level"] = nullptr;
   write_file(out_ / "sides.json", std::string_view(sides.dump()));
   EXPECT_EQ(answers_csv(answers, out_).find(",level,"), std::string::npos);
@@ -314,7 +316,7 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(levels.columns[5], "level");
   EXPECT_EQ(levels.rows.size(), 2U);
   // Two that are ranked: one pair, whichever stands above.
-  for (json& each : sides["stimuli"]) each["kind"] = "pair";
+  for (nlohmann::json& each : sides["stimuli"]) each["kind"] = "pair";
   write_file(out_ / "sides.json", std::string_view(sides.dump()));
   Answers ranked;
   const Table pairs = parse_table(answers_csv(answers, out_), "pairs.csv");
@@ -324,7 +326,7 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(ranked.rows[0].yes, 1U) << "the flat one stood above and was chosen";
   EXPECT_EQ(ranked.rows[1].shown_first_is_a, false);
   EXPECT_EQ(ranked.rows[1].no, 1U);
-  const json records = json::parse(jspsych_json(answers));
+  const nlohmann::json records = nlohmann::json::parse(jspsych_json(answers));
   ASSERT_EQ(records.size(), 5U);
   EXPECT_EQ(records[1].at("participant"), participant(1));
   EXPECT_EQ(records[1].at("answer"), "upper");
@@ -338,23 +340,23 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
 
 TEST(StudyFolder, SaysWhereATrialsFileIsWrong) {
   const support::ScratchFolder folder;
-  support::write_study_folder(folder.path(), {{"s001", json::object()}, {"s002", json::object()}});
+  support::write_study_folder(folder.path(), {{"s001", nlohmann::json::object()}, {"s002", nlohmann::json::object()}});
   write_file(folder / "page/index.html", std::string_view(" "));
-  const json good = json::parse(read_text(folder / "page/trials.json"));
+  const nlohmann::json good = nlohmann::json::parse(read_text(folder / "page/trials.json"));
   EXPECT_EQ(read_study_folder(folder.path()).trials.at("2").at("t004").kind, "catch");
-  const std::vector<std::pair<std::string, json>> wrong = {{"/format", 2},
-                                                           {"/study", "a b"},
-                                                           {"/answers", json::array()},
-                                                           {"/lists", json::array()},
-                                                           {"/lists/1/id", "1"},
-                                                           {"/lists/0/trials/2/stimulus", "s009"},
-                                                           {"/lists/0/trials/2/kind", "odd"},
-                                                           {"/lists/0/trials/2/block", -1},
-                                                           {"/stimuli", 3},
-                                                           {"/lists/0/trials/1/trial", "t001"}};
+  const std::vector<std::pair<std::string, nlohmann::json>> wrong = {{"/format", 2},
+                                                                     {"/study", "a b"},
+                                                                     {"/answers", nlohmann::json::array()},
+                                                                     {"/lists", nlohmann::json::array()},
+                                                                     {"/lists/1/id", "1"},
+                                                                     {"/lists/0/trials/2/stimulus", "s009"},
+                                                                     {"/lists/0/trials/2/kind", "odd"},
+                                                                     {"/lists/0/trials/2/block", -1},
+                                                                     {"/stimuli", 3},
+                                                                     {"/lists/0/trials/1/trial", "t001"}};
   for (const auto& [where, value] : wrong) {
-    json changed = good;
-    changed[json::json_pointer(where)] = value;
+    nlohmann::json changed = good;
+    changed[nlohmann::json::json_pointer(where)] = value;
     write_file(folder / "page/trials.json", std::string_view(changed.dump()));
     EXPECT_THROW(read_study_folder(folder.path()), Error) << where;
   }
