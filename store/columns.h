@@ -83,9 +83,9 @@ struct Table {
 template <typename... Rows>
 struct RowTypes {};
 // Every table, in the order in which they are made and read: what a table references comes before it.
-using StoreTables =
-    RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow, SweepPointRow,
-             PictureRow, CurveRow, CurveBinRow, ThresholdRow, CauseRangeRow, CauseShareRow, PopRow, PopScoreRow>;
+using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow,
+                             SweepPointRow, PictureRow, CurveRow, CurveBinRow, ThresholdRow, CauseRangeRow,
+                             CauseShareRow, PopRow, PopScoreRow, StudyParticipantRow, StudyAnswerRow>;
 
 // The table whose rows these are.
 template <typename Row>
@@ -124,6 +124,10 @@ template <>
 const Table<PopRow>& table();
 template <>
 const Table<PopScoreRow>& table();
+template <>
+const Table<StudyParticipantRow>& table();
+template <>
+const Table<StudyAnswerRow>& table();
 
 // Rows that lie in a row of another table.
 template <typename Row>

@@ -309,6 +309,36 @@ struct PopRow {
   bool operator==(const PopRow&) const = default;
 };
 
+// Somebody who takes part in a study.
+struct StudyParticipantRow {
+  int64_t id = 0;
+  std::string study;        // hash of the plan
+  std::string participant;  // a hash; empty: withdrawn
+  std::string list;
+  std::string state;  // "started", "finished" or "withdrawn"
+  std::string token;  // a hash; empty: nobody may add to it
+  std::string started;
+  std::optional<std::string> ended;
+  std::optional<double> pixels_per_degree, pixels_per_degree_se;
+  bool operator==(const StudyParticipantRow&) const = default;
+};
+
+// One thing that a participant answered: a trial, or a page before or after them.
+struct StudyAnswerRow {
+  int64_t id = 0;
+  int64_t participant = 0;
+  std::string item;  // "t001", "consent", "calibration", ...
+  std::string kind;  // "training", "main", "catch" or "page"
+  std::optional<std::string> stimulus;
+  std::optional<uint32_t> block;
+  std::optional<std::string> answer;
+  std::optional<double> rt;  // milliseconds
+  std::optional<uint32_t> replays, frames_dropped, hidden, restarts;
+  std::string received;
+  std::string data;  // the page's whole record, JSON
+  bool operator==(const StudyAnswerRow&) const = default;
+};
+
 // What a file holds; samples, scores, bins and shares lie in the rows that they belong to.
 struct StoreContents {
   std::vector<RunRow> runs;
@@ -323,6 +353,8 @@ struct StoreContents {
   std::vector<ThresholdRow> thresholds;
   std::vector<CauseRangeRow> cause_ranges;
   std::vector<PopRow> pops;
+  std::vector<StudyParticipantRow> participants;
+  std::vector<StudyAnswerRow> answers;
 };
 
 }  // namespace crowdbench

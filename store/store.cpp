@@ -12,6 +12,7 @@
 #include "core/files.h"
 #include "store/columns.h"
 #include "store/database.h"
+#include "store/row_statements.h"
 #include "store/schema.h"
 
 namespace crowdbench {
@@ -38,13 +39,6 @@ int schema_of(sqlite3* database, const std::string& where) {
 }
 
 template <typename Row>
-Row read_row(Statement& statement) {
-  Row row;
-  for (const Field<Row>& field : table<Row>().fields) field.set(row, statement.read(field.column.type));
-  return row;
-}
-
-template <typename Row>
 void read_table(sqlite3* database, const std::string& where, int schema, std::vector<Row>& rows) {
   const TableDescription& description = table<Row>().description;
   Statement all(database, where,
@@ -65,12 +59,6 @@ void read_owned(sqlite3* database, const std::string& where, int schema, std::ve
     const auto found = by_id.find(all.read_integer());
     if (found != by_id.end()) (found->second->*Owned<Row>::rows).push_back(read_row<Part>(all));
   }
-}
-
-template <typename Row>
-void bind_row(Statement& statement, const Row& row) {
-  for (const Field<Row>& field : table<Row>().fields)
-    statement.bind(field.column.type, field.column.key ? Value() : field.get(row));
 }
 
 }  // namespace
@@ -246,5 +234,7 @@ template int64_t StoreWriter::write(const CurveRow&);
 template int64_t StoreWriter::write(const ThresholdRow&);
 template int64_t StoreWriter::write(const CauseRangeRow&);
 template int64_t StoreWriter::write(const PopRow&);
+template int64_t StoreWriter::write(const StudyParticipantRow&);
+template int64_t StoreWriter::write(const StudyAnswerRow&);
 
 }  // namespace crowdbench

@@ -31,7 +31,7 @@ const Doors& doors() {
       {"scene", {"core"}},
       {"renderers", {"core", "scene"}},
       {"metrics", {"core"}},
-      {"studies", {"core", "scene", "renderers", "metrics"}},
+      {"studies", {"core", "store", "scene", "renderers", "metrics"}},
       {"reports", {"core", "store"}},
       {"bench", {"core", "store", "scene", "renderers", "metrics", "studies", "reports"}},
   };
@@ -40,7 +40,8 @@ const Doors& doors() {
 
 // Folders that are libraries of their own and know less than their room does -> the other rooms that they may include.
 const Doors& narrow_doors() {
-  static const Doors all = {{"studies/analysis", {"core"}}};
+  static const Doors all = {
+      {"studies/analysis", {"core"}}, {"studies/page", {"core"}}, {"studies/server", {"core", "store"}}};
   return all;
 }
 
@@ -66,7 +67,7 @@ const std::map<std::string, Doors>& inner_doors() {
         {"bake", {"", "gl"}},
         {"mesh", {"", "gl", "shaders", "frame"}},  // what is captured, so that impostors may know it
         {"impostor", {"", "gl", "shaders", "frame", "bake", "mesh"}}}},
-      {"studies", {{"stimuli", {}}, {"analysis", {}}}},
+      {"studies", {{"stimuli", {}}, {"analysis", {}}, {"page", {}}, {"server", {}}}},
       {"bench",
        {{"", {"commands"}},
         {"speed", {}},
@@ -108,7 +109,7 @@ bool may_include(const std::string& room, const std::string& from, const std::st
 
 // Libraries whose headers are slow to compile or drag a platform in: in sources only.
 const Strings kHeavy = {"nlohmann/json.hpp", "CLI/",  "tiny_gltf.h", "toml.hpp",  "OpenImageIO/", "libavcodec/",
-                        "libavformat/",      "GLFW/", "EGL/",        "sqlite3.h", "nlopt.h"};
+                        "libavformat/",      "GLFW/", "EGL/",        "sqlite3.h", "nlopt.h",      "httplib.h"};
 
 std::string room_of(const std::string& path) { return path.substr(0, path.find('/')); }
 // "scene/pose/pose.h" is in "pose"; "renderers/registry.cpp" in "".

@@ -96,6 +96,10 @@ StoreContents full_contents() {
   all.cause_ranges[0].id = 11;
   all.pops = {full_pop(3)};
   all.pops[0].id = 12;
+  all.participants = {full_participant()};
+  all.participants[0].id = 13;
+  all.answers = {full_answer(13)};
+  all.answers[0].id = 14;
   return all;
 }
 
@@ -122,7 +126,7 @@ const char* const kFullMeasurement = R"({"id": 4, "run": 3, "representation": "f
 // Columns in this order, which spreadsheets and scripts of others have come to know.
 TEST(Exports, JsonHasEveryColumnUnderItsName) {
   const auto all = nlohmann::ordered_json::parse(results_json(full_contents()));
-  ASSERT_EQ(all.size(), 11U) << all;
+  ASSERT_EQ(all.size(), 13U) << all;
   const auto wanted = [](const char* text) { return nlohmann::ordered_json::parse(text); };
   EXPECT_EQ(all.at("runs").at(0).dump(), wanted(kFullRun).dump());
   auto measurement = all.at("measurements").at(0);
@@ -173,6 +177,15 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
     "distance_m": 20.5, "pixels_px": 321, "worst_tick": 33, "display": "standard_fhd: ...", "pop_scores": [
     {"name": "pop_flip", "value": 0.125}, {"name": "pop_luma", "value": null}]}])json")
                                        .dump());
+  EXPECT_EQ(all.at("participants").dump(),
+            wanted(R"json([{"id": 13, "study": "0a1b", "participant": "2c3d", "list": "4",
+    "state": "finished", "token": "4e5f", "started": "2026-01-02T03:04:05Z", "ended": "2026-01-02T03:34:05Z",
+    "pixels_per_degree": 36.5, "pixels_per_degree_se": 3.25}])json")
+                .dump());
+  EXPECT_EQ(all.at("answers").dump(), wanted(R"json([{"id": 14, "participant": 13, "item": "t012", "kind": "catch",
+    "stimulus": "s003", "block": 2, "answer": "cannot-tell", "rt_ms": 812.5, "replays": 1, "frames_dropped": 3,
+    "hidden": 4, "restarts": 5, "received": "2026-01-02T03:05:05Z", "data": "{\"item\":\"t012\"}"}])json")
+                                          .dump());
   EXPECT_EQ(all.at("comparisons").dump(), wanted(R"([{"id": 6, "run": 3, "kind": "agent", "representation": "flat",
     "reference": "mesh", "character": "mannequin", "agents": 9, "requested_occupancy": 0.25, "tick": 11,
     "height_px": 64.5, "azimuth_deg": 45.5, "elevation_deg": 15.5, "clip": "walk", "time_s": 0.75,

@@ -46,6 +46,8 @@ TEST(Columns, EveryFieldOfARowHasOne) {
   EXPECT_EQ(columns(table<CauseShareRow>()), field_count<CauseShareRow>());
   EXPECT_EQ(columns(table<PopRow>()), field_count<PopRow>() - held);
   EXPECT_EQ(columns(table<PopScoreRow>()), field_count<PopScoreRow>());
+  EXPECT_EQ(columns(table<StudyParticipantRow>()), field_count<StudyParticipantRow>());
+  EXPECT_EQ(columns(table<StudyAnswerRow>()), field_count<StudyAnswerRow>());
 }
 
 TEST(Columns, EveryVectorOfTheContentsIsATable) {

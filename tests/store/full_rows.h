@@ -207,6 +207,38 @@ inline PopRow full_pop(int64_t run) {
   return row;
 }
 
+inline StudyParticipantRow full_participant() {
+  StudyParticipantRow row;
+  row.study = "0a1b";
+  row.participant = "2c3d";
+  row.list = "4";
+  row.state = "finished";
+  row.token = "4e5f";
+  row.started = "2026-01-02T03:04:05Z";
+  row.ended = "2026-01-02T03:34:05Z";
+  row.pixels_per_degree = 36.5;
+  row.pixels_per_degree_se = 3.25;
+  return row;
+}
+
+inline StudyAnswerRow full_answer(int64_t participant) {
+  StudyAnswerRow row;
+  row.participant = participant;
+  row.item = "t012";
+  row.kind = "catch";
+  row.stimulus = "s003";
+  row.block = 2;
+  row.answer = "cannot-tell";
+  row.rt = 812.5;
+  row.replays = 1;
+  row.frames_dropped = 3;
+  row.hidden = 4;
+  row.restarts = 5;
+  row.received = "2026-01-02T03:05:05Z";
+  row.data = R"({"item":"t012"})";
+  return row;
+}
+
 inline PictureRow full_picture(int64_t run, int64_t comparison) {
   return {0, run, comparison, "difference", "a caption", 12, 13, {0, 1, 2, 255}};
 }

@@ -4,7 +4,7 @@
 // and tests/data/store/schema-2.sqlite by the last of schema 2:
 //   crowdbench bench --representation flat:views=hemi-4 --agents 1,2 --rounds 10 --occupancy 0.15 --size 64x48
 //     --picture-agents 1 --device software --out schema-2.sqlite
-// and tests/data/store/schema-3.sqlite by the last of schema 3 with the same command line.
+// and tests/data/store/schema-3.sqlite and schema-4.sqlite by the last of schema 3 and of schema 4 with the same one.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
@@ -64,6 +64,8 @@ class MigrationTest : public testing::Test {
     EXPECT_TRUE(a.thresholds == b.thresholds);
     EXPECT_TRUE(a.cause_ranges == b.cause_ranges);
     EXPECT_TRUE(a.pops == b.pops);
+    EXPECT_TRUE(a.participants == b.participants);
+    EXPECT_TRUE(a.answers == b.answers);
   }
   void take(const char* name) {
     std::filesystem::copy_file(std::filesystem::path(CROWDBENCH_TEST_DATA) / "store" / name, file_,
@@ -147,7 +149,7 @@ TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
   { StoreWriter store(fresh); }
   const auto wanted = statements(fresh);
   EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
-  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite"}) {
+  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite", "schema-4.sqlite"}) {
     take(older);
     { StoreWriter store(file_); }
     EXPECT_EQ(statements(file_), wanted) << older;
@@ -224,6 +226,28 @@ TEST_F(MigrationTest, SchemaThreeGainsSweepsAndKeepsItsRows) {
   EXPECT_TRUE(after.sweep_points[0] == point);
   EXPECT_TRUE(after.measurements == before.measurements);
   EXPECT_TRUE(after.pictures == before.pictures);
+}
+
+// Schema 4 knew no studies.
+TEST_F(MigrationTest, SchemaFourGainsAnswersOfStudies) {
+  take("schema-4.sqlite");
+  const StoreContents before = read_store(file_, true);
+  ASSERT_EQ(before.measurements.size(), 4U);
+  EXPECT_TRUE(before.answers.empty());
+  StudyParticipantRow who = full_participant();
+  StudyAnswerRow answer = full_answer(1);
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    who.id = store.write(who);
+    answer.id = store.write(answer);
+  }
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.participants.size(), 1U);
+  EXPECT_TRUE(after.participants[0] == who);
+  ASSERT_EQ(after.answers.size(), 1U);
+  EXPECT_TRUE(after.answers[0] == answer);
+  EXPECT_TRUE(after.measurements == before.measurements);
 }
 
 TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {

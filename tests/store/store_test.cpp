@@ -338,6 +338,15 @@ TEST_F(StoreTest, EveryFieldComesBack) {
     wanted.pops = {full_pop(run), PopRow()};
     wanted.pops[1].run = run;
     for (PopRow& row : wanted.pops) row.id = store.write(row);
+    wanted.participants = {full_participant(), full_participant()};
+    wanted.participants[1].participant = "";
+    wanted.participants[1].state = "withdrawn";
+    wanted.participants[1].pixels_per_degree = std::nullopt;
+    for (StudyParticipantRow& row : wanted.participants) row.id = store.write(row);
+    wanted.answers = {full_answer(1), StudyAnswerRow()};
+    wanted.answers[1].participant = 1;
+    wanted.answers[1].kind = "page";
+    for (StudyAnswerRow& row : wanted.answers) row.id = store.write(row);
     RunRow unknown = full_run();
     unknown.order_seed = std::nullopt;
     unknown.cpu_model = std::nullopt;
@@ -359,6 +368,8 @@ TEST_F(StoreTest, EveryFieldComesBack) {
   EXPECT_TRUE(all.thresholds == wanted.thresholds);
   EXPECT_TRUE(all.cause_ranges == wanted.cause_ranges);
   EXPECT_TRUE(all.pops == wanted.pops);
+  EXPECT_TRUE(all.participants == wanted.participants);
+  EXPECT_TRUE(all.answers == wanted.answers);
 }
 
 TEST_F(StoreTest, SamplesAndPicturesAreReadOnlyWhenAskedFor) {

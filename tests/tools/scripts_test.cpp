@@ -40,6 +40,8 @@ const std::map<std::string, std::string> kScripts = {
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
+    {"study_kill.mjs", "StudyKill"},
+    {"study_observer.mjs", "StudyObserver"},
     {"sweep_kill.mjs", "SweepKill"},
     {"relief_tears.mjs", "ReliefTears"},
     {"statistics_evidence.sh", "StatisticsEvidence"},
@@ -215,6 +217,26 @@ TEST_F(ScriptsGl, SweepKill) {
   EXPECT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_TRUE(std::regex_search(outcome.text, std::regex("3 kills, [0-9]+ sweeps ended, 0 of them"))) << outcome.text;
   EXPECT_EQ(run("sweep_kill.mjs", "").status, 2);
+}
+
+TEST_F(Scripts, StudyKill) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("study_kill.mjs", driver_ + " kill --kills 3 --clients 4");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_TRUE(std::regex_search(outcome.text, std::regex("3 kills under 4 simulated clients: [1-9][0-9]* answers "
+                                                         "acknowledged, 0 lost, 0 changed, 0 kept twice")))
+      << outcome.text;
+  EXPECT_EQ(run("study_kill.mjs", "").status, 2);
+}
+
+// Its work is done by StudyBrowser in tests/studies.
+TEST_F(Scripts, StudyObserver) {
+  NEEDS(Need{"node", "nodejs"});
+  if (!fs::exists(kTop / "node_modules/puppeteer-core")) GTEST_SKIP() << "puppeteer-core is not installed (npm ci)";
+  const Outcome outcome = run("study_observer.mjs", "http://127.0.0.1:1/ --browser lynx");
+  EXPECT_EQ(outcome.status, 2) << outcome.text;
+  EXPECT_NE(outcome.text.find("usage: study_observer.mjs URL"), std::string::npos) << outcome.text;
+  EXPECT_NE(run("study_observer.mjs", "--quick").text.find("'--quick'"), std::string::npos);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {

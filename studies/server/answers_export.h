@@ -1,0 +1,35 @@
+// Answers on their way out of the result file: jsPsych's JSON, JSON lines, and the table that `study analyze` reads, in
+// which what was shown is said by name.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "store/rows.h"
+
+namespace crowdbench::studies {
+
+struct StudyAnswers {
+  std::string study;  // hash of the plan
+  std::vector<StudyParticipantRow> participants;
+  std::vector<StudyAnswerRow> answers;
+};
+
+// Of a result file, or of files that the page saved where no server of ours was (JSON). study: the plan's hash; rows of
+// other studies in a result file are left out, a saved file of another one is refused. Throws Error: no such file,
+// neither of both, a participant in two saved files, no answers at all.
+StudyAnswers read_study_answers(const std::vector<std::filesystem::path>& files, const std::string& study);
+
+// Every record as the page made it, in jsPsych's form: an array, or one record a line.
+std::string jspsych_json(const StudyAnswers& answers);
+std::string json_lines(const StudyAnswers& answers);
+
+// One row a trial, in the columns that `study analyze` knows by name (study, participant, trial, condition, clip,
+// level, answer, expected, rt, dropped, hidden, catch; item_a, item_b and shown_first where items are ranked) as far as
+// the study has them, and behind them list, block, stimulus, upper, lower, replays, restarts, pixels_per_degree and its
+// standard error. Left out: training, and trials that have no right answer. `level` is there where all trials have one;
+// levels: only trials that do (others: infinity). out: the exported folder; its sides.json says what each stimulus was.
+// Throws Error.
+std::string answers_csv(const StudyAnswers& answers, const std::filesystem::path& out, bool levels = false);
+
+}  // namespace crowdbench::studies

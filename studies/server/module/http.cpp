@@ -1,0 +1,158 @@
+// cpp-httplib behind the interface of http_api.h. The one source that includes it.
+#include <httplib.h>
+
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "studies/server/module/http_api.h"
+
+namespace crowdbench::studies::http {
+
+struct Server {
+  httplib::Server server;
+  Settings settings;
+};
+
+namespace {
+
+uint64_t announced(const httplib::Request& request) {
+  const std::string text = request.get_header_value("Content-Length");
+  if (text.empty()) return 0;
+  char* end = nullptr;
+  errno = 0;
+  const uint64_t value = std::strtoull(text.c_str(), &end, 10);
+  // What is not a length is refused as one that is too long.
+  return *end == '\0' && errno == 0 && text[0] != '-' ? value : UINT64_MAX;
+}
+
+// The header fields outlive what points at them.
+struct Fields {
+  std::string host, origin, site, type, encoding, token;
+  explicit Fields(const httplib::Request& r)
+      : host(r.get_header_value("Host")),
+        origin(r.get_header_value("Origin")),
+        site(r.get_header_value("Sec-Fetch-Site")),
+        type(r.get_header_value("Content-Type")),
+        encoding(r.get_header_value("Transfer-Encoding")),
+        token(r.get_header_value("X-Study-Token")) {}
+  Request request(const httplib::Request& r, bool with_body) const {
+    return {r.method.c_str(),
+            r.path.c_str(),
+            host.c_str(),
+            origin.c_str(),
+            site.c_str(),
+            type.c_str(),
+            encoding.c_str(),
+            token.c_str(),
+            announced(r),
+            with_body ? r.body.data() : nullptr,
+            with_body ? r.body.size() : 0};
+  }
+};
+
+// Reads up to 1 MiB of the file for each call, so that a clip never lies in memory as a whole.
+bool send_part(const std::string& path, size_t offset, size_t length, httplib::DataSink& sink) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file || std::fseek(file.get(), static_cast<long>(offset), SEEK_SET) != 0) return false;
+  char buffer[1 << 16];
+  size_t left = std::min(length, size_t{1} << 20);
+  while (left > 0) {
+    const size_t got = std::fread(buffer, 1, std::min(left, sizeof buffer), file.get());
+    if (got == 0 || !sink.write(buffer, got)) return false;
+    left -= got;
+  }
+  return true;
+}
+
+void send(const Reply& reply, httplib::Response& response) {
+  if (reply.status != 200) response.status = reply.status;  // 200, or 206 where a range was asked for, is the library's
+  response.set_header("X-Content-Type-Options", "nosniff");
+  response.set_header("Referrer-Policy", "no-referrer");
+  response.set_header("X-Frame-Options", "DENY");
+  response.set_header("Cross-Origin-Resource-Policy", "same-origin");
+  response.set_header("Cache-Control", reply.keep != 0 ? "private, max-age=86400" : "no-store");
+  if (reply.file == nullptr) {
+    response.set_content(reply.body, reply.body_bytes, reply.content_type);
+    return;
+  }
+  response.set_header("Accept-Ranges", "bytes");
+  response.set_content_provider(
+      reply.file_bytes, reply.content_type,
+      [path = std::string(reply.file)](size_t offset, size_t length, httplib::DataSink& sink) {
+        return send_part(path, offset, length, sink);
+      });
+}
+
+void answer(const Server& of, const httplib::Request& request, httplib::Response& response) {
+  Reply reply{};
+  const Fields fields(request);
+  const Request seen = fields.request(request, true);
+  of.settings.handle(of.settings.user, &seen, &reply);
+  send(reply, response);
+  of.settings.release(&reply);
+}
+
+bool refused(const Server& of, const httplib::Request& request, httplib::Response& response) {
+  Reply reply{};
+  const Fields fields(request);
+  const Request seen = fields.request(request, false);
+  if (of.settings.refuse(of.settings.user, &seen, &reply) == 0) return false;
+  send(reply, response);
+  of.settings.release(&reply);
+  return true;
+}
+
+void set_up(Server& made) {
+  httplib::Server& server = made.server;
+  const int threads = made.settings.threads;
+  server.new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<size_t>(threads)); };
+  // One request a connection: nothing that is left of a refused body is ever read as a request, and no idle browser
+  // holds a thread.
+  server.set_keep_alive_max_count(1);
+  server.set_read_timeout(10);
+  server.set_write_timeout(30);
+  server.set_payload_max_length(made.settings.most_body_bytes);
+  server.set_tcp_nodelay(true);
+  // Not SO_REUSEPORT, by which two servers would share one port in silence.
+  server.set_socket_options([](int socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
+  server.set_pre_routing_handler([&made](const httplib::Request& request, httplib::Response& response) {
+    return refused(made, request, response) ? httplib::Server::HandlerResponse::Handled
+                                            : httplib::Server::HandlerResponse::Unhandled;
+  });
+  const auto handler = [&made](const httplib::Request& request, httplib::Response& response) {
+    answer(made, request, response);
+  };
+  server.Get(".*", handler);
+  server.Post(".*", handler);
+}
+
+Server* open(const Settings* settings, int32_t* port, char* message) {
+  auto made = std::make_unique<Server>();
+  made->settings = *settings;
+  set_up(*made);
+  errno = 0;
+  const int got = settings->port == 0 ? made->server.bind_to_any_port(settings->address)
+                  : made->server.bind_to_port(settings->address, settings->port) ? settings->port
+                                                                                 : -1;
+  if (got <= 0) {
+    std::snprintf(message, kMessageBytes, "%s", errno != 0 ? std::strerror(errno) : "the address cannot be resolved");
+    return nullptr;
+  }
+  *port = got;
+  return made.release();
+}
+
+const Api kApi = {kApiVersion, &open, [](Server* server) { server->server.listen_after_bind(); },
+                  [](Server* server) { server->server.stop(); }, [](Server* server) { delete server; }};
+
+}  // namespace
+}  // namespace crowdbench::studies::http
+
+extern "C" __attribute__((visibility("default"))) const crowdbench::studies::http::Api* crowdbench_http_api() {
+  return &crowdbench::studies::http::kApi;
+}

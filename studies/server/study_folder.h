@@ -1,0 +1,42 @@
+// An exported study as its server sees it: the folder that participants may see, and who is to be shown what.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace crowdbench::studies {
+
+struct StudyTrial {
+  std::string trial;  // id within the list
+  std::string stimulus;
+  std::string kind;  // "training", "main" or "catch"
+  uint32_t block = 0;
+};
+
+struct StudyFile {
+  std::filesystem::path path;
+  uint64_t bytes = 0;
+  std::string type;  // for Content-Type
+};
+
+struct StudyFolder {
+  std::string study;                                                // the plan's hash
+  std::string task;                                                 // as the plan calls it
+  std::vector<std::string> answers;                                 // values that a trial may be answered with
+  std::vector<std::string> lists;                                   // ids, in the order of the file
+  std::map<std::string, std::map<std::string, StudyTrial>> trials;  // by list, by trial
+  // What is served: by path ("/index.html", "/clips/s001.mp4"), every regular file below OUT/page and nothing else, so
+  // that no request can name another one. Symbolic links are left out.
+  std::map<std::string, StudyFile> files;
+};
+
+// out: what `study export` made; its page/ holds trials.json and the page. Throws Error naming file and member: no such
+// folder, not an exported study, another format, ids that are not ids, trials of a stimulus that is not there, no list.
+StudyFolder read_study_folder(const std::filesystem::path& out);
+
+// Letters, digits, '-', '_' and '.', up to 64 of them: what ids of lists, trials and stimuli are made of.
+bool is_study_id(std::string_view text);
+
+}  // namespace crowdbench::studies

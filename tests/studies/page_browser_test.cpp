@@ -1,0 +1,174 @@
+// The study's page in real browsers, headless, under its server: a simulated observer (tools/study_observer.mjs) takes
+// the whole study, and what the server keeps is what it chose.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/command_line.h"
+#include "store/store.h"
+#include "studies/page/page.h"
+#include "test_paths.h"
+#include "tests/support/driver.h"
+#include "tests/support/running_driver.h"
+#include "tests/support/sanitized.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/study_page.h"
+
+namespace crowdbench::studies {
+namespace {
+namespace fs = std::filesystem;
+
+class StudyBrowser : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    CROWDBENCH_SKIP_SANITIZED("StudyServer and StudyFolder: browsers execute nothing of ours");
+    if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+    if (support::run_shell("command -v node >/dev/null").status != 0) GTEST_SKIP() << "node is not installed (nodejs)";
+    if (!fs::exists(fs::path(CROWDBENCH_SOURCE_DIR) / "node_modules/puppeteer-core"))
+      GTEST_SKIP() << "puppeteer-core is not installed (npm ci)";
+  }
+  static bool has(const char* program) {
+    return support::run_shell(std::string("command -v ") + program + " >/dev/null").status == 0;
+  }
+  void serve() {
+    support::write_study(out_);
+    server_ = std::make_unique<support::RunningDriver>(
+        std::vector<std::string>{"study", "serve", out_.string(), "--port", "0"}, folder_.path(), folder_.path());
+    ASSERT_TRUE(server_->wait_until_it_says("Ctrl-C ends", 20)) << server_->said();
+    const std::string said = server_->said();
+    url_ = said.substr(0, said.find('\n'));
+  }
+  // What the observer says of itself; it comes to an end.
+  nlohmann::json observe(const std::string& options) const {
+    const fs::path pictures = folder_ / "pictures";
+    const support::Outcome outcome = support::run_shell(
+        "node " + shell_quoted((fs::path(CROWDBENCH_SOURCE_DIR) / "tools/study_observer.mjs").string()) + " " + url_ +
+        " " + options + " 2>" + shell_quoted((folder_ / "observer.txt").string()));
+    EXPECT_EQ(outcome.status, 0) << outcome.text << read_text(folder_ / "observer.txt");
+    nlohmann::json said = nlohmann::json::parse(outcome.text, nullptr, false);
+    EXPECT_TRUE(said.is_object()) << outcome.text;
+    EXPECT_EQ(said.value("errors", nlohmann::json()), nlohmann::json::array()) << outcome.text;
+    EXPECT_EQ(said.value("requests_elsewhere", nlohmann::json()), nlohmann::json::array())
+        << "asked for from elsewhere";
+    return said;
+  }
+  StoreContents kept() const { return read_store(out_ / "answers.sqlite"); }
+
+  support::ScratchFolder folder_;
+  fs::path out_ = folder_ / "out";
+  std::string url_;
+  std::unique_ptr<support::RunningDriver> server_;
+};
+
+// Each trial once, as it was chosen, in the order of the list.
+void expect_as_chosen(const StoreContents& all, const nlohmann::json& said) {
+  std::vector<StudyAnswerRow> trials;
+  for (const StudyAnswerRow& row : all.answers)
+    if (row.kind != "page") trials.push_back(row);
+  ASSERT_EQ(said.at("chosen").size(), 5U) << said.dump(1);
+  ASSERT_EQ(trials.size(), 5U);
+  for (size_t i = 0; i < trials.size(); ++i) {
+    const nlohmann::json& chosen = said.at("chosen")[i];
+    EXPECT_EQ(trials[i].item, chosen.at("trial"));
+    EXPECT_EQ(trials[i].stimulus, chosen.at("stimulus").get<std::string>());
+    EXPECT_EQ(trials[i].kind, chosen.at("kind"));
+    EXPECT_EQ(trials[i].answer, chosen.at("answer").get<std::string>());
+    EXPECT_EQ(nlohmann::json::parse(trials[i].data).at("answered_by"), chosen.at("by"));
+  }
+}
+nlohmann::json page_record(const StoreContents& all, const std::string& item) {
+  for (const StudyAnswerRow& row : all.answers)
+    if (row.item == item) return nlohmann::json::parse(row.data);
+  ADD_FAILURE() << "no record of " << item;
+  return nlohmann::json::object();
+}
+const StudyAnswerRow& trial(const StoreContents& all, const std::string& item) {
+  for (const StudyAnswerRow& row : all.answers)
+    if (row.item == item) return row;
+  static const StudyAnswerRow none;
+  ADD_FAILURE() << "no record of " << item;
+  return none;
+}
+
+TEST_F(StudyBrowser, AWholeStudyInChromium) {
+  if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
+  serve();
+  const nlohmann::json said =
+      observe("--browser chromium --participant 5f00aa --full-screen --reload 2 --hide 3 --lost 4");
+  EXPECT_EQ(said.at("state"), "finished");
+  EXPECT_EQ(said.at("address"), url_) << "the participant's id stays in no address";
+  const StoreContents all = kept();
+  ASSERT_EQ(all.participants.size(), 1U);
+  const StudyParticipantRow& who = all.participants[0];
+  EXPECT_EQ(who.state, "finished");
+  EXPECT_EQ(who.participant, sha256_hex(support::kStudyHash + "/5f00aa"));
+  expect_as_chosen(all, said);
+  EXPECT_EQ(trial(all, "t001").restarts, 0U);
+  EXPECT_EQ(trial(all, "t002").restarts, 1U) << "reloaded in its middle";
+  EXPECT_GE(trial(all, "t003").hidden.value_or(0), 1U) << "another tab was in front";
+  EXPECT_EQ(trial(all, "t005").hidden, 0U);
+  EXPECT_TRUE(trial(all, "t001").frames_dropped.has_value());
+  const nlohmann::json calibration = page_record(all, "calibration");
+  EXPECT_EQ(calibration.at("card_px"), (nlohmann::json{320, 320, 320}));
+  EXPECT_EQ(calibration.at("blind_spot_px").size(), 5U);
+  // 320 pixels are 85.6 mm; a degree is 2 tan(0.5 deg) of the spot's distance over tan(13.5 deg).
+  EXPECT_NEAR(calibration.at("px_per_mm").get<double>(), 320 / 85.6, 1e-9);
+  double spot = 0;
+  for (const nlohmann::json& each : calibration.at("blind_spot_px")) spot += each.get<double>() / 5;
+  EXPECT_NEAR(who.pixels_per_degree.value_or(0), spot * 0.0727003, spot * 1e-5);
+  EXPECT_GT(who.pixels_per_degree_se.value_or(0), 0.08 * *who.pixels_per_degree) << "eyes differ";
+  const nlohmann::json browser = page_record(all, "browser-1");
+  EXPECT_LE(browser.at("tried")[0].at("worst_difference").get<double>(), 16.0);
+  EXPECT_EQ(browser.at("clip_type"), "video/mp4; codecs=\"avc1.F4000A\"");
+  EXPECT_EQ(page_record(all, "vision").at("plates").size(), 5U);
+  EXPECT_EQ(page_record(all, "demographics").at("response").at("question-1"), "simulated");
+  for (const char* screen : {"consent", "card", "spot", "plate", "clip", "answer", "break", "comments", "finished"})
+    EXPECT_NE(std::find(said.at("screens").begin(), said.at("screens").end(), screen), said.at("screens").end())
+        << screen;
+}
+
+TEST_F(StudyBrowser, AWholeStudyInFirefoxByTheKeyboardAlone) {
+  if (!has("firefox-esr")) GTEST_SKIP() << "firefox-esr is not installed (firefox-esr)";
+  serve();
+  const nlohmann::json said = observe(
+      "--browser firefox --participant 5f00ab --keyboard --no-calibration --reload 2 --hide 3 --width 390 --height "
+      "800");
+  EXPECT_EQ(said.at("state"), "finished");
+  const StoreContents all = kept();
+  ASSERT_EQ(all.participants.size(), 1U);
+  EXPECT_EQ(all.participants[0].pixels_per_degree, std::nullopt);
+  expect_as_chosen(all, said);
+  EXPECT_EQ(trial(all, "t002").restarts, 1U);
+  EXPECT_EQ(page_record(all, "screen-1").at("full_screen"), "not wanted");
+}
+
+TEST_F(StudyBrowser, WhoWithdrawsLeavesNothing) {
+  if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
+  serve();
+  const nlohmann::json said = observe("--browser chromium --participant 5f00ac --no-calibration --withdraw 1");
+  EXPECT_EQ(said.at("state"), "withdrawn");
+  const StoreContents all = kept();
+  EXPECT_TRUE(all.answers.empty());
+  ASSERT_EQ(all.participants.size(), 1U);
+  EXPECT_EQ(all.participants[0].state, "withdrawn");
+}
+
+TEST(StudyPage, IsWholeAndAsksForNothingElsewhere) {
+  const support::ScratchFolder folder;
+  write_page(folder.path());
+  const std::string index = read_text(folder / "index.html");
+  for (const std::string file :
+       {"vendor/jspsych.js", "vendor/plugin-html-button-response.js", "vendor/plugin-survey-html-form.js", "text.js",
+        "session.js", "clips.js", "screen.js", "vision.js", "trial.js", "page.js"}) {
+    EXPECT_NE(index.find("src=\"" + file + "\""), std::string::npos) << file;
+    EXPECT_EQ(read_text(folder / file).find("sourceMappingURL"), std::string::npos) << file;
+  }
+  EXPECT_NE(index.find("href=\"page.css\""), std::string::npos);
+  EXPECT_EQ(read_text(folder / "page.css").find("url("), std::string::npos);
+  EXPECT_NE(read_text(folder / "LICENCES.txt").find("Joshua R. de Leeuw"), std::string::npos);
+  EXPECT_NO_THROW(write_page(folder.path())) << "over the one before";
+}
+
+}  // namespace
+}  // namespace crowdbench::studies

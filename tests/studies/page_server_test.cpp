@@ -1,0 +1,366 @@
+// The server of a study: its rules over real sockets, what it keeps when it is killed, and the way of the answers into
+// the tables that `study analyze` reads.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "store/store.h"
+#include "studies/analysis/answers.h"
+#include "studies/server/answers_export.h"
+#include "studies/server/study_folder.h"
+#include "tests/support/driver.h"
+#include "tests/support/http.h"
+#include "tests/support/running_driver.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/study_page.h"
+
+namespace crowdbench::studies {
+namespace {
+namespace fs = std::filesystem;
+using support::http_post;
+using support::http_request;
+using support::HttpAnswer;
+
+std::string participant(int number) { return sha256_hex("somebody " + std::to_string(number)); }
+std::string start_body(int number) {
+  return nlohmann::json{{"study", support::kStudyHash}, {"participant", participant(number)}}.dump();
+}
+nlohmann::json record(const std::string& trial, const std::string& answer) {
+  static const std::map<std::string, std::array<std::string, 2>> trials = {{"t001", {"s001", "training"}},
+                                                                           {"t002", {"s002", "main"}},
+                                                                           {"t003", {"s001", "main"}},
+                                                                           {"t004", {"s002", "catch"}},
+                                                                           {"t005", {"s001", "main"}}};
+  return {{"item", trial},
+          {"stimulus", trials.at(trial)[0]},
+          {"kind", trials.at(trial)[1]},
+          {"answer", answer},
+          {"rt_ms", 812.5},
+          {"replays", 1},
+          {"frames_dropped", 2},
+          {"hidden", 0},
+          {"restarts", 1}};
+}
+
+class StudyServer : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+    support::write_study_folder(out_, {{"s001", nlohmann::json::object()}, {"s002", nlohmann::json::object()}});
+    write_file(out_ / "page" / "index.html", std::string_view("<p>page</p>"));
+    write_file(out_ / "page" / "clip.mp4", std::string_view("0123456789"));
+  }
+  // Starts the server, and learns its port.
+  void serve(const std::string& port = "0") {
+    server_.reset();
+    server_ = std::make_unique<support::RunningDriver>(
+        std::vector<std::string>{"study", "serve", out_.string(), "--port", port}, folder_.path(), folder_.path());
+    ASSERT_TRUE(server_->wait_until_it_says("Ctrl-C ends", 20)) << server_->said();
+    const std::string said = server_->said();
+    port_ = std::stoi(said.substr(said.find("127.0.0.1:") + 10));
+  }
+  std::string start(int number) {
+    const HttpAnswer answer = http_post(port_, "/api/start", start_body(number));
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    return nlohmann::json::parse(answer.body).at("token");
+  }
+  int send(const std::string& token, const nlohmann::json& row) {
+    return http_post(port_, "/api/answer", row.dump(), token).status;
+  }
+  StoreContents kept() const { return read_store(out_ / "answers.sqlite"); }
+
+  support::ScratchFolder folder_;
+  fs::path out_ = folder_ / "out";
+  int port_ = 0;
+  std::unique_ptr<support::RunningDriver> server_;
+};
+
+TEST_F(StudyServer, ServesThePageAndNothingElse) {
+  fs::create_symlink(out_ / "sides.json", out_ / "page" / "link.json");
+  serve();
+  const HttpAnswer page = http_request(port_, "GET", "/");
+  EXPECT_EQ(page.status, 200);
+  EXPECT_EQ(page.body, "<p>page</p>");
+  EXPECT_NE(page.head.find("nosniff"), std::string::npos);
+  EXPECT_NE(page.head.find("Cache-Control: no-store"), std::string::npos);
+  const HttpAnswer part = http_request(port_, "GET", "/clip.mp4", "Range: bytes=2-5\r\n");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, "2345");
+  EXPECT_EQ(nlohmann::json::parse(http_request(port_, "GET", "/api/study").body).at("study"), support::kStudyHash);
+  for (const char* path :
+       {"/../sides.json", "/%2e%2e/sides.json", "/..%2fsides.json", "/clips/../../sides.json", "/link.json",
+        "/answers.sqlite", "//etc/passwd", "/page/../../sides.json", "/%00", "/nothing"})
+    EXPECT_NE(http_request(port_, "GET", path).status, 200) << path;
+  EXPECT_EQ(http_request(port_, "DELETE", "/index.html").status, 405);
+  EXPECT_EQ(http_request(port_, "POST", "/index.html", "Content-Type: application/json\r\n", "{}").status, 404);
+}
+
+TEST_F(StudyServer, RefusesWhatIsNotOfItsPage) {
+  serve();
+  const std::string good = start_body(1);
+  const std::string type = "Content-Type: application/json\r\n";
+  const auto status = [&](const std::string& headers, const std::string& body) {
+    return http_request(port_, "POST", "/api/start", headers, body).status;
+  };
+  // Other sites, however they come.
+  EXPECT_EQ(status(type + "Origin: https://elsewhere.example\r\n", good), 403);
+  EXPECT_EQ(status(type + "Origin: null\r\n", good), 403);
+  EXPECT_EQ(status(type + "Sec-Fetch-Site: cross-site\r\n", good), 403);
+  EXPECT_EQ(status(type + "Sec-Fetch-Site: same-site\r\n", good), 403);
+  EXPECT_EQ(status("Content-Type: text/plain\r\n", good), 415);
+  EXPECT_EQ(status("Content-Type: application/x-www-form-urlencoded\r\n", good), 415);
+  EXPECT_EQ(status(type + "Host: rebound.example:" + std::to_string(port_) + "\r\n", good), 421);
+  EXPECT_EQ(http_request(port_, "GET", "/", "Host: rebound.example\r\n").status, 421);
+  // Too long, of no stated length, of a false one.
+  EXPECT_EQ(status(type, std::string((64 << 10) + 1, ' ')), 413);
+  EXPECT_EQ(status(type + "Content-Length: 99999999999999999999\r\n", good), 413);
+  EXPECT_EQ(status(type + "Content-Length: -1\r\n", good), 413);
+  EXPECT_EQ(status(type + "Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411);
+  // What is no start.
+  for (const char* body : {"{", "[]", "\"\"", "{}", "\xff", R"({"study": "b"})", R"({"study": 1, "participant": 2})"})
+    EXPECT_EQ(status(type, body), 400) << body;
+  EXPECT_EQ(status(type, nlohmann::json{{"study", support::kStudyHash}, {"participant", "me@example.org"}}.dump()),
+            400);
+  EXPECT_EQ(
+      status(type,
+             nlohmann::json{{"study", support::kStudyHash}, {"participant", participant(1)}, {"list", "9"}}.dump()),
+      400);
+  EXPECT_TRUE(kept().participants.empty());
+  // And its own page is let in.
+  EXPECT_EQ(
+      status(type + "Sec-Fetch-Site: same-origin\r\nOrigin: http://127.0.0.1:" + std::to_string(port_) + "\r\n", good),
+      200);
+}
+
+TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
+  serve();
+  const std::string token = start(1);
+  const nlohmann::json row = record("t002", "upper");
+  EXPECT_EQ(send(token, row), 200);
+  EXPECT_EQ(send(token, row), 200) << "an acknowledgement that got lost";
+  EXPECT_EQ(send(token, record("t002", "lower")), 409);
+  EXPECT_EQ(send("", row), 401);
+  EXPECT_EQ(send(std::string(32, '0'), row), 401);
+  const std::vector<std::pair<const char*, nlohmann::json>> wrong = {
+      {"answer", "left"}, {"stimulus", "s001"}, {"kind", "catch"}, {"item", "t009"}, {"item", 3},
+      {"rt_ms", -1},      {"rt_ms", "fast"},    {"hidden", -2},    {"replays", 1.5}, {"restarts", nullptr}};
+  for (const auto& [name, value] : wrong) {
+    nlohmann::json changed = record("t003", "upper");
+    changed[name] = value;
+    EXPECT_EQ(send(token, changed), 400) << name << " " << value;
+  }
+  EXPECT_EQ(send(token, {{"item", "diary"}, {"kind", "page"}}), 400);
+  EXPECT_EQ(
+      send(token,
+           {{"item", "calibration"}, {"kind", "page"}, {"pixels_per_degree", 36.5}, {"pixels_per_degree_se", 3.25}}),
+      200);
+  {
+    const StoreContents all = kept();
+    ASSERT_EQ(all.answers.size(), 2U);
+    EXPECT_EQ(all.answers[0].answer, "upper");
+    EXPECT_EQ(all.answers[0].rt, 812.5);
+    EXPECT_EQ(all.answers[0].block, 1U);
+    EXPECT_EQ(all.answers[0].restarts, 1U);
+    EXPECT_EQ(all.answers[0].data, row.dump());
+    ASSERT_EQ(all.participants.size(), 1U);
+    EXPECT_EQ(all.participants[0].pixels_per_degree, 36.5);
+    EXPECT_EQ(all.participants[0].pixels_per_degree_se, 3.25);
+  }
+  // Another window takes over, and goes on where the first stopped.
+  const nlohmann::json again = nlohmann::json::parse(http_post(port_, "/api/start", start_body(1)).body);
+  EXPECT_EQ(again.at("items"), (nlohmann::json{"t002", "calibration"}));
+  EXPECT_EQ(again.at("resumed"), true);
+  EXPECT_EQ(send(token, record("t003", "lower")), 401);
+  const std::string second = again.at("token");
+  EXPECT_EQ(send(second, record("t003", "lower")), 200);
+  EXPECT_EQ(http_post(port_, "/api/finish", "{}", second).status, 200);
+  EXPECT_EQ(send(second, record("t003", "lower")), 200);
+  EXPECT_EQ(send(second, record("t004", "lower")), 409) << "finished";
+  EXPECT_EQ(kept().participants.at(0).state, "finished");
+  // Withdrawal.
+  EXPECT_EQ(http_post(port_, "/api/withdraw", "{}", second).status, 200);
+  EXPECT_EQ(send(second, record("t005", "lower")), 401);
+  const StoreContents all = kept();
+  EXPECT_TRUE(all.answers.empty());
+  ASSERT_EQ(all.participants.size(), 1U);
+  EXPECT_EQ(all.participants[0].state, "withdrawn");
+  EXPECT_EQ(all.participants[0].participant, "");
+  EXPECT_EQ(all.participants[0].pixels_per_degree, std::nullopt);
+  for (const char* end : {"", "-wal"}) {
+    const fs::path file = (out_ / "answers.sqlite").string() + end;
+    const auto bytes = read_file(file);
+    const std::string text(bytes.begin(), bytes.end());
+    EXPECT_EQ(text.find(participant(1)), std::string::npos) << file;
+    EXPECT_EQ(text.find("rt_ms\":812.5"), std::string::npos) << file;
+  }
+}
+
+TEST_F(StudyServer, GivesEveryListToAsManyUnderConcurrentStarts) {
+  serve();
+  constexpr int kClients = 24;
+  std::vector<std::thread> clients;
+  std::vector<std::string> lists(2 * kClients);
+  for (int i = 0; i < 2 * kClients; ++i)  // each participant starts twice at once
+    clients.emplace_back([&, i] {
+      const HttpAnswer answer = http_post(port_, "/api/start", start_body(i / 2));
+      if (answer.status == 200) lists[static_cast<size_t>(i)] = nlohmann::json::parse(answer.body).at("list");
+    });
+  for (std::thread& each : clients) each.join();
+  std::map<std::string, int> started;
+  for (size_t i = 0; i < lists.size(); i += 2) {
+    EXPECT_EQ(lists[i], lists[i + 1]);
+    ++started[lists[i]];
+  }
+  EXPECT_EQ(started, (std::map<std::string, int>{{"1", 8}, {"2", 8}, {"3", 8}}));
+  EXPECT_EQ(kept().participants.size(), static_cast<size_t>(kClients));
+  // By hand where the address says so.
+  const nlohmann::json body = {{"study", support::kStudyHash}, {"participant", participant(99)}, {"list", "3"}};
+  EXPECT_EQ(nlohmann::json::parse(http_post(port_, "/api/start", body.dump()).body).at("list"), "3");
+}
+
+// SIGKILL at random moments under clients that do nothing but answer: what was acknowledged is there.
+TEST_F(StudyServer, LosesNothingAcknowledgedWhenItIsKilled) {
+  constexpr int kKills = 10;
+  constexpr int kClients = 4;
+  const char* const trials[] = {"t001", "t002", "t003", "t004", "t005"};
+  std::atomic<int> acknowledged{0};
+  std::set<std::string> expected[kClients];
+  for (int kill = 0; kill < kKills; ++kill) {
+    serve();
+    if (HasFatalFailure()) return;
+    std::atomic<bool> down{false};
+    std::vector<std::thread> clients;
+    for (int c = 0; c < kClients; ++c)
+      clients.emplace_back([&, c] {
+        for (int number = 0; !down; ++number) {
+          const int who = 1000 * kill + 100 * c + number % 100;
+          const HttpAnswer started = http_post(port_, "/api/start", start_body(who));
+          if (started.status != 200) continue;
+          const std::string token = nlohmann::json::parse(started.body).at("token");
+          for (const char* trial : trials) {
+            if (send(token, record(trial, "lower")) != 200) continue;
+            expected[c].insert(participant(who) + trial);
+            ++acknowledged;
+          }
+        }
+      });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + (kill * 37) % 120));
+    server_->send(SIGKILL);
+    server_->wait_for_end(5);
+    down = true;
+    for (std::thread& each : clients) each.join();
+  }
+  const StoreContents all = kept();
+  std::map<int64_t, std::string> who;
+  for (const StudyParticipantRow& row : all.participants) who[row.id] = row.participant;
+  std::set<std::string> there;
+  for (const StudyAnswerRow& row : all.answers) EXPECT_TRUE(there.insert(who.at(row.participant) + row.item).second);
+  EXPECT_GT(acknowledged, kKills);
+  for (const auto& each : expected) EXPECT_TRUE(std::includes(there.begin(), there.end(), each.begin(), each.end()));
+}
+
+TEST_F(StudyServer, EndsAtASignalAndRefusesATakenPort) {
+  serve();
+  const support::Outcome second =
+      support::run_driver("", "study serve '" + out_.string() + "' --port " + std::to_string(port_));
+  EXPECT_EQ(second.status, 2);
+  EXPECT_NE(second.text.find("cannot be listened on (Address already in use); choose another --port"),
+            std::string::npos)
+      << second.text;
+  server_->send(SIGTERM);
+  EXPECT_LT(server_->wait_for_end(10), 3.0);
+  EXPECT_EQ(server_->status(), 143);
+  EXPECT_NE(server_->said().find("interrupted; every answer that was acknowledged is in"), std::string::npos);
+  const auto says = [&](const std::string& arguments) {
+    return support::run_driver("", "study serve " + arguments).text;
+  };
+  EXPECT_NE(says("'" + out_.string() + "' --address 0.0.0.0").find("is reached from other machines"),
+            std::string::npos);
+  EXPECT_NE(says("'" + out_.string() + "' --origin study.example.org").find("is not an origin"), std::string::npos);
+  EXPECT_NE(says("'" + folder_.path().string() + "'").find("has no page/trials.json"), std::string::npos);
+}
+
+TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
+  serve();
+  const std::string token = start(1);
+  for (const char* trial : {"t001", "t002", "t003", "t004"}) EXPECT_EQ(send(token, record(trial, "upper")), 200);
+  EXPECT_EQ(send(token, record("t005", "cannot-tell")), 200);
+  server_.reset();
+  const StudyAnswers answers = read_study_answers({out_ / "answers.sqlite"}, support::kStudyHash);
+  Answers table;
+  const Table parsed = parse_table(answers_csv(answers, out_), "answers.csv");
+  add_answers(table, parsed, columns_by_name(parsed));
+  ASSERT_EQ(table.rows.size(), 4U) << "training is left out";
+  EXPECT_EQ(parsed.rows[0].fields[15], "flat, near") << parsed.columns[15];
+  EXPECT_EQ(table.conditions, (std::vector<std::string>{"switch_m=20", "switch_m=10"}));
+  EXPECT_EQ(table.rows[0].level, 20.0);
+  EXPECT_EQ(table.rows[0].rt_ms, 812.5);
+  EXPECT_EQ(table.rows[0].no, 1U) << "upper, and the lower one was expected";
+  EXPECT_EQ(table.rows[1].yes, 1U);
+  EXPECT_EQ(table.rows[2].catch_kind, "broken");
+  EXPECT_EQ(table.rows[3].ties, 1U);
+  // A level that is infinite is no axis: `level` is left out, or the trial.
+  nlohmann::json sides = nlohmann::json::parse(read_text(out_ / "sides.json"));
+  sides["stimuli"]["s001"]["level"] = nullptr;
+  write_file(out_ / "sides.json", std::string_view(sides.dump()));
+  EXPECT_EQ(answers_csv(answers, out_).find(",level,"), std::string::npos);
+  const Table levels = parse_table(answers_csv(answers, out_, true), "levels.csv");
+  EXPECT_EQ(levels.columns[5], "level");
+  EXPECT_EQ(levels.rows.size(), 2U);
+  // Two that are ranked: one pair, whichever stands above.
+  for (nlohmann::json& each : sides["stimuli"]) each["kind"] = "pair";
+  write_file(out_ / "sides.json", std::string_view(sides.dump()));
+  Answers ranked;
+  const Table pairs = parse_table(answers_csv(answers, out_), "pairs.csv");
+  add_answers(ranked, pairs, columns_by_name(pairs));
+  EXPECT_EQ(ranked.items, (std::vector<std::string>{"flat, near", "mesh"}));
+  EXPECT_EQ(ranked.rows[0].shown_first_is_a, true);
+  EXPECT_EQ(ranked.rows[0].yes, 1U) << "the flat one stood above and was chosen";
+  EXPECT_EQ(ranked.rows[1].shown_first_is_a, false);
+  EXPECT_EQ(ranked.rows[1].no, 1U);
+  const nlohmann::json records = nlohmann::json::parse(jspsych_json(answers));
+  ASSERT_EQ(records.size(), 5U);
+  EXPECT_EQ(records[1].at("participant"), participant(1));
+  EXPECT_EQ(records[1].at("answer"), "upper");
+  // What the page saves where no server of ours is comes to the same table.
+  write_file(folder_ / "saved.json", std::string_view(records.dump()));
+  const StudyAnswers saved = read_study_answers({folder_ / "saved.json"}, support::kStudyHash);
+  EXPECT_EQ(answers_csv(saved, out_), answers_csv(answers, out_));
+  EXPECT_THROW(read_study_answers({folder_ / "saved.json", folder_ / "saved.json"}, support::kStudyHash), Error);
+  EXPECT_THROW(read_study_answers({folder_ / "saved.json"}, std::string(64, 'b')), Error);
+}
+
+TEST(StudyFolder, SaysWhereATrialsFileIsWrong) {
+  const support::ScratchFolder folder;
+  support::write_study_folder(folder.path(), {{"s001", nlohmann::json::object()}, {"s002", nlohmann::json::object()}});
+  write_file(folder / "page/index.html", std::string_view(" "));
+  const nlohmann::json good = nlohmann::json::parse(read_text(folder / "page/trials.json"));
+  EXPECT_EQ(read_study_folder(folder.path()).trials.at("2").at("t004").kind, "catch");
+  const std::vector<std::pair<std::string, nlohmann::json>> wrong = {{"/format", 2},
+                                                                     {"/study", "a b"},
+                                                                     {"/answers", nlohmann::json::array()},
+                                                                     {"/lists", nlohmann::json::array()},
+                                                                     {"/lists/1/id", "1"},
+                                                                     {"/lists/0/trials/2/stimulus", "s009"},
+                                                                     {"/lists/0/trials/2/kind", "odd"},
+                                                                     {"/lists/0/trials/2/block", -1},
+                                                                     {"/stimuli", 3},
+                                                                     {"/lists/0/trials/1/trial", "t001"}};
+  for (const auto& [where, value] : wrong) {
+    nlohmann::json changed = good;
+    changed[nlohmann::json::json_pointer(where)] = value;
+    write_file(folder / "page/trials.json", std::string_view(changed.dump()));
+    EXPECT_THROW(read_study_folder(folder.path()), Error) << where;
+  }
+}
+
+}  // namespace
+}  // namespace crowdbench::studies
