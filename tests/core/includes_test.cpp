@@ -64,7 +64,7 @@ const std::map<std::string, Doors>& inner_doors() {
         {"bake", {"", "gl"}},
         {"mesh", {"", "gl", "shaders", "frame"}},  // what is captured, so that impostors may know it
         {"impostor", {"", "gl", "shaders", "frame", "bake", "mesh"}}}},
-      {"studies", {{"stimuli", {}}, {"analysis", {}}}},
+      {"studies", {{"stimuli", {}}, {"analysis", {}}, {"plan", {"stimuli", "analysis"}}}},
       {"bench",
        {{"", {"commands"}},
         {"speed", {}},
