@@ -55,8 +55,10 @@ class Designer {
       put_catch_trials(list, main);
       std::vector<Trial> all = training_of(list);
       all.insert(all.end(), main.begin(), main.end());
+      number_blocks(all);
       design_.lists.push_back(std::move(all));
     }
+    add_all_choices();
     name_stimuli();
     return std::move(design_);
   }
@@ -184,7 +186,7 @@ class Designer {
         const size_t stimulus =
             item < n ? against_reference(StimulusKind::test, item, plan_.conditions[item].test, crowd, side)
                      : alike(item - n, crowd, side);
-        out.push_back({stimulus, 1 + round * plan_.method.blocks / rounds, TrialKind::main});
+        out.push_back({stimulus, 1, TrialKind::main});
       }
     }
     if (plan_.method.trials > 0) out.resize(std::min<size_t>(out.size(), plan_.method.trials));
@@ -200,11 +202,10 @@ class Designer {
       const auto turn = static_cast<uint32_t>(round / rounds.size());
       for (const auto& [first, second] : rounds[(round + list) % rounds.size()]) {
         if (out.size() == plan_.method.trials) break;
-        const uint32_t block = 1 + static_cast<uint32_t>(out.size()) * plan_.method.blocks / plan_.method.trials;
         const size_t a = std::min(names[first], names[second]);
         const size_t b = std::max(names[first], names[second]);
         const bool first_on_top = (names[first] < names[second]) != (swapped(list) != (turn % 2 == 1));
-        out.push_back({pair(items[a], items[b], turn % plan_.stimulus.crowds, first_on_top), block, TrialKind::main});
+        out.push_back({pair(items[a], items[b], turn % plan_.stimulus.crowds, first_on_top), 1, TrialKind::main});
       }
     }
     return out;
@@ -226,7 +227,7 @@ class Designer {
       const uint32_t which = order[k];
       const size_t stimulus = which < c.identical ? identical(spread(which, c.identical), crowd_of(which))
                                                   : broken(which - c.identical, list);
-      out.push_back({stimulus, next < main.size() ? main[next].block : plan_.method.blocks, TrialKind::catch_trial});
+      out.push_back({stimulus, 1, TrialKind::catch_trial});
     }
     out.insert(out.end(), main.begin() + static_cast<ptrdiff_t>(next), main.end());
     main = std::move(out);
@@ -257,6 +258,29 @@ class Designer {
       out.push_back({stimulus, 0, TrialKind::training});
     }
     return out;
+  }
+
+  void number_blocks(std::vector<Trial>& list) const {
+    const std::vector<uint64_t> breaks = breaks_of(plan_);
+    for (size_t k = plan_.training; k < list.size(); ++k)
+      list[k].block =
+          1 + static_cast<uint32_t>(std::count_if(breaks.begin(), breaks.end(), [&](uint64_t at) { return at <= k; }));
+  }
+
+  // What the two pilot methods may choose, whether a list shows it or not.
+  void add_all_choices() {
+    if (plan_.method.method == Method::constant) return;
+    const bool pairs = plan_.method.method == Method::active_pairs;
+    const std::vector<renderers::Spec> items = ranked(plan_);
+    for (uint32_t crowd = 0; crowd < plan_.stimulus.crowds; ++crowd)
+      for (const bool on_top : {true, false}) {
+        for (size_t a = 0; pairs && a < items.size(); ++a)
+          for (size_t b = a + 1; b < items.size(); ++b) pair(items[a], items[b], crowd, on_top);
+        for (size_t c = 0; !pairs && c < plan_.conditions.size(); ++c) {
+          against_reference(StimulusKind::test, c, plan_.conditions[c].test, crowd, on_top);
+          if (plan_.task == Task::same_different) alike(c, crowd, on_top);
+        }
+      }
   }
 
   // A permutation of all stimuli names them.

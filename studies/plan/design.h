@@ -61,7 +61,10 @@ StudyDesign make_design(const StudyPlan& plan);
 uint32_t order_items(const StudyPlan& plan);
 // The smallest number of lists over which orders (Williams 1949) and sides are balanced; multiples of it are, too.
 uint32_t balanced_lists(const StudyPlan& plan);
-uint64_t trials_of_participant(const StudyPlan& plan);
+uint64_t main_trials(const StudyPlan& plan);            // of one participant, without catch and training trials
+uint64_t trials_of_participant(const StudyPlan& plan);  // all of them
+// After how many trials of a list, training included, a block ends and another follows.
+std::vector<uint64_t> breaks_of(const StudyPlan& plan);
 // Rows of the answers that a task has, as trials.json lists them: value, label, key.
 struct AnswerChoice {
   std::string value, label, key;

@@ -144,6 +144,11 @@ class PlanReader {
     plan_.conditions = combine_factors(factors, base);
     if (plan_.conditions.size() == 1) plan_.conditions[0].name = "test=" + plan_.conditions[0].test.text();
     for (StudyCondition& condition : plan_.conditions) check_condition(condition, place);
+    const scene::Scenario& first = plan_.conditions[0].scenario;
+    for (const StudyCondition& condition : plan_.conditions)
+      if (condition.scenario.width != first.width || condition.scenario.height != first.height)
+        throw Error(place("factors"), fmt::format("the picture's size varies ({})", condition.name),
+                    "all clips of a study have one size; vary `height_px`, the figures' own");
   }
 
   void check_condition(StudyCondition& condition, const std::function<std::string(const char*)>& place) {
@@ -164,6 +169,11 @@ class PlanReader {
       fail("tick_rate",
            fmt::format("{} ticks a second do not divide into {} frames", scenario.tick_rate, plan_.stimulus.fps),
            "make `tick_rate` a multiple of [stimulus] `fps`");
+    if (scenario.width % 2 != 0 || scenario.height % 2 != 0)
+      fail(
+          scenario.width % 2 != 0 ? "width" : "height",
+          fmt::format("a picture of {}x{} has an odd side, which video does not have", scenario.width, scenario.height),
+          "make both even");
     if (scenario.width < 16 || scenario.height < 16 || scenario.width > 8192 ||
         2 * scenario.height + plan_.stimulus.bar_px > 8192)
       fail("width", fmt::format("two pictures of {}x{} do not fit into a clip", scenario.width, scenario.height),
@@ -196,11 +206,9 @@ class PlanReader {
     if (m.method == Method::constant) {
       if (m.trials > 0)
         fail("trials", "`trials` follows from conditions, crowds and repeats", "leave it out, or change those");
-      if (m.blocks > m.repeats * plan_.stimulus.crowds)
-        fail("blocks", fmt::format("{} blocks of {} rounds", m.blocks, m.repeats * plan_.stimulus.crowds),
-             "a block holds whole rounds (crowds x repeats): give fewer");
-      return;
+      return check_blocks(t);
     }
+    check_blocks(t);
     if (m.trials == 0)
       fail("kind", "the method chooses trials until there are so many, and `trials` is missing", "add trials = 40");
     if (m.method == Method::quest_plus) {
@@ -216,7 +224,12 @@ class PlanReader {
     if (!one_scene() || plan_.conditions.size() < 2)
       fail("kind", "active pairs compare representations within one scene",
            "let `representation`, options or `switch_m` be the only factors, with two levels or more");
-    if (m.blocks > m.trials) fail("blocks", "more blocks than trials", "give fewer");
+  }
+
+  void check_blocks(const TomlTable& t) const {
+    const uint64_t trials = main_trials(plan_);
+    if (plan_.method.blocks > trials)
+      throw Error(t.place("blocks"), fmt::format("{} blocks of {} trials", plan_.method.blocks, trials), "give fewer");
   }
 
   static bool finite_levels(const Factor& factor) {
