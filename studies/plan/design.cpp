@@ -89,7 +89,10 @@ class Designer {
   }
 
   size_t add(Stimulus stimulus) {
-    const auto key = std::tuple(stimulus.kind, stimulus.upper, stimulus.lower, stimulus.condition);
+    // Catch trials of conditions that share a scene are one.
+    const bool of_condition = stimulus.kind != StimulusKind::identical && stimulus.kind != StimulusKind::broken;
+    const size_t condition = of_condition ? stimulus.condition : 0;
+    const auto key = std::tuple(stimulus.kind, stimulus.upper, stimulus.lower, condition);
     const auto [found, fresh] = by_halves_.emplace(key, design_.stimuli.size());
     if (fresh) design_.stimuli.push_back(std::move(stimulus));
     return found->second;
@@ -339,10 +342,21 @@ uint32_t balanced_lists(const StudyPlan& plan) {
   return 2 * static_cast<uint32_t>(williams_design(items).size());
 }
 
+uint64_t main_trials(const StudyPlan& plan) {
+  return plan.method.method == Method::constant ? uint64_t{rounds_of(plan)} * order_items(plan)
+                                                : uint64_t{plan.method.trials};
+}
+
 uint64_t trials_of_participant(const StudyPlan& plan) {
-  const uint64_t main = plan.method.method == Method::constant ? uint64_t{rounds_of(plan)} * order_items(plan)
-                                                               : uint64_t{plan.method.trials};
-  return main + plan.catch_trials.identical + plan.catch_trials.broken + plan.training;
+  return main_trials(plan) + plan.catch_trials.identical + plan.catch_trials.broken + plan.training;
+}
+
+std::vector<uint64_t> breaks_of(const StudyPlan& plan) {
+  const uint64_t shown = trials_of_participant(plan) - plan.training;
+  std::vector<uint64_t> out;
+  for (uint32_t block = 1; block < plan.method.blocks; ++block)
+    out.push_back(plan.training + block * shown / plan.method.blocks);
+  return out;
 }
 
 std::vector<AnswerChoice> answer_choices(Task task) {

@@ -130,6 +130,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
   ASSERT_TRUE(fs::exists(work_ / "f.sqlite"));
   ASSERT_EQ(run("quality --representation mesh --height-px 20,24 --rows 48 --db q.sqlite" + small).status, 0);
   write_file(work_ / "answers.csv", "answer\nyes\nno\n");
+  write_file(work_ / "study.toml", "[conditions]\ntest = \"mesh:triangles=60\"\n");
   write_file(work_ / "s.toml", "[scenario]\nwidth = 32\nheight = 32\n[axes]\ncrowd.agents = [2]\n");
   ASSERT_EQ(run("sweep s.toml").status, 0);
   const std::multimap<std::string, std::string> prints = {
@@ -169,6 +170,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"history", "f.sqlite f.sqlite"},
       {"history", "f.sqlite f.sqlite --json"},
       {"export", "r.sqlite --csv r.csv"},
+      {"study freeze", "study.toml"},
+      {"study export", "study.toml --dry-run"},
       {"study analyze", "answers.csv"},
       {"study analyze", "answers.csv --json"},
       {"study simulate", "--levels 1 --out simulated.csv"},
@@ -298,6 +301,7 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "quality --representation mesh --db a/b/r.sqlite",
       "correlate r.sqlite --markdown a/b/r.md",
       "study analyze answers.csv --markdown a/b/r.md",
+      "study export study.toml a/b/out",
       "study simulate --levels 1 --out a/b/simulated.csv",
       "correlate r.sqlite --pictures a/b/pictures",
       "quality --representation mesh --maps a/b/maps",
