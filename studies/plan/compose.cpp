@@ -36,14 +36,20 @@ struct Spot {
   std::array<int, 3> rgb{};
 };
 
-// Whether the 7 x 7 pixels around have one colour, and which.
+// The mean of the 5 x 5 pixels around where all are about alike: what is compared is a colour and not an edge.
 std::optional<Spot> flat_spot(const Image8& image, int x, int y) {
+  constexpr int kReach = 2, kAlike = 10;
   const uint8_t* const middle = image.at(x, y);
-  for (int dy = -3; dy <= 3; ++dy)
-    for (int dx = -3; dx <= 3; ++dx)
-      if (!std::equal(middle, middle + 3, image.at(x + dx, y + dy), [](int a, int b) { return std::abs(a - b) <= 2; }))
-        return std::nullopt;
-  return Spot{x, y, {middle[0], middle[1], middle[2]}};
+  std::array<int, 3> sum{};
+  for (int dy = -kReach; dy <= kReach; ++dy)
+    for (int dx = -kReach; dx <= kReach; ++dx)
+      for (size_t c = 0; c < 3; ++c) {
+        const int value = image.at(x + dx, y + dy)[c];
+        if (std::abs(value - middle[c]) > kAlike) return std::nullopt;
+        sum[c] += value;
+      }
+  constexpr int kCount = (2 * kReach + 1) * (2 * kReach + 1);
+  return Spot{x, y, {sum[0] / kCount, sum[1] / kCount, sum[2] / kCount}};
 }
 
 int distance(const Spot& a, const Spot& b) {
@@ -52,24 +58,21 @@ int distance(const Spot& a, const Spot& b) {
   return sum;
 }
 
-// Up to six places whose colours lie far from each other, as a check of what a browser shows.
+// Up to six places whose colours lie far from each other, as a check of what a browser shows: each next one is the
+// farthest from those before.
 std::vector<Spot> check_spots(const Image8& image) {
+  constexpr int kNoNews = 12 * 12;  // squared: a colour that is there already
   std::vector<Spot> all;
-  for (int y = 3; y + 3 < image.height; y += 5)
-    for (int x = 3; x + 3 < image.width; x += 5)
+  for (int y = 2; y + 2 < image.height; y += 2)
+    for (int x = 2; x + 2 < image.width; x += 2)
       if (const auto spot = flat_spot(image, x, y)) all.push_back(*spot);
+  std::vector<int> nearest(all.size(), 1 << 30);
   std::vector<Spot> chosen;
   while (!all.empty() && chosen.size() < 6) {
-    const auto farthest = std::max_element(all.begin(), all.end(), [&](const Spot& a, const Spot& b) {
-      const auto nearest = [&](const Spot& spot) {
-        int least = 1 << 30;
-        for (const Spot& other : chosen) least = std::min(least, distance(spot, other));
-        return least;
-      };
-      return nearest(a) < nearest(b);
-    });
-    if (std::any_of(chosen.begin(), chosen.end(), [&](const Spot& s) { return distance(s, *farthest) < 12; })) break;
-    chosen.push_back(*farthest);
+    const auto farthest = std::max_element(nearest.begin(), nearest.end());
+    if (*farthest < kNoNews) break;
+    chosen.push_back(all[static_cast<size_t>(farthest - nearest.begin())]);
+    for (size_t i = 0; i < all.size(); ++i) nearest[i] = std::min(nearest[i], distance(all[i], chosen.back()));
   }
   return chosen;
 }

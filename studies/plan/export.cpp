@@ -29,7 +29,7 @@ constexpr size_t kStackWeight = 3;
 constexpr size_t kWebmWeight = 12;
 // Microseconds and bytes a pixel, measured with 60 mannequins on llvmpipe and two shared cores.
 constexpr double kDrawMicros = 0.25, kStackMicros = 0.30, kWebmMicros = 1.5;
-constexpr double kHalfBytes = 0.08, kClipBytes = 0.03;
+constexpr double kHalfBytes = 0.2, kClipBytes = 0.045;
 constexpr double kAnswerSeconds = 4;
 
 size_t stack_weight(bool webm) { return kStackWeight + (webm ? kWebmWeight : 0); }
