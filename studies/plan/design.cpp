@@ -141,7 +141,6 @@ class Designer {
     s.crowd = crowd;
     s.upper = s.lower = half(condition, plan_.reference, crowd);
     s.item_upper = s.item_lower = plan_.reference.text();
-    if (plan_.task == Task::preference) s.expected = "cannot-tell";
     return add(std::move(s));
   }
 

@@ -36,7 +36,8 @@ struct Stimulus {
   uint32_t crowd = 0;                  // which of the plan's crowds the test half shows
   std::optional<size_t> twin;          // the reference's half of the crowd that the test half shows
   std::string item_upper, item_lower;  // what is compared, by name
-  // The answer that counts as yes: "upper", "lower", "same", "different", "cannot-tell"; empty: none is right.
+  // The answer that counts as yes: "upper", "lower", "same", "different"; empty: none is right, as of
+  // what is identical, whose answers show side bias.
   std::string expected;
 };
 

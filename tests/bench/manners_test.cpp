@@ -95,6 +95,23 @@ INSTANTIATE_TEST_SUITE_P(
         Long{"Pair", {"pair", "--a", "mesh", "--b", "mesh", "--agents", "3000", "--out", "x.mp4"}, SIGTERM}),
     [](const auto& command) { return std::string(command.param.name); });
 
+TEST_F(MannersGl, StudyExportStopsAndSaysWhereItGoesOn) {
+  write_file(work_ / "study.toml",
+             "[scenario]\ncrowd.agents = 50\n[conditions]\ntest = \"mesh:triangles=500\"\n[stimulus]\n"
+             "seconds = 30\nlargest_px = 480\n");
+  ASSERT_EQ(run("study freeze study.toml").status, 0);
+  RunningDriver driver({"study", "export", "study.toml", "out"}, work_, folder_.path());
+  ASSERT_TRUE(driver.wait_until_it_says("drawing on", 60)) << driver.said();
+  driver.wait_for_end(1);
+  ASSERT_LT(driver.status(), 0) << driver.said();
+  driver.send(SIGINT);
+  EXPECT_LE(driver.wait_for_end(60), kAnswerSeconds);
+  EXPECT_EQ(driver.status(), 128 + SIGINT);
+  EXPECT_NE(driver.said().find("the same command goes on there"), std::string::npos) << driver.said();
+  for (const auto& entry : fs::recursive_directory_iterator(work_ / "out"))
+    EXPECT_FALSE(entry.is_regular_file()) << entry.path();
+}
+
 // Frames of one folder that is compared with itself: two hundred names of one picture of noise.
 TEST_F(Manners, CompareStopsBetweenFrames) {
   CROWDBENCH_SKIP_SANITIZED("Compare");
