@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -60,6 +61,8 @@ void Staging::place_camera(const StudyCondition& condition, scene::Scenario& sce
     throw Error(plan_.where, "the camera's eye is at its target, so that it cannot move away from it",
                 "give [scenario] camera.eye and camera.target");
   camera.eye = camera.target + away * (distance / glm::length(away));
+  // Lanes end out of what is seen up to this depth.
+  scenario.crowd.stage_far = std::max(scenario.crowd.stage_far, 4 * distance);
 }
 
 scene::Scenario Staging::scenario(const PlannedHalf& half) {

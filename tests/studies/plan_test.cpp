@@ -160,7 +160,9 @@ TEST(StudyDesign, OrdersAndSidesAreBalanced) {
         for (size_t b = 0; b < n; ++b) {
           EXPECT_EQ((places[{round, a, b}]), design.lists.size() / n);
           EXPECT_EQ((sides[{round, a, b}]), 0);
-          if (a != b) EXPECT_EQ((follows[{round, a, b}]), design.lists.size() / n);
+          if (a != b) {
+            EXPECT_EQ((follows[{round, a, b}]), design.lists.size() / n);
+          }
         }
   }
 }
@@ -176,7 +178,9 @@ TEST(StudyDesign, StimuliSayWhatIsRight) {
   EXPECT_EQ(expected["same"], expected["different"]);  // as many without a difference as with one
   EXPECT_EQ(expected["same"], 8);
   for (const Stimulus& stimulus : design.stimuli)
-    if (stimulus.kind == StimulusKind::alike) EXPECT_EQ(stimulus.upper, stimulus.lower);
+    if (stimulus.kind == StimulusKind::alike) {
+      EXPECT_EQ(stimulus.upper, stimulus.lower);
+    }
 
   // Two crowds: nobody compares pixels, and the twin of the half under test is its own crowd by the reference.
   const StudyPlan two = parsed("[factors]\nswitch_m = [0, 10]\n");
