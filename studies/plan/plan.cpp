@@ -208,9 +208,9 @@ class PlanReader {
         fail("trials", "`trials` follows from conditions, crowds and repeats", "leave it out, or change those");
       return check_blocks(t);
     }
-    check_blocks(t);
     if (m.trials == 0)
       fail("kind", "the method chooses trials until there are so many, and `trials` is missing", "add trials = 40");
+    check_blocks(t);
     if (m.method == Method::quest_plus) {
       if (plan_.task == Task::preference)
         fail("kind", "QUEST+ needs a right answer, and `preference` has none", "choose the task forced-choice");

@@ -185,7 +185,7 @@ TEST_F(ExportGl, FolderIsWhatThePageAndTheAnalysisNeed) {
 TEST_F(ExportGl, PromisesAreKeptOrTheClipIsRefused) {
   EXPECT_NE(fault(with(kTiny, "largest_px = 40", "largest_px = 4")).find("more than `largest_px` = 4"),
             std::string::npos);
-  EXPECT_NE(fault(with(kTiny, "crowd.agents = 6", "crowd.agents = 40\ncrowd.spacing = 0.7"))
+  EXPECT_NE(fault(with(kTiny, "crowd.agents = 6", "crowd.agents = 40\ncrowd.spacing = 0.7\ncrowd.motion = \"free\""))
                 .find("may stand in each other in frame 0"),
             std::string::npos);
   EXPECT_NE(
@@ -212,6 +212,7 @@ TEST(Bodies, TouchWhereTheirRectanglesDo) {
   EXPECT_GT(scenario.crowd.spacing, 0.9);
   EXPECT_LT(scenario.crowd.spacing, 2.5);
   for (const uint64_t tick : {0U, 45U, 301U}) EXPECT_FALSE(touching(tick)) << tick;
+  scenario.crowd.motion = scene::MotionKind::free;  // each its own way
   scenario.crowd.spacing = 0.7;
   EXPECT_TRUE(touching(0));
 }
