@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -12,6 +13,7 @@
 #include "core/error.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
+#include "studies/stimuli/bodies.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -31,6 +33,26 @@ struct Options {
 
 std::string decibels(double db) { return std::isinf(db) ? "exact" : fmt::format("{:.2f} dB", db); }
 
+// Whether every character has a clip in use that walks straight on.
+bool all_walk(const scene::Cast& cast) {
+  return std::all_of(cast.banks.begin(), cast.banks.end(), [](const auto& bank) {
+    const auto& clips = bank->clips();
+    return std::any_of(clips.begin(), clips.end(),
+                       [](const scene::BankClip& clip) { return clip.ground_speed > 0.05 && clip.turns == 0; });
+  });
+}
+
+// A crowd that walks on the spot over a ground gives itself away: where the scenario does not say how it moves, it
+// walks in lanes, as far apart as its bodies need.
+void let_walk(ChosenScenario& chosen, const scene::Cast& cast) {
+  for (const char* const key : {"crowd.motion", "crowd.placement", "crowd.stage", "occupancy"})
+    if (chosen.places.contains(key)) return;
+  if (chosen.scenario.occupancy || !all_walk(cast)) return;
+  chosen.scenario.crowd.motion = scene::MotionKind::lanes;
+  if (!chosen.places.contains("crowd.spacing"))
+    chosen.scenario.crowd.spacing = std::min(100.0, studies::spacing_of_bodies(chosen.scenario, cast));
+}
+
 int run_pair(const Options& options) {
   studies::PairRequest request;
   request.a = parse_representation(options.a, "--a");
@@ -47,6 +69,7 @@ int run_pair(const Options& options) {
   ChosenScenario chosen = read_scenario(options.scene);
   chosen.scenario.ground = !options.no_ground;
   const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
+  let_walk(chosen, cast);
   const auto opened = open_context(options.scene.device);
   gl::Context& context = *opened;
   Staged staged = stage_scenario(chosen.scenario, cast, context);
@@ -91,6 +114,7 @@ int run_pair(const Options& options) {
 void add_pair(Command& app, Run& run) {
   Command* command = app.add_subcommand("pair", "Two representations of one crowd as one stacked clip, for a study");
   command->footer(
+      "Where the scenario does not say how the crowd moves, it walks over the ground in lanes.\n"
       "The same scenario and seed give the same bytes on one machine and build. A manifest (JSON) beside the clip "
       "says\n"
       "which half is which, by what rule, and how far the decoded frames lie from the drawn ones.\n"

@@ -6,6 +6,8 @@ namespace crowdbench::bench {
 
 void add_study_analyze(Command& study, Run& run);
 void add_study_answers(Command& study, Run& run);
+void add_study_export(Command& study, Run& run);
+void add_study_freeze(Command& study, Run& run);
 void add_study_power(Command& study, Run& run);
 void add_study_serve(Command& study, Run& run);
 void add_study_simulate(Command& study, Run& run);

@@ -8,9 +8,8 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/files.h"
 #include "core/random.h"
-#include "scene/cast/open_character.h"
+#include "scene/cast/scenario_table.h"
 
 namespace crowdbench::bench::sweep {
 namespace {
@@ -279,7 +278,7 @@ class AxesReader {
       value.setting = {made.name, label->text, std::nullopt};
       value.named = true;
       value.change = [entry, where = where_, folder = folder_](scene::Scenario& scenario) {
-        change_by_table(scenario, entry, where, folder, nullptr, "label");
+        scene::change_by_table(scenario, entry, where, folder, nullptr, "label");
       };
       scene::Scenario tried;
       value.change(tried);  // what is wrong with it is said now
@@ -301,21 +300,6 @@ class AxesReader {
   std::vector<Axis> axes_;
 };
 
-// What a base file names is seen from its own folder; here from the plan's.
-void move_paths(scene::Scenario& scenario, const std::filesystem::path& base_folder) {
-  if (base_folder.empty()) return;
-  const auto moved = [&](std::string& name) {
-    if (!scene::is_built_in(name) && std::filesystem::path(name).is_relative())
-      name = (base_folder / name).lexically_normal().string();
-  };
-  for (scene::CharacterEntry& character : scenario.characters) {
-    moved(character.source);
-    for (std::string& file : character.animations) moved(file);
-  }
-  if (scenario.display.model && scenario.display.model->find(".json") != std::string::npos)
-    moved(*scenario.display.model);
-}
-
 using Alternatives = std::vector<std::vector<AxisValue>>;
 
 Alternatives drawn(const std::vector<Axis>& axes, const Sampling& sampling) {
@@ -333,27 +317,6 @@ Alternatives drawn(const std::vector<Axis>& axes, const Sampling& sampling) {
 }
 
 }  // namespace
-
-void change_by_table(scene::Scenario& scenario, const TomlNode& table, const std::string& where,
-                     const std::filesystem::path& folder, scene::KeyPlaces* places, const std::string& not_ours) {
-  TomlNode rest = table;
-  const TomlNode* const base = table.find("base");
-  if (base != nullptr) {
-    if (!base->is_text() || base->text.empty())
-      throw Error(base->place(where), fmt::format("`base` is {}", base->type_name()), "name a scenario file");
-    const std::filesystem::path file = folder / base->text;
-    std::error_code failed;
-    if (!std::filesystem::is_regular_file(file, failed))
-      throw Error(base->place(where), fmt::format("`base`: there is no file '{}'", printable(file.string())),
-                  "its path is seen from the plan's folder");
-    scene::TomlNode document = scene::parse_toml(read_text(file, scene::kScenarioBytes), file.string());
-    document.line = 1;
-    scene::change_scenario(scenario, document, file.string(), places);
-    move_paths(scenario, std::filesystem::path(base->text).parent_path());
-    std::erase_if(rest.table, [](const TomlNode::Entry& entry) { return entry.first == "base"; });
-  }
-  scene::change_scenario(scenario, rest, where, places, not_ours);
-}
 
 std::vector<Axis> read_axes(const TomlNode& axes, const std::string& where, const std::filesystem::path& folder) {
   return AxesReader(where, folder).run(axes);

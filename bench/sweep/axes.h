@@ -39,12 +39,6 @@ std::vector<Axis> read_axes(const scene::TomlNode& axes, const std::string& wher
 std::vector<AxisValue> read_listed(const scene::TomlNode& point, const std::string& where,
                                    const std::filesystem::path& folder, const std::vector<Axis>& axes);
 
-// Puts a table with `base` and keys of a scenario into one; the paths of a base are seen from `folder` afterwards.
-// not_ours: an entry that is not a key. Throws Error.
-void change_by_table(scene::Scenario& scenario, const scene::TomlNode& table, const std::string& where,
-                     const std::filesystem::path& folder, scene::KeyPlaces* places = nullptr,
-                     const std::string& not_ours = {});
-
 struct Sampling {
   bool halton = true;
   size_t count = 0;

@@ -12,82 +12,15 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/hash.h"
+#include "scene/cast/scenario_table.h"
 #include "scene/scenario/scenario_writer.h"
+#include "scene/scenario/toml_table.h"
 
 namespace crowdbench::bench::sweep {
 namespace {
 
 using scene::TomlNode;
-
-// A table of the plan, read key by key; every fault names its line.
-class TableReader {
- public:
-  TableReader(const TomlNode& table, std::string name, std::string where, std::vector<std::string> known)
-      : table_(table), name_(std::move(name)), where_(std::move(where)) {
-    if (!table.is_table()) fail(table, fmt::format("`{}` is {}", name_, table.type_name()), "write it as a table");
-    for (const auto& [key, node] : table.table)
-      if (std::find(known.begin(), known.end(), key) == known.end()) {
-        const std::string near = nearest_name(key, known);
-        fail(node, fmt::format("unknown key `{}`{}", printable(key, 60), name_.empty() ? "" : " of " + name_),
-             near.empty() ? fmt::format("it has {}", fmt::join(known, ", ")) : fmt::format("did you mean `{}`?", near));
-      }
-  }
-  const TomlNode* find(const char* key) const { return table_.find(key); }
-  std::string place(const char* key) const {
-    const TomlNode* const node = find(key);
-    return (node == nullptr ? table_ : *node).place(where_);
-  }
-  [[noreturn]] void fail(const TomlNode& node, const std::string& wrong, const std::string& advice) const {
-    throw Error(node.place(where_), wrong, advice);
-  }
-
-  void text(const char* key, std::string& out) const {
-    const TomlNode* const node = find(key);
-    if (node == nullptr) return;
-    if (!node->is_text() || node->text.empty() || node->text.size() > 1000)
-      fail(*node, fmt::format("`{}` is not a text of 1 to 1000 bytes", key), "write it in quotes");
-    out = node->text;
-  }
-  void flag(const char* key, bool& out) const {
-    const TomlNode* const node = find(key);
-    if (node == nullptr) return;
-    if (!node->is_boolean()) fail(*node, fmt::format("`{}` is {}", key, node->type_name()), "give true or false");
-    out = node->boolean;
-  }
-  void number(const char* key, double low, double high, double& out) const {
-    const TomlNode* const node = find(key);
-    if (node == nullptr) return;
-    if (!node->is_number() || !(node->as_number() >= low && node->as_number() <= high))
-      fail(*node, fmt::format("`{}` is not a number from {} to {}", key, low, high), "change it");
-    out = node->as_number();
-  }
-  template <typename T>
-  void whole(const char* key, int64_t low, int64_t high, T& out) const {
-    const TomlNode* const node = find(key);
-    if (node == nullptr) return;
-    if (!node->is_integer() || node->integer < low || node->integer > high)
-      fail(*node, fmt::format("`{}` is not a whole number from {} to {}", key, low, high), "change it");
-    out = static_cast<T>(node->integer);
-  }
-  std::vector<const TomlNode*> tables(const char* key) const {
-    std::vector<const TomlNode*> out;
-    const TomlNode* const list = find(key);
-    if (list == nullptr) return out;
-    const std::string full = name_.empty() ? key : name_ + "." + key;
-    if (!list->is_list()) fail(*list, fmt::format("`{}` is {}", full, list->type_name()), "write [[" + full + "]]");
-    for (const TomlNode& entry : list->list) {
-      if (!entry.is_table())
-        fail(entry, fmt::format("`{}` holds {}", full, entry.type_name()), "write [[" + full + "]]");
-      out.push_back(&entry);
-    }
-    return out;
-  }
-
- private:
-  const TomlNode& table_;
-  std::string name_;
-  std::string where_;
-};
+using scene::TomlTable;
 
 // What decides what a point's rows hold, beside its scenario and its representation.
 std::string fingerprint(const Measures& measures) {
@@ -103,7 +36,7 @@ Measures read_measures(const TomlNode* node, const std::string& where) {
   for (const metrics::Score* score : metrics::scores())
     if ((score->uses & metrics::kInTables) != 0) out.scores.push_back(score);
   if (node == nullptr) return out;
-  const TableReader table(
+  const TomlTable table(
       *node, "measure", where,
       {"reference", "aa", "times", "rounds", "time_limit_s", "scores", "pictures", "together", "bake_budget_mib"});
   std::string reference;
@@ -153,7 +86,7 @@ struct PointsTable {
 };
 
 void read_sample(const TomlNode& node, const std::string& where, PointsTable& out) {
-  const TableReader table(node, "sample", where, {"method", "count", "seed"});
+  const TomlTable table(node, "sample", where, {"method", "count", "seed"});
   out.sample_place = node.place(where);
   std::string method = "halton";
   table.text("method", method);
@@ -170,7 +103,7 @@ PointsTable read_points(const TomlNode* node, const std::string& where, const st
                         const std::vector<Axis>& axes) {
   PointsTable out;
   if (node == nullptr) return out;
-  const TableReader table(*node, "points", where, {"where", "sample", "repetitions", "also"});
+  const TomlTable table(*node, "points", where, {"where", "sample", "repetitions", "also"});
   std::vector<std::string> names;
   for (const Axis& axis : axes) names.push_back(axis.name);
   if (const TomlNode* const list = table.find("where")) {
@@ -298,10 +231,10 @@ void check_sampling(const std::vector<Axis>& axes, const PointsTable& points) {
     throw Error(points.sample_place, "no axis is left for `sample`", "write a range without `steps`");
 }
 
-std::vector<TableRequest> read_tables(const TableReader& top, const std::string& where, const Plan& plan) {
+std::vector<TableRequest> read_tables(const TomlTable& top, const std::string& where, const Plan& plan) {
   std::vector<TableRequest> out;
   for (const TomlNode* const node : top.tables("table")) {
-    const TableReader table(*node, "table", where, {"title", "rows", "columns", "value", "at"});
+    const TomlTable table(*node, "table", where, {"title", "rows", "columns", "value", "at"});
     TableRequest request;
     request.place = node->place(where);
     table.text("title", request.title);
@@ -336,7 +269,7 @@ std::string Plan::key(const Condition& condition, const PlannedPoint& point, int
 
 Plan parse_plan(const std::string& toml, const std::string& where, const std::filesystem::path& folder) {
   const TomlNode document = scene::parse_toml(toml, where);
-  const TableReader top(document, "", where, {"name", "look_for", "scenario", "axes", "points", "measure", "table"});
+  const TomlTable top(document, "", where, {"name", "look_for", "scenario", "axes", "points", "measure", "table"});
   Plan plan;
   plan.name = std::filesystem::path(where).stem().string();
   plan.text = toml;
@@ -348,7 +281,7 @@ Plan parse_plan(const std::string& toml, const std::string& where, const std::fi
   scene::Scenario base;
   if (const TomlNode* const node = top.find("scenario")) {
     if (!node->is_table()) top.fail(*node, fmt::format("`scenario` is {}", node->type_name()), "write [scenario]");
-    change_by_table(base, *node, where, folder);
+    scene::change_by_table(base, *node, where, folder);
   }
   std::vector<Axis> axes;
   if (const TomlNode* const node = top.find("axes")) axes = read_axes(*node, where, folder);

@@ -61,18 +61,6 @@ class Encoder {
   video::Encoder* encoder_ = nullptr;
 };
 
-std::string file_sha256(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::vector<char> block(size_t{1} << 20);
-  Sha256 hash;
-  while (file) {
-    file.read(block.data(), static_cast<std::streamsize>(block.size()));
-    hash.bytes(block.data(), static_cast<size_t>(file.gcount()));
-  }
-  if (!file.eof()) throw Error(path.string(), "cannot be read back");
-  return hash.hex();
-}
-
 std::string frame_sha256(const std::vector<uint8_t>& rgb) { return Sha256().bytes(rgb.data(), rgb.size()).hex(); }
 
 double decibels(double squared_error, double values) {
@@ -119,7 +107,33 @@ fs::path beside(const fs::path& target, const char* what) {
   return target.parent_path() / (target.stem().string() + what + target.extension().string());
 }
 
+// Packed RGB of a frame of 3 or 4 channels.
+void pack(const Image8& frame, std::vector<uint8_t>& packed) {
+  const auto channels = static_cast<size_t>(frame.channels);
+  packed.resize(frame.pixels() * 3);
+  for (size_t i = 0; i < frame.pixels(); ++i) std::copy_n(&frame.data[i * channels], 3, &packed[i * 3]);
+}
+
+void check_size(const std::string& name, int width, int height, int fps) {
+  if (width < 16 || height < 16 || width > 8192 || height > 8192 || width % 2 || height % 2) {
+    throw Error(name, fmt::format("a clip cannot be {}x{}", width, height), "use even sides of 16 to 8192 pixels");
+  }
+  if (fps < 1 || fps > 240) throw Error("fps", fmt::format("{} is not 1 to 240", fps));
+}
+
 }  // namespace
+
+std::string file_sha256(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<char> block(size_t{1} << 20);
+  Sha256 hash;
+  while (file) {
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    hash.bytes(block.data(), static_cast<size_t>(file.gcount()));
+  }
+  if (!file.eof()) throw Error(path.string(), "cannot be read back");
+  return hash.hex();
+}
 
 struct ClipReader::State {
   std::string name;
@@ -222,41 +236,66 @@ struct ClipWriter::State {
   }
 
   // Decodes again; also holds the file to the exact frame count and time stamps.
-  ClipError compare(const fs::path& path, const fs::path& final_name) const {
+  ClipError compare(const fs::path& path, const fs::path& final_name, const ClipCheck& check = {}) const {
     ClipReader reader(path);
     ClipReader::Frame decoded;
     ErrorSum sum;
     int64_t count = 0;
-    for_each_raw_frame(
-        fmt::format("checking {}", final_name.filename().string()), [&](const std::vector<uint8_t>& rgb) {
-          if (!reader.next(decoded)) {
-            throw Error(final_name.string(), fmt::format("ends after {} frames", count));
-          }
-          if (decoded.pts * decoded.time_base_numerator * clip.fps != count * decoded.time_base_denominator) {
-            throw Error(final_name.string(), fmt::format("frame {} has a wrong time stamp", count));
-          }
-          sum.add(rgb, decoded.rgb.data);
-          ++count;
-        });
+    for_each_raw_frame(fmt::format("checking {}", final_name.filename().string()),
+                       [&](const std::vector<uint8_t>& rgb) {
+                         if (!reader.next(decoded)) {
+                           throw Error(final_name.string(), fmt::format("ends after {} frames", count));
+                         }
+                         if (!is_on_time(decoded, count)) {
+                           throw Error(final_name.string(), fmt::format("frame {} has a wrong time stamp", count));
+                         }
+                         sum.add(rgb, decoded.rgb.data);
+                         if (check.frame) check.frame(static_cast<size_t>(count), rgb, decoded.rgb.data);
+                         ++count;
+                       });
     if (reader.next(decoded)) throw Error(final_name.string(), "has more frames than were written");
     return sum.result();
   }
 
+  // Exactly n / fps where the container's time base can say that, else the nearest that it can (WebM: milliseconds).
+  bool is_on_time(const ClipReader::Frame& frame, int64_t index) const {
+    const int64_t shown = frame.pts * frame.time_base_numerator * clip.fps;
+    const int64_t meant = index * frame.time_base_denominator;
+    const int64_t unit = int64_t{frame.time_base_numerator} * clip.fps;
+    return frame.time_base_denominator % unit == 0 ? shown == meant : 2 * std::abs(shown - meant) <= unit;
+  }
+
+  // A study file: finer and finer until it is accurate.
+  ClipError encode_accurately(const fs::path& path, const fs::path& final_name, video::Codec codec, int& crf,
+                              const char* preset) {
+    const char* const name = codec == video::Codec::vp9_444 ? "vp9" : "h264";
+    while (true) {
+      encode(path, final_name, encoding(codec, crf, preset, settings.title));
+      const ClipError error = compare(path, final_name, settings.check);
+      double missing = settings.least_psnr - error.psnr_worst_frame;
+      if (settings.check.missing_db) missing = std::max(missing, settings.check.missing_db());
+      clip.attempts.push_back({name, crf, error.psnr_worst_frame});
+      clip.accurate = missing <= 0;
+      if (clip.accurate || crf == 0) return error;
+      // One step of the rate factor is worth about one decibel; one of VP9's half of it.
+      const double steps = codec == video::Codec::vp9_444 ? 2 * missing : missing;
+      crf = std::max(0, crf - std::max(1, static_cast<int>(std::ceil(std::min(steps, 64.0)))));
+    }
+  }
+
   ClipFile describe(const fs::path& path, const fs::path& final_name, std::string role, std::string pixel_format,
                     const std::string& preset, std::optional<int> crf, const ClipError& error) const {
-    return {final_name, std::move(role),     std::move(pixel_format), preset, crf,
-            kThreads,   fs::file_size(path), file_sha256(path),       error};
+    const char* const codec = final_name.extension() == ".webm" ? "vp9" : "h264";
+    return {final_name,          std::move(role),   codec, std::move(pixel_format), preset, crf, kThreads,
+            fs::file_size(path), file_sha256(path), error};
   }
 };
 
 ClipWriter::ClipWriter(fs::path target, int width, int height, const ClipSettings& settings) {
   const std::string name = target.string();
   if (target.extension() != ".mp4") throw Error(name, "clips are mp4 files", "choose a name that ends in .mp4");
-  if (width < 16 || height < 16 || width > 8192 || height > 8192 || width % 2 || height % 2) {
-    throw Error(name, fmt::format("a clip cannot be {}x{}", width, height), "use even sides of 16 to 8192 pixels");
-  }
+  check_size(name, width, height, settings.fps);
   if (settings.crf < 0 || settings.crf > 51) throw Error("crf", fmt::format("{} is not 0 to 51", settings.crf));
-  if (settings.fps < 1 || settings.fps > 240) throw Error("fps", fmt::format("{} is not 1 to 240", settings.fps));
   state_ = std::make_unique<State>(std::move(target), width, height, settings);
   State& s = *state_;
   s.raw = std::make_unique<Encoder>(
@@ -268,8 +307,7 @@ ClipWriter::~ClipWriter() = default;
 void ClipWriter::add(const Image8& frame) {
   State& s = *state_;
   assert(frame.width == s.clip.width && frame.height == s.clip.height && (frame.channels == 3 || frame.channels == 4));
-  const auto channels = static_cast<size_t>(frame.channels);
-  for (size_t i = 0; i < frame.pixels(); ++i) std::copy_n(&frame.data[i * channels], 3, &s.packed[i * 3]);
+  pack(frame, s.packed);
   s.raw->encode(s.packed.data());
   s.clip.frame_sha256.push_back(frame_sha256(s.packed));
 }
@@ -283,18 +321,20 @@ Clip ClipWriter::finish() {
   static constexpr char kPreset[] = "medium";
   PendingFile study(s.target);
   int crf = s.settings.crf;
-  ClipError error;
-  while (true) {
-    s.encode(study.path(), s.target, s.encoding(video::Codec::h264_444, crf, kPreset, s.settings.title));
-    error = s.compare(study.path(), s.target);
-    s.clip.attempts.push_back({crf, error.psnr_worst_frame});
-    s.clip.accurate = error.psnr_worst_frame >= s.settings.least_psnr;
-    if (s.clip.accurate || crf == 0) break;
-    // One step of the rate factor is worth about one decibel.
-    crf = std::max(0, crf - std::max(1, static_cast<int>(std::ceil(s.settings.least_psnr - error.psnr_worst_frame))));
-  }
+  const ClipError error = s.encode_accurately(study.path(), s.target, video::Codec::h264_444, crf, kPreset);
   s.clip.files.push_back(s.describe(study.path(), s.target, "study", "yuv444p", kPreset, crf, error));
   if (!s.clip.accurate) return s.clip;
+
+  std::optional<PendingFile> webm;
+  if (s.settings.webm) {
+    static constexpr char kSpeed[] = "5";
+    const fs::path name = fs::path(s.target).replace_extension(".webm");
+    webm.emplace(name);
+    int quality = s.settings.crf + 3;  // VP9's rate factor for about the same error
+    const ClipError webm_error = s.encode_accurately(webm->path(), name, video::Codec::vp9_444, quality, kSpeed);
+    s.clip.files.push_back(s.describe(webm->path(), name, "study", "yuv444p", kSpeed, quality, webm_error));
+    if (!s.clip.accurate) return s.clip;
+  }
 
   std::optional<PendingFile> compat;
   if (s.settings.compat) {
@@ -315,8 +355,45 @@ Clip ClipWriter::finish() {
   throw_if_interrupted();
   if (s.settings.master) s.lossless.commit();
   if (compat) compat->commit();
+  if (webm) webm->commit();
   study.commit();
   return s.clip;
+}
+
+struct LosslessWriter::State {
+  PendingFile file;
+  Encoder encoder;
+  std::vector<std::string> hashes;
+  std::vector<uint8_t> packed;
+  State(const fs::path& target, const video::Settings& settings)
+      : file(target), encoder(file.path(), target.string(), settings) {}
+};
+
+LosslessWriter::LosslessWriter(const fs::path& target, int width, int height, int fps) {
+  check_size(target.string(), width, height, fps);
+  video::Settings s;
+  s.width = width;
+  s.height = height;
+  s.fps = fps;
+  s.codec = video::Codec::h264_lossless;
+  s.preset = "veryfast";
+  s.threads = kThreads;
+  state_ = std::make_unique<State>(target, s);
+}
+
+LosslessWriter::~LosslessWriter() = default;
+
+void LosslessWriter::add(const Image8& frame) {
+  pack(frame, state_->packed);
+  state_->encoder.encode(state_->packed.data());
+  state_->hashes.push_back(frame_sha256(state_->packed));
+}
+
+std::vector<std::string> LosslessWriter::finish() {
+  state_->encoder.finish();
+  throw_if_interrupted();
+  state_->file.commit();
+  return std::move(state_->hashes);
 }
 
 Json clip_json(const Clip& clip) {
@@ -328,8 +405,10 @@ Json clip_json(const Clip& clip) {
                   {"for_studies", file.role == "study"},
                   {"sha256", file.sha256},
                   {"bytes", file.bytes}};
-    entry["encoder"] = {{"codec", "h264"},
-                        {"library", file.crf ? "libx264" : "libx264rgb"},
+    entry["encoder"] = {{"codec", file.codec},
+                        {"library", file.codec == "vp9" ? "libvpx-vp9"
+                                    : file.crf          ? "libx264"
+                                                        : "libx264rgb"},
                         {"pixel_format", file.pixel_format},
                         {"preset", file.preset},
                         {"threads", file.threads},
@@ -348,7 +427,8 @@ Json clip_json(const Clip& clip) {
   }
   Json attempts = Json::array();
   for (const ClipAttempt& attempt : clip.attempts) {
-    attempts.push_back({{"crf", attempt.crf}, {"psnr_worst_frame_db", finite(attempt.psnr_worst_frame)}});
+    attempts.push_back(
+        {{"codec", attempt.codec}, {"crf", attempt.crf}, {"psnr_worst_frame_db", finite(attempt.psnr_worst_frame)}});
   }
   return {{"width", clip.width},
           {"height", clip.height},

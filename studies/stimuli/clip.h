@@ -1,6 +1,7 @@
 // Clips: RGB frames in, a video file out that plays in a browser at a constant rate, proven against the raw frames.
 //
-// The file to show is H.264 4:4:4 (yuv444p, BT.709, limited range) in mp4, key frame every second, index in front. With
+// The file to show is H.264 4:4:4 (yuv444p, BT.709, limited range) in mp4, key frame every second, index in front;
+// beside it, where asked, VP9 4:4:4 in WebM, for browsers that refuse it (Safari, and Firefox on some systems). With
 // chroma at half size (4:2:0) the error at the outline of a small saturated figure reaches 142 of 255, more than what a
 // study of crowd representations looks for; such a copy exists only for players that need it, and says so in its name
 // and its title. FFmpeg's libraries come as a module, loaded at first use: every function here throws Error when it is
@@ -8,6 +9,7 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,13 +21,23 @@
 
 namespace crowdbench::studies {
 
+// What else the decoded frames of a study file must hold to, beside their decibels. Both are called for each encoding
+// that is tried: `frame` with every frame in order, then `missing_db`.
+struct ClipCheck {
+  std::function<void(size_t frame, const std::vector<uint8_t>& raw, const std::vector<uint8_t>& decoded)> frame;
+  // By how many decibels the encoding is too coarse; 0 or less: fine. The next one begins from nothing.
+  std::function<double()> missing_db;
+};
+
 struct ClipSettings {
   int fps = 30;            // constant
   int crf = 12;            // x264's constant rate factor where the search starts, 0 (finest) .. 51
   double least_psnr = 40;  // dB that the worst frame must reach after decoding
   bool compat = false;     // also NAME.not-for-studies.mp4, 4:2:0
   bool master = false;     // also NAME.master.mp4, lossless RGB: its decoded bytes are the raw frames
+  bool webm = false;       // also NAME.webm, VP9 4:4:4, for browsers that refuse H.264 4:4:4; as accurate
   std::string title;       // container metadata
+  ClipCheck check;         // of every study file; may be empty
 };
 
 // How far decoded frames lie from the raw ones: RGB 8-bit code values, all three channels of all pixels.
@@ -38,9 +50,10 @@ struct ClipError {
 
 struct ClipFile {
   std::filesystem::path path;
-  std::string role;          // "study", "compatibility" or "master"
+  std::string role;          // "study" (H.264 or VP9), "compatibility" or "master"
+  std::string codec;         // "h264", "vp9"
   std::string pixel_format;  // "yuv444p", "yuv420p", "rgb24"
-  std::string preset;        // x264's
+  std::string preset;        // x264's; VP9's cpu-used
   std::optional<int> crf;    // as used; std::nullopt: lossless
   int threads = 0;
   uint64_t bytes = 0;
@@ -50,6 +63,7 @@ struct ClipFile {
 
 // One encoding that was tried on the way to `least_psnr`.
 struct ClipAttempt {
+  std::string codec;
   int crf = 0;
   double psnr_worst_frame = 0;
 };
@@ -61,8 +75,9 @@ struct Clip {
   // For each frame: SHA-256 of the raw frame's width x height x 3 bytes, RGB, rows top to bottom.
   std::vector<std::string> frame_sha256;
   std::vector<ClipFile> files;        // the study file first
-  std::vector<ClipAttempt> attempts;  // the last one is the study file's
-  // False: even the finest encoding missed `least_psnr`; no file was left behind, but files[0].error says by how much.
+  std::vector<ClipAttempt> attempts;  // the last one of its codec is the study file's
+  // False: even the finest encoding missed `least_psnr` or the check; no file was left behind, but files.back().error
+  // says how accurate it was.
   bool accurate = false;
 };
 
@@ -91,6 +106,26 @@ class ClipWriter {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// Writes frames so that they come back as they are: H.264 of RGB in mp4. Nothing appears under the final name before
+// finish(). The same frames give the same bytes.
+class LosslessWriter {
+ public:
+  LosslessWriter(const std::filesystem::path& target, int width, int height, int fps);  // as ClipWriter
+  ~LosslessWriter();
+  LosslessWriter(const LosslessWriter&) = delete;
+  LosslessWriter& operator=(const LosslessWriter&) = delete;
+  void add(const Image8& frame);  // as ClipWriter::add
+  // SHA-256 of each raw frame, as Clip::frame_sha256. Throws Error.
+  std::vector<std::string> finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// SHA-256 of a file's bytes. Throws Error.
+std::string file_sha256(const std::filesystem::path& path);
 
 // Decodes a video file frame by frame.
 class ClipReader {

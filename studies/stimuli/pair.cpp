@@ -1,7 +1,5 @@
 #include "studies/stimuli/pair.h"
 
-#include <cmath>
-
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/json.h"
@@ -10,19 +8,10 @@
 #include "renderers/frame/capture.h"
 #include "scene/cast/cast.h"
 #include "scene/scenario/scenario_writer.h"
+#include "studies/stimuli/crowd_clip.h"
 
 namespace crowdbench::studies {
 namespace {
-
-uint64_t ticks_per_frame(const scene::Scenario& scenario, int fps) {
-  const double ticks = scenario.tick_rate / fps;
-  if (ticks < 1 || ticks != std::floor(ticks)) {
-    throw Error("--fps", fmt::format("{} ticks a second do not divide into {} frames", scenario.tick_rate, fps),
-                fmt::format("choose a rate that divides {}, or make the scenario's `tick_rate` a multiple of {}",
-                            scenario.tick_rate, fps));
-  }
-  return static_cast<uint64_t>(ticks);
-}
 
 Json manifest(const gl::Context& context, const PairRequest& request, const Pair& pair, uint64_t ticks) {
   const auto side = [&](bool is_a) {
@@ -65,7 +54,7 @@ Json manifest(const gl::Context& context, const PairRequest& request, const Pair
 Pair export_pair(gl::Context& context, const scene::Cast& cast, const PairRequest& request,
                  const std::filesystem::path& target) {
   const scene::Scenario& scenario = request.scenario;
-  const uint64_t ticks = ticks_per_frame(scenario, request.clip.fps);
+  const uint64_t ticks = ticks_per_frame(scenario, request.clip.fps, "--fps");
   if (request.frames == 0) throw Error("frames", "a clip needs at least one frame");
   Pair pair;
   pair.a_on_top = first_on_top(scenario.seed, request.pair);

@@ -383,6 +383,27 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(run("study answers out/answers.sqlite --study out").text.find("has no answers of this study"),
                    std::string::npos);
        }},
+      {"study freeze",
+       [&] {
+         write_file(work_ / "study.toml",
+                    "[scenario]\nwidth = 64\nheight = 48\ncrowd.agents = 3\n[[scenario.character]]\n"
+                    "source = \"mannequin:triangles=200\"\n[conditions]\ntest = \"mesh:triangles=60\"\n"
+                    "[stimulus]\nseconds = 0.1\nlead_in_seconds = 0\ncrowds = 1\nseeds = \"same\"\n"
+                    "[catch]\nidentical = 0\nbroken = 0\n[method]\nrepeats = 1\n");
+         EXPECT_NE(run("study export study.toml out").text.find("is not frozen"), std::string::npos);
+         EXPECT_EQ(facts("study freeze study.toml --json").at("hash").get<std::string>().size(), 64U);
+       }},
+      {"study export",
+       [&] {
+         const json dry = facts("study export study.toml --dry-run --json");
+         EXPECT_EQ(dry.at("conditions").size(), 1U);
+         EXPECT_EQ(dry.at("lists"), 2);
+         EXPECT_NE(run("study export study.toml --dry-run").text.find("2 lists, 2 participants, 3 trials each"),
+                   std::string::npos);
+         const json j = facts("study export study.toml out --json");
+         EXPECT_EQ(j.at("stacked"), json::parse(text("out/page/trials.json")).at("stimuli").size());
+         EXPECT_EQ(facts("study export study.toml out --json").at("stacked"), 0);
+       }},
       {"study analyze",
        [&] {
          write_file(work_ / "answers.csv",
@@ -399,6 +420,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
              << wrong.text;
          EXPECT_NE(
              run("study").text.find("study: a command is missing; there are serve, answers, analyze, simulate, power"),
+             run("study").text.find("study: a command is missing; there are freeze, export, analyze, simulate, power"),
              std::string::npos);
          EXPECT_NE(run("study analyze --jsn").text.find("study analyze has no option '--jsn'; did you mean --json?"),
                    std::string::npos);

@@ -95,6 +95,23 @@ INSTANTIATE_TEST_SUITE_P(
         Long{"Pair", {"pair", "--a", "mesh", "--b", "mesh", "--agents", "3000", "--out", "x.mp4"}, SIGTERM}),
     [](const auto& command) { return std::string(command.param.name); });
 
+TEST_F(MannersGl, StudyExportStopsAndSaysWhereItGoesOn) {
+  write_file(work_ / "study.toml",
+             "[scenario]\ncrowd.agents = 50\n[conditions]\ntest = \"mesh:triangles=500\"\n[stimulus]\n"
+             "seconds = 30\nlargest_px = 480\n");
+  ASSERT_EQ(run("study freeze study.toml").status, 0);
+  RunningDriver driver({"study", "export", "study.toml", "out"}, work_, folder_.path());
+  ASSERT_TRUE(driver.wait_until_it_says("drawing on", 60)) << driver.said();
+  driver.wait_for_end(1);
+  ASSERT_LT(driver.status(), 0) << driver.said();
+  driver.send(SIGINT);
+  EXPECT_LE(driver.wait_for_end(60), kAnswerSeconds);
+  EXPECT_EQ(driver.status(), 128 + SIGINT);
+  EXPECT_NE(driver.said().find("the same command goes on there"), std::string::npos) << driver.said();
+  for (const auto& entry : fs::recursive_directory_iterator(work_ / "out"))
+    EXPECT_FALSE(entry.is_regular_file()) << entry.path();
+}
+
 // Frames of one folder that is compared with itself: two hundred names of one picture of noise.
 TEST_F(Manners, CompareStopsBetweenFrames) {
   CROWDBENCH_SKIP_SANITIZED("Compare");
@@ -137,6 +154,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
                  "answers": [{"value": "upper"}, {"value": "lower"}], "lists": [{"id": "1",
                  "trials": [{"trial": "t1", "stimulus": "s1", "block": 1, "kind": "main"}]}]})");
   write_file(work_ / "saved.json", R"([{"study": "abc", "participant": "p", "item": "consent", "kind": "page"}])");
+  write_file(work_ / "study.toml", "[conditions]\ntest = \"mesh:triangles=60\"\n");
   write_file(work_ / "s.toml", "[scenario]\nwidth = 32\nheight = 32\n[axes]\ncrowd.agents = [2]\n");
   ASSERT_EQ(run("sweep s.toml").status, 0);
   const std::multimap<std::string, std::string> prints = {
@@ -179,6 +197,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"study serve", "out --port 0"},
       {"study answers", "saved.json --study out"},
       {"study answers", "saved.json --study out --json"},
+      {"study freeze", "study.toml"},
+      {"study export", "study.toml --dry-run"},
       {"study analyze", "answers.csv"},
       {"study analyze", "answers.csv --json"},
       {"study simulate", "--levels 1 --out simulated.csv"},
@@ -315,6 +335,7 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "study answers saved.json --study out --json-lines a/b/answers.jsonl",
       "study answers saved.json --study out --jspsych a/b/answers.json",
       "study analyze answers.csv --markdown a/b/r.md",
+      "study export study.toml a/b/out",
       "study simulate --levels 1 --out a/b/simulated.csv",
       "correlate r.sqlite --pictures a/b/pictures",
       "quality --representation mesh --maps a/b/maps",

@@ -67,7 +67,8 @@ const std::map<std::string, Doors>& inner_doors() {
         {"bake", {"", "gl"}},
         {"mesh", {"", "gl", "shaders", "frame"}},  // what is captured, so that impostors may know it
         {"impostor", {"", "gl", "shaders", "frame", "bake", "mesh"}}}},
-      {"studies", {{"stimuli", {}}, {"analysis", {}}, {"page", {}}, {"server", {}}}},
+      {"studies",
+       {{"stimuli", {}}, {"analysis", {}}, {"page", {}}, {"server", {}}, {"plan", {"stimuli", "analysis", "page"}}}},
       {"bench",
        {{"", {"commands"}},
         {"speed", {}},

@@ -91,9 +91,26 @@ void free_encoder(Encoder* e) {
   delete e;
 }
 
+// The rate factor and how much time is spent on it.
+int set_quality(AVCodecContext& c, const Settings& settings) {
+  const char* const speed = settings.codec == Codec::vp9_444 ? "cpu-used" : "preset";
+  int status = av_opt_set(c.priv_data, speed, settings.preset, 0);
+  if (status >= 0 && settings.codec == Codec::h264_lossless) return av_opt_set_int(c.priv_data, "qp", 0, 0);
+  if (status >= 0 && settings.codec != Codec::vp9_444) return av_opt_set_double(c.priv_data, "crf", settings.crf, 0);
+  // No bit rate beside the rate factor: constant quality. Rows and two columns are encoded at a time; the bytes are the
+  // same whatever the number of threads.
+  c.bit_rate = 0;
+  if (status >= 0) status = av_opt_set_int(c.priv_data, "crf", settings.crf, 0);
+  if (status >= 0) status = av_opt_set(c.priv_data, "deadline", "good", 0);
+  if (status >= 0) status = av_opt_set_int(c.priv_data, "row-mt", 1, 0);
+  if (status >= 0) status = av_opt_set_int(c.priv_data, "tile-columns", 1, 0);
+  return status;
+}
+
 bool open_codec(Encoder& e, const Settings& settings, char* message) {
   const bool lossless = settings.codec == Codec::h264_lossless;
-  const char* name = lossless ? "libx264rgb" : "libx264";
+  const bool vp9 = settings.codec == Codec::vp9_444;
+  const char* name = vp9 ? "libvpx-vp9" : lossless ? "libx264rgb" : "libx264";
   const AVCodec* codec = avcodec_find_encoder_by_name(name);
   if (!codec) return fail(message, name);
   e.codec = avcodec_alloc_context3(codec);
@@ -114,16 +131,12 @@ bool open_codec(Encoder& e, const Settings& settings, char* message) {
     c.colorspace = AVCOL_SPC_RGB;
     c.color_range = AVCOL_RANGE_JPEG;
   } else {
-    c.pix_fmt = settings.codec == Codec::h264_444 ? AV_PIX_FMT_YUV444P : AV_PIX_FMT_YUV420P;
+    c.pix_fmt = settings.codec == Codec::h264_420 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV444P;
     c.colorspace = AVCOL_SPC_BT709;
     c.color_range = AVCOL_RANGE_MPEG;
     if (c.pix_fmt == AV_PIX_FMT_YUV420P) c.chroma_sample_location = AVCHROMA_LOC_LEFT;
   }
-  int status = av_opt_set(c.priv_data, "preset", settings.preset, 0);
-  if (status >= 0) {
-    status =
-        lossless ? av_opt_set_int(c.priv_data, "qp", 0, 0) : av_opt_set_double(c.priv_data, "crf", settings.crf, 0);
-  }
+  int status = set_quality(c, settings);
   if (status < 0) return fail(message, "encoder options", status);
   status = avcodec_open2(&c, codec, nullptr);
   return status < 0 ? fail(message, "opening the encoder", status) : true;
@@ -149,11 +162,12 @@ bool open_file(Encoder& e, const char* path, const Settings& settings, char* mes
 Encoder* open_encoder(const char* path, const Settings* settings, char* message) {
   av_log_set_level(AV_LOG_FATAL);  // reasons come back in `message`
   auto* e = new Encoder;
-  bool fine = avformat_alloc_output_context2(&e->format, nullptr, "mp4", path) >= 0;
+  bool fine = avformat_alloc_output_context2(&e->format, nullptr, settings->codec == Codec::vp9_444 ? "webm" : "mp4",
+                                             path) >= 0;
   if (fine) {
     e->format->flags |= AVFMT_FLAG_BITEXACT;
   } else {
-    fail(message, "mp4 container");
+    fail(message, "container");
   }
   fine = fine && open_codec(*e, *settings, message) && open_file(*e, path, *settings, message);
   if (fine) {

@@ -6,13 +6,14 @@
 
 namespace crowdbench::studies::video {
 
-inline constexpr uint32_t kApiVersion = 2;
+inline constexpr uint32_t kApiVersion = 3;
 inline constexpr int kMessageBytes = 512;
 
 enum class Codec : int32_t {
   h264_444 = 0,       // libx264, yuv444p, BT.709 limited range, constant rate factor
   h264_420 = 1,       // libx264, yuv420p, BT.709 limited range, constant rate factor
   h264_lossless = 2,  // libx264rgb, rgb24, qp 0: the decoded bytes are the bytes put in
+  vp9_444 = 3,        // libvpx-vp9, yuv444p, BT.709 limited range, constant quality, in WebM
 };
 
 struct Settings {
@@ -20,8 +21,8 @@ struct Settings {
   int32_t height = 0;  // pixels
   int32_t fps = 30;    // frames a second, constant
   Codec codec = Codec::h264_444;
-  int32_t crf = 12;               // 0 (finest) .. 51; not used by h264_lossless
-  const char* preset = "medium";  // x264's
+  int32_t crf = 12;               // 0 (finest) .. 51 (VP9: 63); not used by h264_lossless
+  const char* preset = "medium";  // x264's; VP9: its cpu-used
   int32_t threads = 2;            // fixed: the decoded video depends on it
   const char* title = nullptr;    // container metadata; may be null
 };
@@ -57,7 +58,7 @@ struct Decoder;
 // bottom.
 struct Api {
   uint32_t version;
-  // Creates `path` (mp4, index in front). Null on failure.
+  // Creates `path` (mp4, index in front; WebM for VP9). Null on failure.
   Encoder* (*open_encoder)(const char* path, const Settings* settings, char* message);
   bool (*encode)(Encoder* encoder, const uint8_t* rgb, char* message);
   bool (*finish)(Encoder* encoder, char* message);  // flushes and closes the file; the encoder must still be freed

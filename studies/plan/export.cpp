@@ -1,0 +1,258 @@
+#include "studies/plan/export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "core/hash.h"
+#include "core/progress.h"
+#include "studies/page/page.h"
+#include "studies/plan/compose.h"
+#include "studies/plan/page_files.h"
+#include "studies/plan/records.h"
+#include "studies/plan/staging.h"
+#include "studies/stimuli/clip.h"
+#include "studies/stimuli/crowd_clip.h"
+
+namespace crowdbench::studies {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kProofVersion = 1;  // raised when stimuli are to be made and proven anew
+// Of work: a frame of a half is drawn and written once; one of a stimulus is written, encoded, read and compared.
+constexpr size_t kStackWeight = 3;
+constexpr size_t kWebmWeight = 12;
+// Microseconds and bytes a pixel, measured with 60 mannequins on llvmpipe and two shared cores.
+constexpr double kSampleMicros = 0.1, kWriteMicros = 0.1, kStackMicros = 0.25, kWebmMicros = 1.5;
+constexpr double kHalfBytes = 0.2, kClipBytes = 0.045;
+constexpr double kAnswerSeconds = 4;
+
+size_t stack_weight(bool webm) { return kStackWeight + (webm ? kWebmWeight : 0); }
+
+// One export under way.
+class Exporter {
+ public:
+  Exporter(gl::Context& context, const StudyPlan& plan, const FrozenPlan& frozen, fs::path out,
+           const ExportSettings& settings)
+      : context_(context),
+        plan_(plan),
+        frozen_(frozen),
+        out_(std::move(out)),
+        settings_(settings),
+        design_(make_design(plan)),
+        staging_(context, plan) {}
+
+  Exported run() {
+    make_folders();
+    const size_t frames = plan_.frames();
+    Progress progress("study export",
+                      frames * (design_.halves.size() + stack_weight(settings_.webm) * design_.stimuli.size()));
+    for (const PlannedHalf& half : design_.halves) {
+      draw(half);
+      progress.advance(frames);
+    }
+    remove_strangers();
+    for (const Stimulus& stimulus : design_.stimuli) {
+      compose(stimulus);
+      progress.advance(frames * stack_weight(settings_.webm));
+    }
+    progress.end();
+    write_outputs();
+    return std::move(result_);
+  }
+
+ private:
+  void make_folders() const {
+    make_folder(out_);
+    const std::string before = exported_hash(out_);
+    if (!before.empty() && before != frozen_.current_hash())
+      throw Error(out_.string(), "holds the export of another plan", "choose another folder, or remove this one");
+    for (const char* const name : {"work", "page", "page/clips"}) make_folder(out_ / name);
+  }
+
+  fs::path half_file(const PlannedHalf& half) { return out_ / "work" / (keys_.at(half.key) + ".mp4"); }
+
+  void draw(const PlannedHalf& half) {
+    const std::string key = staging_.key(half);
+    keys_[half.key] = key;
+    const fs::path record = out_ / "work" / (key + ".json");
+    const scene::Scenario scenario = staging_.scenario(half);
+    std::optional<Json> facts = read_record(record, key, out_);
+    if (facts) {
+      ++result_.kept_halves;
+    } else {
+      CrowdClipRequest request;
+      request.name = fmt::format("{}: {} by {}, seed {}", plan_.where, plan_.conditions[half.condition].name,
+                                 half.spec.text(), scenario.seed);
+      request.scenario = scenario;
+      request.spec = half.spec;
+      request.frames = plan_.frames();
+      request.fps = plan_.stimulus.fps;
+      request.lead_in_seconds = plan_.stimulus.lead_in_seconds;
+      request.largest_px = plan_.stimulus.largest_px;
+      request.intersect = plan_.stimulus.intersect;
+      const CrowdClip clip =
+          draw_crowd_clip(context_, staging_.cast(plan_.conditions[half.condition]), request, half_file(half));
+      facts = crowd_clip_json(clip);
+      const std::string name = "work/" + key + ".mp4";
+      write_record(record, key, {{name, file_sha256(out_ / name)}}, *facts);
+      ++result_.drawn;
+    }
+    Json entry = half_json(half, scenario);
+    entry["file"] = "work/" + key + ".mp4";
+    entry.update(*facts);
+    halves_.push_back(std::move(entry));
+  }
+
+  // Clips of an earlier export that this one does not have, as after another `--browsers`.
+  void remove_strangers() const {
+    std::set<std::string> ours;
+    for (const Stimulus& stimulus : design_.stimuli) {
+      ours.insert(stimulus.id + ".mp4");
+      if (settings_.webm) ours.insert(stimulus.id + ".webm");
+    }
+    for (const auto& entry : fs::directory_iterator(out_ / "page" / "clips"))
+      if (!ours.contains(entry.path().filename().string())) fs::remove_all(entry.path());
+  }
+
+  std::string stimulus_key(const Stimulus& stimulus) const {
+    Sha256 digest;
+    digest.value(kProofVersion).value(settings_.webm);
+    digest.text(keys_.at(design_.halves[stimulus.upper].key)).text(keys_.at(design_.halves[stimulus.lower].key));
+    digest.text(stimulus.twin ? keys_.at(design_.halves[*stimulus.twin].key) : std::string());
+    digest.value(stimulus.test_on_top.value_or(true)).value(plan_.stimulus.bar_px);
+    digest.value(plan_.stimulus.least_psnr).value(plan_.stimulus.artefact_share);
+    digest.text(plan_.conditions[stimulus.condition].name);
+    return digest.hex().substr(0, 16);
+  }
+
+  void compose(const Stimulus& stimulus) {
+    const std::string key = stimulus_key(stimulus);
+    const fs::path record = out_ / "work" / (stimulus.id + ".json");
+    std::optional<Json> facts = read_record(record, key, out_);
+    if (facts) {
+      ++result_.kept_stimuli;
+    } else {
+      const ComposeRequest request = {plan_,
+                                      stimulus,
+                                      half_file(design_.halves[stimulus.upper]),
+                                      half_file(design_.halves[stimulus.lower]),
+                                      stimulus.twin ? half_file(design_.halves[*stimulus.twin]) : fs::path(),
+                                      out_,
+                                      settings_.webm};
+      const Composed composed = compose_stimulus(request);
+      write_record(record, key, composed.files, composed.facts);
+      facts = composed.facts;
+      ++result_.stacked;
+    }
+    note(stimulus, *facts);
+    Json entry = stimulus_json(plan_, design_, stimulus);
+    entry["upper"]["half"] = keys_.at(design_.halves[stimulus.upper].key);
+    entry["lower"]["half"] = keys_.at(design_.halves[stimulus.lower].key);
+    entry.update(*facts);
+    entry["scores"] = scores(stimulus);
+    stimuli_.push_back(std::move(entry));
+  }
+
+  // What is worth a line to whoever exports.
+  void note(const Stimulus& stimulus, const Json& facts) {
+    for (const char* const codec : {"h264", "vp9"}) {
+      if (codec == std::string("vp9") && !settings_.webm) continue;
+      const Json& share = facts.at("proof").at(codec).at("share");
+      if (!share.is_null()) result_.worst_share = std::max(result_.worst_share, share.number());
+    }
+    const bool tested = stimulus.kind == StimulusKind::test || stimulus.kind == StimulusKind::pair;
+    const bool one = stimulus.item_upper == stimulus.item_lower;
+    if (tested && !one && facts.at("proof").at("h264").at("artefact_pixels").integer() == 0 &&
+        warned_.insert(stimulus.condition).second)
+      result_.warnings.push_back(
+          fmt::format("{}: no pixel under test differs from the reference's by more than a few "
+                      "code values: nobody can see it",
+                      plan_.conditions[stimulus.condition].name));
+  }
+
+  Json scores(const Stimulus& stimulus) {
+    if (!stimulus.twin || settings_.score_every_seconds <= 0) return Json::array();
+    const size_t test = stimulus.test_on_top.value_or(true) ? stimulus.upper : stimulus.lower;
+    if (test == *stimulus.twin) return Json::array();
+    const auto every =
+        static_cast<size_t>(std::max(1.0, std::round(settings_.score_every_seconds * plan_.stimulus.fps)));
+    const fs::path a = half_file(design_.halves[test]);
+    const fs::path b = half_file(design_.halves[*stimulus.twin]);
+    const std::string key = Sha256()
+                                .text(a.stem().string())
+                                .text(b.stem().string())
+                                .text(display_text(settings_.display.display))
+                                .value(every)
+                                .hex()
+                                .substr(0, 16);
+    const fs::path record = out_ / "work" / ("scores-" + key + ".json");
+    std::optional<Json> found = read_record(record, key, out_);
+    if (!found) {
+      found = score_halves(a, b, every, settings_.display);
+      write_record(record, key, {}, *found);
+    }
+    return *found;
+  }
+
+  void write_outputs() {
+    const ExportFacts facts = {
+        plan_, frozen_, design_, halves_, stimuli_, settings_, context_.renderer(), context_.version()};
+    write_page(out_ / "page");
+    write_page_files(facts, out_ / "page");  // last: it gives all of them one date
+    write_file(out_ / "sides.json", sides_json(facts).dump(2) + "\n");
+    write_file(out_ / "study.json", study_json(facts).dump(2) + "\n");
+  }
+
+  gl::Context& context_;
+  const StudyPlan& plan_;
+  const FrozenPlan& frozen_;
+  fs::path out_;
+  const ExportSettings& settings_;
+  StudyDesign design_;
+  Staging staging_;
+  std::map<std::string, std::string> keys_;  // of halves: planned to drawn
+  Json halves_ = Json::array();
+  Json stimuli_ = Json::array();
+  std::set<size_t> warned_;
+  Exported result_;
+};
+
+}  // namespace
+
+ExportEstimate estimate_export(const StudyPlan& plan, const StudyDesign& design, bool webm) {
+  ExportEstimate out;
+  out.halves = design.halves.size();
+  out.stimuli = design.stimuli.size();
+  out.lists = design.lists.size();
+  out.trials = trials_of_participant(plan);
+  out.minutes_a_participant = static_cast<double>(out.trials) * (plan.stimulus.seconds + kAnswerSeconds) / 60;
+  const auto frames = static_cast<double>(plan.frames());
+  for (const PlannedHalf& half : design.halves) {
+    const double pixels = frames * half.scenario.width * half.scenario.height;
+    const double samples = half.scenario.antialiasing.supersample * half.scenario.antialiasing.supersample;
+    out.seconds += pixels * (kSampleMicros * samples + kWriteMicros) / 1e6;
+    out.work_bytes += pixels * kHalfBytes;
+  }
+  for (const Stimulus& stimulus : design.stimuli) {
+    const scene::Scenario& scenario = plan.conditions[stimulus.condition].scenario;
+    const double pixels = frames * scenario.width * (2.0 * scenario.height + plan.stimulus.bar_px);
+    out.seconds += pixels * (kStackMicros + (webm ? kWebmMicros : 0)) / 1e6;
+    out.page_bytes += pixels * kClipBytes * (webm ? 2 : 1);
+  }
+  return out;
+}
+
+Exported export_study(gl::Context& context, const StudyPlan& plan, const FrozenPlan& frozen, const fs::path& out,
+                      const ExportSettings& settings) {
+  say_when_interrupted("what is finished stays in " + (out / "work").string() + ": the same command goes on there");
+  return Exporter(context, plan, frozen, out, settings).run();
+}
+
+}  // namespace crowdbench::studies
