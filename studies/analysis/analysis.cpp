@@ -17,16 +17,8 @@ namespace {
 
 using Rows = std::vector<const Answer*>;
 
-// What an answer is after the rule for ties.
-struct Decided {
-  uint64_t yes = 0;
-  uint64_t of = 0;
-};
-Decided decided(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule) {
-  if (rule == TieRule::no) return {yes, yes + ties + no};
-  if (rule == TieRule::split) return {yes + ties / 2, yes + no + ties / 2 * 2};
-  return {yes, yes + no};
-}
+constexpr size_t kMostBootstrapItems = 20;  // of which every two were compared: a minute
+
 Decided decided(const Rows& rows, TieRule rule) {
   uint64_t yes = 0;
   uint64_t ties = 0;
@@ -132,6 +124,38 @@ ConditionResult condition_of(const std::string& name, const Rows& rows, const An
   if (out.detection) return out;
   out.test = binomial_test(d.yes, d.of, s.chance);
   out.equivalence = equivalence_of(rows, s);
+  return out;
+}
+
+// Every two conditions whose answers are alike enough to be compared.
+std::vector<DifferenceResult> differences_of(const Groups& groups, const std::vector<ConditionResult>& conditions,
+                                             const AnalysisSettings& s) {
+  std::vector<DifferenceResult> out;
+  if (!s.between) return out;
+  const EquivalenceSettings settings{.margin = *s.between, .alpha = s.alpha, .power = s.power};
+  std::vector<std::map<uint32_t, Share>> shares(conditions.size());
+  for (size_t i = 0; i < conditions.size(); ++i)
+    for (const auto& [participant, theirs] : by_participant(groups.all[i].second)) {
+      const Decided d = decided(theirs, s.ties);
+      shares[i][participant] = {d.yes, d.of};
+    }
+  std::vector<double> p;
+  for (size_t i = 0; i < conditions.size(); ++i)
+    for (size_t j = i + 1; j < conditions.size(); ++j) {
+      if (!conditions[i].is_tested() || !conditions[j].is_tested()) continue;
+      const bool known = conditions[i].participants > 0;
+      std::map<uint32_t, SharePair> pairs;
+      for (const auto& [participant, share] : shares[i]) pairs[participant].first = share;
+      for (const auto& [participant, share] : shares[j]) pairs[participant].second = share;
+      std::vector<SharePair> all;
+      for (const auto& [participant, pair] : pairs) all.push_back(pair);
+      if (!known)
+        all.push_back({{conditions[i].chosen, conditions[i].decided}, {conditions[j].chosen, conditions[j].decided}});
+      out.push_back({i, j, judge_difference(all, known, settings)});
+      p.push_back(out.back().equivalence.different_score);
+    }
+  const std::vector<double> corrected = holm(p);
+  for (size_t i = 0; i < out.size(); ++i) out[i].holm = corrected[i];
   return out;
 }
 
@@ -303,19 +327,92 @@ RankingResult ranking_of(const Answers& answers, const Rows& rows, const Analysi
   out.jod_with_prior = fit_jod(wins, JodPrior::gaussian);
   std::vector<Wins> people;
   for (const auto& [participant, theirs] : by_participant(rows)) people.push_back(wins_of(theirs, places));
-  if (people.size() > 1 && s.resamples > 0 && out.jod_with_prior.state == WorthState::fitted)
+  if (people.size() > 1 && s.resamples > 0 && out.items.size() <= kMostBootstrapItems &&
+      out.jod_with_prior.state == WorthState::fitted)
     out.intervals =
         bootstrap_jod(people, bootstrap_draws(people.size(), s.resamples, s.seed), JodPrior::gaussian, s.confidence);
   return out;
 }
 
-TaskResult task_of(const Answers& answers, const std::string& name, const Rows& rows, const AnalysisSettings& s) {
+// ---- objective scores
+
+using Values = std::vector<std::optional<double>>;
+
+// The stimuli that rows name, with their scores: rows of one stimulus have one name.
+class Stimuli {
+ public:
+  Stimuli(const Answers& answers, const ScoreTable& scores) : answers_(answers), scores_(scores) {
+    for (size_t i = 0; i < scores.keys.size(); ++i) of_[scores.keys[i]] = &scores.values[i];
+  }
+  // Nothing where the row does not say what the scores are of.
+  std::optional<uint32_t> of(const Answer& row) {
+    std::string name;
+    Values values(scores_.scores.size());
+    if (scores_.key == ScoreTable::Key::item) {
+      if (!row.item_a) return std::nullopt;
+      const std::string& a = answers_.items[*row.item_a];
+      const std::string& b = answers_.items[*row.item_b];
+      name = fmt::format("{}:{}{}", a.size(), a, b);
+      if (const Values* x = find(a), *y = find(b); x != nullptr && y != nullptr)
+        for (size_t s = 0; s < values.size(); ++s)
+          if ((*x)[s] && (*y)[s]) values[s] = *(*x)[s] - *(*y)[s];
+    } else {
+      const auto& which = scores_.key == ScoreTable::Key::clip ? row.clip : row.condition;
+      if (!which) return std::nullopt;
+      name = (scores_.key == ScoreTable::Key::clip ? answers_.clips : answers_.conditions)[*which];
+      if (const Values* found = find(name)) values = *found;
+    }
+    const auto [place, added] = index_.emplace(name, static_cast<uint32_t>(found_.values.size()));
+    if (added) found_.values.push_back(std::move(values));
+    return place->second;
+  }
+  PredictedAnswers& found() { return found_; }
+
+ private:
+  const Values* find(const std::string& name) const {
+    const auto at = of_.find(name);
+    return at == of_.end() ? nullptr : at->second;
+  }
+  const Answers& answers_;
+  const ScoreTable& scores_;
+  std::map<std::string, const Values*> of_;
+  std::map<std::string, uint32_t> index_;
+  PredictedAnswers found_;
+};
+
+// groups: their rows, in which every pair of items has one order.
+ScorePredictions prediction_of(const Answers& answers, const Groups& groups, const AnalysisSettings& s,
+                               const ScoreTable& scores) {
+  Stimuli stimuli(answers, scores);
+  PredictedAnswers& found = stimuli.found();
+  found.comparisons = scores.key == ScoreTable::Key::item;
+  std::map<uint32_t, uint32_t> participants;
+  for (const auto& [name, rows] : groups.all)
+    for (const Answer* row : rows) {
+      const Decided d = decided(row->yes, row->ties, row->no, s.ties);
+      const std::optional<uint32_t> stimulus = stimuli.of(*row);
+      if (d.of == 0 || !stimulus) continue;
+      uint32_t participant = 0;
+      if (row->participant)
+        participant = participants.emplace(*row->participant, static_cast<uint32_t>(participants.size())).first->second;
+      found.cells.push_back({participant, *stimulus, d.yes, d.of});
+    }
+  found.participants = participants.size();
+  return predict_by_scores(scores.scores, found, s.confidence, s.seed, s.resamples);
+}
+
+// ---- all of a task
+
+TaskResult task_of(const Answers& answers, const std::string& name, const Rows& rows, const AnalysisSettings& s,
+                   const ScoreTable& scores) {
   TaskResult out;
   out.name = name;
   const bool paired = is_paired(rows);
   const Groups groups = groups_of(answers, rows, paired);
   for (const auto& [condition, theirs] : groups.all) out.conditions.push_back(condition_of(condition, theirs, s));
   correct_for_many(out.conditions);
+  out.differences = differences_of(groups, out.conditions, s);
+  if (!scores.empty()) out.prediction = prediction_of(answers, groups, s, scores);
   if (paired) {
     out.ranking = ranking_of(answers, rows, s);
     return out;
@@ -341,20 +438,44 @@ void require_one_form(const Answers& answers, const Rows& rows, const CurveSetti
   }
 }
 
-}  // namespace
+std::string task_text(const Answers& answers, const Rows& rows) {
+  return rows.front()->task ? fmt::format(" of task '{}'", printable(answers.tasks[*rows.front()->task], 60)) : "";
+}
 
-Analysis analyse(Answers answers, const AnalysisSettings& settings) {
-  Analysis out;
-  out.settings = settings;
-  out.sources = answers.sources;
-  const auto is_catch = [](const Answer& row) { return !row.catch_kind.empty(); };
-  out.catch_rows = static_cast<size_t>(std::count_if(answers.rows.begin(), answers.rows.end(), is_catch));
-  out.excluded = exclude_by_catch(answers, settings.catch_least);
-  out.rows = answers.rows.size();
-  if (answers.rows.empty())
-    throw Error(
-        out.sources.empty() ? "" : out.sources.front(), "no answers are left to analyse",
-        fmt::format("{} participants are excluded by their catch trials; see --catch-least", out.excluded.size()));
+// What nobody could read and no machine fit in a minute is refused before anything is computed.
+void require_few(const Answers& answers, const Rows& rows, const AnalysisSettings& s) {
+  std::map<std::optional<uint32_t>, std::set<double>> levels;
+  std::set<uint32_t> items;
+  std::set<uint32_t> participants;
+  std::set<uint32_t> clips;
+  for (const Answer* row : rows) {
+    std::set<double>& of_condition = levels[row->condition];
+    if (row->level) of_condition.insert(*row->level);
+    if (row->item_a) items.insert({*row->item_a, *row->item_b});
+    if (row->participant) participants.insert(*row->participant);
+    if (row->clip) clips.insert(*row->clip);
+  }
+  size_t most_levels = 0;
+  for (const auto& [condition, each] : levels) most_levels = std::max(most_levels, each.size());
+  const auto refuse = [&](size_t count, size_t most, const char* what, const char* advice) {
+    if (count > most)
+      throw Error(answers.sources[rows.front()->source],
+                  fmt::format("the answers{} have {} {}, and at most {} are analysed", task_text(answers, rows), count,
+                              what, most),
+                  advice);
+  };
+  refuse(levels.size(), kMostTaskConditions, "conditions", "join some of them, or take them in parts by --where");
+  refuse(items.size(), kMostItems, "items", "take them in parts by --where");
+  refuse(most_levels, kMostLevels, "levels in one condition", "round the levels to fewer");
+  const bool crossed = clips.size() > 1 || s.random == RandomEffects::slope;
+  if (s.random != RandomEffects::none && !participants.empty() && crossed && items.empty())
+    refuse(participants.size() + clips.size(), kMostMixedNames, "participants and clips",
+           "leave the mixed model out by --random none");
+}
+
+// Of every task one result, in the order of their first rows.
+void analyse_tasks(Analysis& out, const ScoreTable& scores) {
+  const Answers& answers = out.answers;
   std::map<uint32_t, Rows> tasks;
   std::set<uint32_t> participants;
   for (const Answer& row : answers.rows) {
@@ -363,9 +484,43 @@ Analysis analyse(Answers answers, const AnalysisSettings& settings) {
   }
   out.participants = participants.size();
   for (const auto& [task, rows] : tasks) {
-    require_one_form(answers, rows, settings.curve);
-    out.tasks.push_back(task_of(answers, answers.tasks.empty() ? "" : answers.tasks[task], rows, settings));
+    require_one_form(answers, rows, out.settings.curve);
+    require_few(answers, rows, out.settings);
   }
+  bool any_scored = false;
+  for (const auto& [task, rows] : tasks) {
+    out.tasks.push_back(task_of(answers, answers.tasks.empty() ? "" : answers.tasks[task], rows, out.settings, scores));
+    const auto& prediction = out.tasks.back().prediction;
+    any_scored = any_scored || (prediction && prediction->answers > 0);
+  }
+  if (!scores.empty() && !any_scored)
+    throw Error(scores.source, "has scores of nothing that the answers name",
+                "its first column names clips, conditions or items as the answers do");
+}
+
+}  // namespace
+
+Decided decided(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule) {
+  if (rule == TieRule::no) return {yes, yes + ties + no};
+  if (rule == TieRule::split) return {yes + ties / 2, yes + no + ties / 2 * 2};
+  return {yes, yes + no};
+}
+
+Analysis analyse(Answers answers, const AnalysisSettings& settings, const ScoreTable& scores) {
+  Analysis out;
+  out.settings = settings;
+  out.sources = answers.sources;
+  const auto is_catch = [](const Answer& row) { return !row.catch_kind.empty(); };
+  out.catch_rows = static_cast<size_t>(std::count_if(answers.rows.begin(), answers.rows.end(), is_catch));
+  out.left_out = leave_out(answers, settings.trials);
+  out.excluded = exclude_by_catch(answers, settings.catch_least);
+  out.rows = answers.rows.size();
+  if (answers.rows.empty())
+    throw Error(out.sources.empty() ? "" : out.sources.front(), "no answers are left to analyse",
+                fmt::format("participants excluded by their catch trials: {}; trials left out: {}; see --catch-least",
+                            out.excluded.size(), out.left_out.fast + out.left_out.dropped + out.left_out.hidden));
+  out.answers = std::move(answers);
+  analyse_tasks(out, scores);
   return out;
 }
 

@@ -10,12 +10,28 @@ namespace crowdbench::studies {
 namespace {
 
 constexpr uint64_t kCurveDraw = 0x70737963;
+constexpr uint64_t kMostDrawn = 2000;  // answers that are drawn one by one
 
 double unit(uint64_t seed, size_t resample, size_t draw) {
   return random_unit(mix64(seed + kCurveDraw), resample, draw);
 }
 
+// The count of which the distribution function reaches u.
+uint64_t binomial_quantile(uint64_t n, double p, double u) {
+  uint64_t low = 0;
+  uint64_t high = n;
+  while (low < high) {
+    const uint64_t middle = low + (high - low) / 2;
+    if (binomial_at_most(middle, n, p) >= u)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
 uint64_t binomial_draw(uint64_t n, double p, uint64_t seed, size_t resample, size_t& draw) {
+  if (n > kMostDrawn) return binomial_quantile(n, p, unit(seed, resample, draw++));
   uint64_t out = 0;
   for (uint64_t i = 0; i < n; ++i) out += unit(seed, resample, draw++) < p ? 1 : 0;
   return out;
