@@ -83,13 +83,13 @@ std::string dataset_description(const Analysis& a) {
   Json measured = Json::array();
   for (const DataColumn& column : data_columns())
     measured.push_back({{"@type", "PropertyValue"}, {"name", column.name}, {"description", column.meaning}});
-  return Json{{"@context", "https://schema.org"},
-              {"@type", "Dataset"},
-              {"name", "answers of a study of crowds"},
-              {"description",
-               fmt::format("Answers as they were analysed, after exclusions: {} rows of {} participants.",
-                           a.answers.rows.size(), a.participants)},
-              {"variableMeasured", measured}}
+  return Json{
+             {"@context", "https://schema.org"},
+             {"@type", "Dataset"},
+             {"name", "answers of a study of crowds"},
+             {"description", fmt::format("Answers as they were analysed, after exclusions: {} rows of {} participants.",
+                                         a.answers.rows.size(), a.participants)},
+             {"variableMeasured", measured}}
              .dump(2) +
          "\n";
 }
@@ -140,8 +140,8 @@ void add_psignifit(const Analysis& a, Numbers& tasks, Numbers& conditions, std::
   std::map<std::pair<size_t, size_t>, std::map<double, Counts>> by;
   for (const Answer& row : a.answers.rows) {
     if (!row.level || row.item_a) continue;
-    Counts& c = by[{tasks.number(task_of_row(a, row)),
-                    conditions.number(name_of(a.answers.conditions, row.condition))}][*row.level];
+    Counts& c = by[{tasks.number(task_of_row(a, row)), conditions.number(name_of(a.answers.conditions, row.condition))}]
+                  [*row.level];
     c = {c.yes + row.yes, c.ties + row.ties, c.no + row.no};
   }
   if (by.empty()) return;

@@ -19,7 +19,8 @@ std::string quoted(const std::string& text, char escape) {
   return out + "\"";
 }
 
-constexpr const char* kHead = R"R(# The mixed models of `crowdbench study analyze`, by lme4. Run in this folder: Rscript analysis.R
+constexpr const char* kHead =
+    R"R(# The mixed models of `crowdbench study analyze`, by lme4. Run in this folder: Rscript analysis.R
 library(lme4)
 answers <- read.csv("data/study_answers_data.csv", colClasses = "character", na.strings = character(0))
 for (column in c("chosen", "decided", "level")) answers[[column]] <- suppressWarnings(as.numeric(answers[[column]]))
@@ -83,10 +84,12 @@ std::string model(const TaskResult& t, const MixedResult& m, const Analysis& a) 
     effects += fmt::format("{}{}", effects.empty() ? "" : ", ", quoted(effect, '\\'));
   const int nodes = m.settings.integration == Integration::quadrature ? 25 : 1;
   if (m.settings.integration == Integration::laplace_observed)
-    out += "# Laplace here has the observed information, lme4's the expected one: they differ a little where guesses are held.\n";
+    out +=
+        "# Laplace here has the observed information, lme4's the expected one: they differ a little where guesses are "
+        "held.\n";
   out += fmt::format("compare({}, {}, rows, cbind(chosen, decided - chosen) ~ {} + {}, {:g}, \"{}\", {}, c({}))\n",
-                     quoted(t.name, '\\'), quoted(m.condition, '\\'), fixed, random_terms(m.settings),
-                     m.settings.guess, m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
+                     quoted(t.name, '\\'), quoted(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
+                     m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
   return out + (a.tasks.size() > 1 ? "\n" : "");
 }
 
@@ -97,7 +100,9 @@ std::string r_script(const Analysis& a) {
   for (const TaskResult& t : a.tasks)
     for (const MixedResult& m : t.mixed)
       if (!m.fit.fixed.empty()) out += model(t, m, a);
-  return out + "\ncat(\"\\nlargest difference of an estimate, in its standard errors:\", format(furthest, digits = 3), \"\\n\")\n";
+  return out +
+         "\ncat(\"\\nlargest difference of an estimate, in its standard errors:\", format(furthest, digits = 3), "
+         "\"\\n\")\n";
 }
 
 std::string estimates_csv(const Analysis& a) {
