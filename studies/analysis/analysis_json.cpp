@@ -245,7 +245,7 @@ Json analysis_json(const Analysis& a) {
                      {"power", a.settings.power},
                      {"catch_least", a.settings.catch_least},
                      {"shortest_rt_ms", a.settings.trials.shortest_rt_ms},
-                     {"most_dropped", json_of(a.settings.trials.most_dropped)},
+                     {"most_frames_dropped", json_of(a.settings.trials.most_frames_dropped)},
                      {"hidden_left_out", a.settings.trials.hidden},
                      {"seed", a.settings.seed},
                      {"resamples", a.settings.resamples}};

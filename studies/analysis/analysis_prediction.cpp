@@ -29,9 +29,9 @@ class Stimuli {
         for (size_t s = 0; s < values.size(); ++s)
           if ((*x)[s] && (*y)[s]) values[s] = *(*x)[s] - *(*y)[s];
     } else {
-      const auto& which = scores_.key == ScoreTable::Key::clip ? row.clip : row.condition;
-      if (!which) return std::nullopt;
-      name = (scores_.key == ScoreTable::Key::clip ? answers_.clips : answers_.conditions)[*which];
+      const auto [which, names] = named_by(row);
+      if (!*which) return std::nullopt;
+      name = (*names)[**which];
       if (const Values* found = find(name)) values = *found;
     }
     const auto [place, added] = index_.emplace(name, static_cast<uint32_t>(found_.values.size()));
@@ -41,6 +41,12 @@ class Stimuli {
   PredictedAnswers& found() { return found_; }
 
  private:
+  // What the row says of the thing that has scores, and the names of all of its kind.
+  std::pair<const std::optional<uint32_t>*, const std::vector<std::string>*> named_by(const Answer& row) const {
+    if (scores_.key == ScoreTable::Key::stimulus) return {&row.stimulus, &answers_.stimuli};
+    if (scores_.key == ScoreTable::Key::clip) return {&row.clip, &answers_.clips};
+    return {&row.condition, &answers_.conditions};
+  }
   const Values* find(const std::string& name) const {
     const auto at = of_.find(name);
     return at == of_.end() ? nullptr : at->second;

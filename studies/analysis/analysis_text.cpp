@@ -21,6 +21,7 @@ using text::percent;
 
 Section shares(const TaskResult& t, const AnalysisSettings& s) {
   Section out{Part::shares, "Shares of answers"};
+  if (t.ranking) out.lead = "Yes: the first of the two was chosen; no: the second.";
   out.table = TextTable{{"condition", "participants", "yes", "cannot tell", "no", "chosen / decided",
                          fmt::format("{:.0f} % exact", 100 * s.confidence), "p", "p (Holm)"},
                         1,
@@ -275,8 +276,9 @@ std::string what_is_left_out(const LeftOut& l, const TrialRules& rules) {
     out += fmt::format(" Left out, answered within {:g} ms: {}.", rules.shortest_rt_ms,
                        counted(l.fast, "trial", "trials"));
   if (l.dropped > 0)
-    out += fmt::format(" Left out, with more than {:.3g} % of the frames not shown: {}.",
-                       100 * rules.most_dropped.value_or(0), counted(l.dropped, "trial", "trials"));
+    out += fmt::format(" Left out, with more than {} not shown: {}.",
+                       counted(rules.most_frames_dropped.value_or(0), "frame", "frames"),
+                       counted(l.dropped, "trial", "trials"));
   if (l.hidden > 0)
     out += fmt::format(" Left out, with the page out of sight: {}.", counted(l.hidden, "trial", "trials"));
   return out;

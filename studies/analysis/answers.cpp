@@ -26,6 +26,7 @@ const std::vector<std::pair<std::string, Role>>& role_names() {
                                                                 {"task", Role::task},
                                                                 {"condition", Role::condition},
                                                                 {"clip", Role::clip},
+                                                                {"stimulus", Role::stimulus},
                                                                 {"level", Role::level},
                                                                 {"signal", Role::signal},
                                                                 {"item_a", Role::item_a},
@@ -38,7 +39,7 @@ const std::vector<std::pair<std::string, Role>>& role_names() {
                                                                 {"ties", Role::ties},
                                                                 {"total", Role::total},
                                                                 {"rt", Role::rt},
-                                                                {"dropped", Role::dropped},
+                                                                {"frames_dropped", Role::frames_dropped},
                                                                 {"hidden", Role::hidden},
                                                                 {"study", Role::study},
                                                                 {"catch", Role::catch_kind}};
@@ -251,23 +252,21 @@ double read_level(const Columns& columns, const Table::Row& row) {
   return level;
 }
 
-// 1 or 0; empty where `may_be_empty` is no.
-bool read_truth(const Columns& columns, const Table::Row& row, Role role, bool may_be_empty) {
-  if (may_be_empty && columns.field(row, role).empty()) return false;
-  const Word word = word_of(columns.required(row, role));
-  if (word != Word::yes && word != Word::no) throw columns.wrong(row, role, "it is 1 or 0");
-  return word == Word::yes;
+// A count; an empty field is 0.
+uint64_t count_if_any(const Columns& columns, const Table::Row& row, Role role) {
+  return columns.has(role) && !columns.field(row, role).empty() ? columns.count(row, role) : 0;
 }
 
 void read_rest(const Columns& columns, const Table::Row& row, Answer& out) {
   if (columns.has(Role::trial)) out.trial = columns.required(row, Role::trial);
   if (columns.has(Role::level)) out.level = read_level(columns, row);
-  if (columns.has(Role::signal)) out.signal = read_truth(columns, row, Role::signal, false);
-  if (columns.has(Role::hidden)) out.hidden = read_truth(columns, row, Role::hidden, true);
-  if (columns.has(Role::dropped) && !columns.field(row, Role::dropped).empty()) {
-    out.dropped = columns.number(row, Role::dropped);
-    if (*out.dropped < 0 || *out.dropped > 1) throw columns.wrong(row, Role::dropped, "it is a share from 0 to 1");
+  if (columns.has(Role::signal)) {
+    const Word word = word_of(columns.required(row, Role::signal));
+    if (word != Word::yes && word != Word::no) throw columns.wrong(row, Role::signal, "it is 1 or 0");
+    out.signal = word == Word::yes;
   }
+  out.hidden = count_if_any(columns, row, Role::hidden);
+  out.frames_dropped = count_if_any(columns, row, Role::frames_dropped);
   if (columns.has(Role::rt) && !columns.field(row, Role::rt).empty() && columns.field(row, Role::rt) != "null") {
     out.rt_ms = columns.number(row, Role::rt);
     if (*out.rt_ms < 0) throw columns.wrong(row, Role::rt, "a time is not below 0");
@@ -312,6 +311,7 @@ void add_answers(Answers& to, const Table& table, const ColumnMap& map) {
   Names conditions(to.conditions);
   Names clips(to.clips);
   Names items(to.items);
+  Names stimuli(to.stimuli);
   Names studies(to.studies);
   std::map<std::tuple<uint32_t, std::string, std::string>, std::string> seen;
   for (const Answer& row : to.rows)
@@ -329,6 +329,7 @@ void add_answers(Answers& to, const Table& table, const ColumnMap& map) {
     if (columns.has(Role::task)) out.task = tasks.of(columns.required(row, Role::task));
     if (columns.has(Role::condition)) out.condition = conditions.of(joined(columns, row));
     if (columns.has(Role::clip)) out.clip = clips.of(columns.required(row, Role::clip));
+    if (columns.has(Role::stimulus)) out.stimulus = stimuli.of(columns.required(row, Role::stimulus));
     if (columns.has(Role::study)) out.study = studies.of(columns.required(row, Role::study));
     if (columns.has(Role::item_a)) read_items(columns, row, items, out);
     read_rest(columns, row, out);
@@ -375,8 +376,8 @@ LeftOut leave_out(Answers& answers, const TrialRules& rules) {
   LeftOut out;
   std::erase_if(answers.rows, [&](const Answer& row) {
     const bool fast = row.rt_ms && *row.rt_ms < rules.shortest_rt_ms;
-    const bool dropped = row.dropped && rules.most_dropped && *row.dropped > *rules.most_dropped;
-    const bool hidden = row.hidden && rules.hidden;
+    const bool dropped = rules.most_frames_dropped && row.frames_dropped > *rules.most_frames_dropped;
+    const bool hidden = rules.hidden && row.hidden > 0;
     if (fast)
       ++out.fast;
     else if (dropped)

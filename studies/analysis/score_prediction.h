@@ -2,6 +2,7 @@
 // the others, whether its predictions are calibrated, and which scores differ in that. Numbers in, numbers out.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,11 +12,11 @@
 
 namespace crowdbench::studies {
 
-// Scores of stimuli, by the name of a clip, a condition or an item.
+// Scores of stimuli, by the name of a stimulus, a clip, a condition or an item.
 struct ScoreTable {
-  enum class Key { clip, condition, item };
+  enum class Key { stimulus, clip, condition, item };
   std::string source;  // what messages call it
-  Key key = Key::clip;
+  Key key = Key::stimulus;
   std::vector<std::string> scores;                         // names
   std::vector<std::string> keys;                           // of stimuli
   std::vector<std::vector<std::optional<double>>> values;  // by stimulus, by score; finite
@@ -28,6 +29,8 @@ constexpr size_t kMostScores = 64;
 // there is none. Throws Error at "file:line": none or two of the three, a stimulus twice, what is no finite number, no
 // scores or more than kMostScores.
 ScoreTable score_table(const Table& table);
+// Of a file: a table, or the study.json that `study export` wrote, whose stimuli have mean scores. Throws Error.
+ScoreTable read_scores(const std::filesystem::path& file);
 
 // Answers to one stimulus by one participant.
 struct PredictedCell {

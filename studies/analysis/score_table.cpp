@@ -1,11 +1,13 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "studies/analysis/score_prediction.h"
 
 namespace crowdbench::studies {
@@ -13,8 +15,10 @@ namespace {
 
 // Which column names the stimuli.
 size_t key_column(const Table& table, ScoreTable::Key& key) {
-  const std::pair<const char*, ScoreTable::Key> names[] = {
-      {"clip", ScoreTable::Key::clip}, {"condition", ScoreTable::Key::condition}, {"item", ScoreTable::Key::item}};
+  const std::pair<const char*, ScoreTable::Key> names[] = {{"stimulus", ScoreTable::Key::stimulus},
+                                                           {"clip", ScoreTable::Key::clip},
+                                                           {"condition", ScoreTable::Key::condition},
+                                                           {"item", ScoreTable::Key::item}};
   std::vector<size_t> found;
   for (size_t i = 0; i < table.columns.size(); ++i)
     for (const auto& [name, each] : names)
@@ -25,7 +29,7 @@ size_t key_column(const Table& table, ScoreTable::Key& key) {
   if (found.size() != 1)
     throw Error(table.source + ":1",
                 found.empty() ? "has no column that says whose scores they are" : "says twice whose scores they are",
-                "name one column `clip`, `condition` or `item`, as the answers name them");
+                "name one column `stimulus`, `clip`, `condition` or `item`, as the answers name them");
   return found.front();
 }
 
@@ -42,7 +46,53 @@ std::optional<double> score_value(const Table& table, const Table::Row& row, siz
   return value;
 }
 
+constexpr size_t kMostJsonBytes = size_t{256} << 20U;
+
+[[noreturn]] void refuse_study(const std::string& file, const std::string& wrong) {
+  throw Error(file, wrong, "give the study.json that `crowdbench study export` wrote, or a table of scores");
+}
+
+// The place of a score's name in the table, added where it is new.
+size_t score_place(ScoreTable& table, const std::string& name) {
+  const auto found = std::find(table.scores.begin(), table.scores.end(), name);
+  const auto place = static_cast<size_t>(found - table.scores.begin());
+  if (found == table.scores.end()) table.scores.push_back(name);
+  return place;
+}
+
+ScoreTable scores_of_study(const std::filesystem::path& file) {
+  using Parsed = nlohmann::json;
+  ScoreTable out;
+  out.source = file.string();
+  const Parsed study = Parsed::parse(read_text(file, kMostJsonBytes), nullptr, false);
+  if (!study.is_object() || !study.contains("stimuli") || !study["stimuli"].is_array())
+    refuse_study(out.source, "is no study.json with a list `stimuli`");
+  for (const Parsed& stimulus : study["stimuli"]) {
+    if (!stimulus.is_object() || !stimulus.contains("id") || !stimulus["id"].is_string() ||
+        !stimulus.contains("scores") || !stimulus["scores"].is_array())
+      refuse_study(out.source, "has a stimulus without `id` and `scores`");
+    if (stimulus["scores"].empty()) continue;  // nothing was compared: a catch trial
+    out.keys.push_back(stimulus["id"].get<std::string>());
+    out.values.emplace_back();
+    for (const Parsed& score : stimulus["scores"]) {
+      if (!score.is_object() || !score.contains("score") || !score["score"].is_string() || !score.contains("mean") ||
+          !score["mean"].is_number())
+        refuse_study(out.source, fmt::format("`{}` has a score without name and mean", printable(out.keys.back(), 60)));
+      const size_t place = score_place(out, score["score"].get<std::string>());
+      if (out.values.back().size() <= place) out.values.back().resize(place + 1);
+      out.values.back()[place] = score["mean"].get<double>();
+    }
+  }
+  if (out.scores.empty()) refuse_study(out.source, "has no scores");
+  for (auto& values : out.values) values.resize(out.scores.size());
+  return out;
+}
+
 }  // namespace
+
+ScoreTable read_scores(const std::filesystem::path& file) {
+  return file.extension() == ".json" ? scores_of_study(file) : score_table(read_table(file));
+}
 
 ScoreTable score_table(const Table& table) {
   ScoreTable out;
