@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "core/files.h"
@@ -64,13 +65,24 @@ const std::vector<DataColumn>& data_columns() {
   return all;
 }
 
+// Columns that are empty in every row are left out: the table is one that `study analyze` reads.
+std::vector<DataColumn> columns_of(const Analysis& a) {
+  std::vector<DataColumn> out;
+  for (const DataColumn& column : data_columns())
+    if (std::any_of(a.answers.rows.begin(), a.answers.rows.end(),
+                    [&](const Answer& row) { return !column.text(a.answers, row, a.settings.ties).empty(); }))
+      out.push_back(column);
+  return out;
+}
+
 std::string data_csv(const Analysis& a) {
+  const std::vector<DataColumn> columns = columns_of(a);
   std::string out;
-  for (const DataColumn& column : data_columns()) out += fmt::format("{}{}", out.empty() ? "" : ",", column.name);
+  for (const DataColumn& column : columns) out += fmt::format("{}{}", out.empty() ? "" : ",", column.name);
   out += "\n";
   for (const Answer& row : a.answers.rows) {
     bool first = true;
-    for (const DataColumn& column : data_columns()) {
+    for (const DataColumn& column : columns) {
       out += (first ? "" : ",") + field(column.text(a.answers, row, a.settings.ties));
       first = false;
     }
@@ -81,7 +93,7 @@ std::string data_csv(const Analysis& a) {
 
 std::string dataset_description(const Analysis& a) {
   Json measured = Json::array();
-  for (const DataColumn& column : data_columns())
+  for (const DataColumn& column : columns_of(a))
     measured.push_back({{"@type", "PropertyValue"}, {"name", column.name}, {"description", column.meaning}});
   return Json{
              {"@context", "https://schema.org"},

@@ -23,7 +23,8 @@ constexpr const char* kHead =
     R"R(# The mixed models of `crowdbench study analyze`, by lme4. Run in this folder: Rscript analysis.R
 library(lme4)
 answers <- read.csv("data/study_answers_data.csv", colClasses = "character", na.strings = character(0))
-for (column in c("chosen", "decided", "level")) answers[[column]] <- suppressWarnings(as.numeric(answers[[column]]))
+for (column in c("task", "condition")) if (is.null(answers[[column]])) answers[[column]] <- ""
+for (column in intersect(c("chosen", "decided", "level"), names(answers))) answers[[column]] <- suppressWarnings(as.numeric(answers[[column]]))
 answers <- answers[answers$decided > 0, ]
 ours <- read.csv("estimates.csv", colClasses = c("character", "character", "character", "numeric", "numeric"),
                  na.strings = character(0))
