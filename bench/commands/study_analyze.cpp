@@ -1,35 +1,34 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <memory>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
 #include "bench/commands/study.h"
+#include "bench/commands/study_report.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/json.h"
 #include "studies/analysis/analysis.h"
-#include "studies/analysis/analysis_output.h"
+#include "studies/analysis/exports.h"
+#include "studies/plan/frozen.h"
 
 namespace crowdbench::bench {
 namespace {
 
 using namespace studies;
 
+// What is not given stays empty: the plan's, or the default.
 struct Options {
   std::vector<std::string> files, where;
-  std::string table, columns, markdown;
-  std::string ties = "drop";
-  std::string curve = "logistic";
-  std::string guess = "0.5";
-  std::string lapse = "penalised";
-  std::string random = "intercept";
-  std::string link = "logit";
-  std::string integration = "auto";
-  std::optional<double> margin;
-  uint64_t seed = 1;
-  AnalysisSettings settings;
+  std::string table, columns, plan, scores;
+  std::string markdown, page, out, exports;
+  std::string ties, curve, guess, lapse, random, link, integration;
+  std::optional<double> chance, margin, between, alpha, power, confidence, level, catch_least, shortest_rt;
+  std::optional<uint64_t> most_dropped, seed, resamples;
   bool falling = false;
+  bool hidden = false;
   bool json = false;
 };
 
@@ -41,9 +40,33 @@ T chosen(const std::string& name, const std::string& option, const std::vector<s
     if (each == name) return value;
     names.push_back(each);
   }
-  throw Error(option, fmt::format("there is no '{}'", printable(name, 60)),
-              fmt::format("there are {}", nearest_first(name, names)));
+  const std::string near = nearest_name(name, names);
+  throw Error(
+      option, fmt::format("there is no '{}'", printable(name, 60)),
+      near.empty() ? fmt::format("there are {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near));
 }
+
+// Puts what the command line says in place of what a plan, or a default, says, and remembers where that is a change.
+class Changes {
+ public:
+  template <typename T, typename Given>
+  void take(T& value, const std::optional<Given>& given, const char* option) {
+    if (!given) return;
+    set(value, T(*given), option, fmt::format("{}", *given));
+  }
+  template <typename T>
+  void choose(T& value, const std::string& given, const char* option,
+              const std::vector<std::pair<std::string, T>>& choices) {
+    if (!given.empty()) set(value, chosen<T>(given, option, choices), option, given);
+  }
+  template <typename T>
+  void set(T& value, T to, const char* option, const std::string& text) {
+    if (value != to) changed.push_back(text.empty() ? option : fmt::format("{} {}", option, text));
+    value = to;
+  }
+
+  std::vector<std::string> changed;
+};
 
 // "free", "penalised", or a rate from 0 to `most` at which it is held.
 void set_rate(const std::string& text, const std::string& option, double most, Rate& rate, double& value) {
@@ -65,33 +88,78 @@ void set_rate(const std::string& text, const std::string& option, double most, R
   value = held;
 }
 
-AnalysisSettings settings_of(const Options& o) {
-  AnalysisSettings s = o.settings;
-  s.seed = o.seed;
-  s.margin = o.margin;
-  s.ties = chosen<TieRule>(o.ties, "--ties", {{"drop", TieRule::drop}, {"split", TieRule::split}, {"no", TieRule::no}});
-  s.curve.curve = chosen<studies::Curve>(o.curve, "--curve",
-                                         {{"logistic", studies::Curve::logistic},
-                                          {"cumgauss", studies::Curve::cumulative_gaussian},
-                                          {"weibull", studies::Curve::weibull}});
-  s.curve.falling = o.falling;
-  set_rate(o.guess, "--guess", 0.95, s.curve.guess_rate, s.curve.guess);
-  set_rate(o.lapse, "--lapse", 0.5, s.curve.lapse_rate, s.curve.lapse);
-  s.random = chosen<RandomEffects>(o.random, "--random",
-                                   {{"none", RandomEffects::none},
-                                    {"intercept", RandomEffects::intercept},
-                                    {"slope", RandomEffects::slope},
-                                    {"independent-slope", RandomEffects::independent_slope}});
-  s.link = chosen<Link>(o.link, "--link", {{"logit", Link::logit}, {"probit", Link::probit}});
-  s.integration = chosen<std::optional<Integration>>(o.integration, "--integration",
-                                                     {{"auto", std::nullopt},
-                                                      {"laplace", Integration::laplace},
-                                                      {"laplace-observed", Integration::laplace_observed},
-                                                      {"quadrature", Integration::quadrature}});
+void change_rate(Changes& to, Rate& rate, double& value, const std::string& given, const char* option, double most) {
+  if (given.empty()) return;
+  Rate new_rate = rate;
+  double new_value = value;
+  set_rate(given, option, most, new_rate, new_value);
+  if (new_rate != rate || (new_rate == Rate::fixed && new_value != value))
+    to.changed.push_back(fmt::format("{} {}", option, printable(given, 60)));
+  rate = new_rate;
+  value = new_value;
+}
+
+void change_models(const Options& o, AnalysisSettings& s, Changes& to) {
+  to.choose(s.curve.curve, o.curve, "--curve",
+            {{"logistic", studies::Curve::logistic},
+             {"cumgauss", studies::Curve::cumulative_gaussian},
+             {"weibull", studies::Curve::weibull}});
+  if (o.falling) to.set(s.curve.falling, true, "--falling", "");
+  change_rate(to, s.curve.guess_rate, s.curve.guess, o.guess, "--guess", 0.95);
+  change_rate(to, s.curve.lapse_rate, s.curve.lapse, o.lapse, "--lapse", 0.5);
+  to.take(s.curve.level, o.level, "--level");
+  to.choose(s.random, o.random, "--random",
+            {{"none", RandomEffects::none},
+             {"intercept", RandomEffects::intercept},
+             {"slope", RandomEffects::slope},
+             {"independent-slope", RandomEffects::independent_slope}});
+  to.choose(s.link, o.link, "--link", {{"logit", Link::logit}, {"probit", Link::probit}});
+  to.choose(s.integration, o.integration, "--integration",
+            {{"auto", std::nullopt},
+             {"laplace", Integration::laplace},
+             {"laplace-observed", Integration::laplace_observed},
+             {"quadrature", Integration::quadrature}});
+}
+
+// In place of the settings `s`; says what that changes.
+std::vector<std::string> change_settings(const Options& o, AnalysisSettings& s) {
+  Changes to;
+  to.choose(s.ties, o.ties, "--ties", {{"drop", TieRule::drop}, {"split", TieRule::split}, {"no", TieRule::no}});
+  to.take(s.chance, o.chance, "--chance");
+  to.take(s.margin, o.margin, "--margin");
+  to.take(s.between, o.between, "--between");
+  to.take(s.alpha, o.alpha, "--alpha");
+  to.take(s.power, o.power, "--power");
+  to.take(s.confidence, o.confidence, "--confidence");
+  to.take(s.catch_least, o.catch_least, "--catch-least");
+  to.take(s.trials.shortest_rt_ms, o.shortest_rt, "--shortest-rt");
+  to.take(s.trials.most_frames_dropped, o.most_dropped, "--most-dropped");
+  if (o.hidden) to.set(s.trials.hidden, true, "--leave-out-hidden", "");
+  to.take(s.resamples, o.resamples, "--resamples");
+  to.take(s.seed, o.seed, "--resample-seed");
+  change_models(o, s, to);
   if (s.margin && (s.chance - *s.margin < 0 || s.chance + *s.margin > 1))
     throw Error("--margin", fmt::format("{:g} about {:g} reaches beyond 0 or 1", *s.margin, s.chance),
                 "choose a smaller margin");
-  return s;
+  return to.changed;
+}
+
+// The plan's analysis and exclusions, and what it is now and was when it was frozen.
+AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
+  const StudyPlan plan = read_study_plan(file);
+  facts.file = file;
+  facts.hash = plan.hash();
+  if (const std::optional<FrozenPlan> frozen = read_frozen(file)) {
+    facts.frozen = frozen->hash;
+    for (const Deviation& each : frozen->deviations) facts.deviations.push_back({each.hash, each.reason});
+  }
+  AnalysisSettings out = plan.analysis.settings;
+  out.catch_least = plan.exclude.catch_least;
+  out.trials.shortest_rt_ms = plan.exclude.shortest_rt_ms;
+  out.trials.most_frames_dropped =
+      static_cast<uint64_t>(plan.exclude.most_dropped * static_cast<double>(plan.frames()));
+  out.trials.hidden = plan.exclude.hidden;
+  return out;
 }
 
 Table rows_of(const std::string& file, const Options& o) {
@@ -121,46 +189,122 @@ Answers read_answers(const Options& o) {
   return out;
 }
 
+void write_outputs(const Options& o, const StudyReport& report) {
+  const std::filesystem::path folder = o.out;
+  if (!o.out.empty()) make_folder(folder);
+  const auto write = [&](const std::string& named, const char* in_folder, const std::string& text) {
+    if (!named.empty()) write_file(named, std::string_view(text));
+    if (!o.out.empty()) write_file(folder / in_folder, std::string_view(text));
+  };
+  if (!o.page.empty() || !o.out.empty()) write(o.page, "report.html", study_report_page(report));
+  write(o.markdown, "report.md", study_report_markdown(report));
+  if (!o.out.empty()) write("", "analysis.json", study_report_json(report).dump(2) + "\n");
+  if (!o.exports.empty()) write_exports(report.analysis, o.exports);
+}
+
 int run_analyze(const Options& options) {
-  const AnalysisSettings settings = settings_of(options);
-  const Analysis analysis = analyse(read_answers(options), settings);
-  const std::string markdown = analysis_markdown(analysis);
-  if (!options.markdown.empty()) write_file(options.markdown, std::string_view(markdown));
-  fmt::print("{}", options.json ? analysis_json(analysis).dump(2) + "\n" : markdown);
+  AnalysisSettings settings;
+  PlanFacts plan;
+  if (!options.plan.empty()) settings = settings_of_plan(options.plan, plan);
+  const std::vector<std::string> changed = change_settings(options, settings);
+  const ScoreTable scores = options.scores.empty() ? ScoreTable{} : read_scores(options.scores);
+  StudyReport report;
+  Answers answers = read_answers(options);
+  if (!options.plan.empty()) report.standing = plan_standing(plan, answers, changed);
+  report.analysis = analyse(std::move(answers), settings, scores);
+  write_outputs(options, report);
+  fmt::print("{}", options.json ? study_report_json(report).dump(2) + "\n" : study_report_markdown(report));
   return 0;
 }
 
 void add_curve_options(Command& command, Options& o) {
-  command.add_option("--curve", o.curve, "psychometric function: logistic, cumgauss or weibull")
-      ->type_name("NAME")
-      ->capture_default_str();
+  command.add_option("--curve", o.curve, "psychometric function: logistic (which it is), cumgauss or weibull")
+      ->type_name("NAME");
   command.add_flag("--falling", o.falling, "a yes is rarer where the level is higher");
   command
       .add_option("--guess", o.guess,
-                  "rate of yes where there is nothing to see: held at R, or free, or penalised; also the mixed model's")
-      ->type_name("R|free|penalised")
-      ->capture_default_str();
-  command.add_option("--lapse", o.lapse, "rate of slips: held at R, or free up to 0.1, or so and penalised")
-      ->type_name("R|free|penalised")
-      ->capture_default_str();
-  command.add_option("--level", o.settings.curve.level, "share of yes at which the threshold is")
-      ->capture_default_str()
+                  "rate of yes where there is nothing to see: held at R (0.5), or free, or penalised; also the mixed "
+                  "model's")
+      ->type_name("R|free|penalised");
+  command
+      .add_option("--lapse", o.lapse, "rate of slips: held at R, or free up to 0.1, or so and penalised (which it is)")
+      ->type_name("R|free|penalised");
+  command.add_option("--level", o.level, "share of yes at which the threshold is (0.75)")
+      ->type_name("SHARE")
       ->number(0.01, 0.99);
 }
 
 void add_mixed_options(Command& command, Options& o) {
   command
       .add_option("--random", o.random,
-                  "of the mixed model, by participant: none (no model), intercept, slope, independent-slope")
-      ->type_name("NAME")
-      ->capture_default_str();
-  command.add_option("--link", o.link, "of the mixed model: logit or probit")->type_name("NAME")->capture_default_str();
+                  "of the mixed model, by participant: none (no model), intercept (which it is), slope, "
+                  "independent-slope")
+      ->type_name("NAME");
+  command.add_option("--link", o.link, "of the mixed model: logit (which it is) or probit")->type_name("NAME");
+  command
+      .add_option("--integration", o.integration,
+                  "of the mixed model: laplace, laplace-observed, quadrature (intercepts of participants alone), or "
+                  "auto (which it is)")
+      ->type_name("NAME");
+}
+
+void add_exclusion_options(Command& command, Options& o) {
+  command
+      .add_option("--catch-least", o.catch_least, "share of catch trials that a participant must get right to stay (0)")
+      ->type_name("SHARE")
+      ->number(0, 1);
+  command.add_option("--shortest-rt", o.shortest_rt, "leave out trials that were answered sooner (0)")
+      ->type_name("MS")
+      ->number(0, 1e6);
+  command.add_option("--most-dropped", o.most_dropped, "leave out trials of which more frames were not shown")
+      ->type_name("FRAMES")
+      ->whole_number(0, 1000000);
+  command.add_flag("--leave-out-hidden", o.hidden, "leave out trials during which the page was out of sight");
+}
+
+void add_test_options(Command& command, Options& o) {
+  command.add_option("--chance", o.chance, "share of yes where nothing is seen, for tests and equivalence (0.5)")
+      ->type_name("SHARE")
+      ->number(0, 1);
+  command
+      .add_option("--ties", o.ties,
+                  "what \"cannot tell\" counts as: drop (which it is), split or no; the ranking models it")
+      ->type_name("RULE");
+  command.add_option("--margin", o.margin, "margin of equivalence about chance; without it no verdict is given")
+      ->type_name("SHARE")
+      ->number(0.001, 0.5);
+  command.add_option("--between", o.between, "margin of equivalence of every two conditions' shares")
+      ->type_name("SHARE")
+      ->number(0.001, 0.99);
+  command.add_option("--alpha", o.alpha, "level of the tests of equivalence (0.05)")
+      ->type_name("P")
+      ->number(1e-6, 0.49);
+  command.add_option("--power", o.power, "that \"how many more\" is for (0.8)")->type_name("P")->number(0.01, 0.999);
+  command.add_option("--confidence", o.confidence, "of the intervals (0.95)")->type_name("P")->number(0.5, 0.9999);
+  command.add_option("--resamples", o.resamples, "of bootstrap intervals (1000); 0: none")
+      ->type_name("N")
+      ->whole_number(0, 100000);
+  command.add_option("--resample-seed", o.seed, "seed of the bootstrap (1)")
+      ->type_name("N")
+      ->whole_number(0, UINT64_MAX);
+}
+
+void add_output_options(Command& command, Options& o) {
+  command.add_option("--markdown", o.markdown, "the tables as a page of text")->type_name("FILE.md")->output_file();
+  command.add_option("--page", o.page, "the report with charts, one self-contained page")
+      ->type_name("FILE.html")
+      ->output_file();
+  command.add_option("--out", o.out, "report.html, report.md and analysis.json in this folder; made where missing")
+      ->type_name("DIR")
+      ->output_folder();
   command
       .add_option(
-          "--integration", o.integration,
-          "of the mixed model: laplace, laplace-observed, quadrature (intercepts of participants alone), or auto")
-      ->type_name("NAME")
-      ->capture_default_str();
+          "--export", o.exports,
+          "the answers in other tools' forms (pwcmp, psignifit, a Psych-DS-like data set) and an R script that\n"
+          "repeats the mixed models by lme4; made where missing")
+      ->type_name("DIR")
+      ->output_folder();
+  add_json_option(command, o.json);
 }
 
 void add_options(Command& command, Options& o) {
@@ -172,38 +316,21 @@ void add_options(Command& command, Options& o) {
       ->type_name("COLUMN=VALUE")
       ->expected(1)
       ->take_all();
-  command.add_option("--chance", o.settings.chance, "share of yes where nothing is seen, for tests and equivalence")
-      ->capture_default_str()
-      ->number(0, 1);
-  command.add_option("--ties", o.ties, "what \"cannot tell\" counts as: drop, split or no; the ranking models it")
-      ->type_name("RULE")
-      ->capture_default_str();
-  command.add_option("--margin", o.margin, "margin of equivalence about chance; without it no verdict is given")
-      ->number(0.001, 0.5);
-  command.add_option("--alpha", o.settings.alpha, "level of the tests of equivalence")
-      ->capture_default_str()
-      ->number(1e-6, 0.49);
-  command.add_option("--power", o.settings.power, "that \"how many more\" is for")
-      ->capture_default_str()
-      ->number(0.01, 0.999);
-  command.add_option("--confidence", o.settings.confidence, "of the intervals")
-      ->capture_default_str()
-      ->number(0.5, 0.9999);
+  command
+      .add_option("--plan", o.plan,
+                  "the study's plan: its analysis and its exclusions; says whether this is what was frozen, and what "
+                  "deviates")
+      ->type_name("PLAN.toml");
+  command
+      .add_option("--scores", o.scores,
+                  "objective scores to be held against the answers: study.json of `study export`, or a table with a "
+                  "column\n`stimulus`, `clip`, `condition` or `item` and one a score")
+      ->type_name("FILE");
+  add_test_options(command, o);
   add_curve_options(command, o);
   add_mixed_options(command, o);
-  command
-      .add_option("--catch-least", o.settings.catch_least,
-                  "share of catch trials that a participant must get right to stay")
-      ->capture_default_str()
-      ->number(0, 1);
-  command.add_option("--resamples", o.settings.resamples, "of bootstrap intervals; 0: none")
-      ->capture_default_str()
-      ->whole_number(0, 100000);
-  command.add_option("--resample-seed", o.seed, "seed of the bootstrap")
-      ->capture_default_str()
-      ->whole_number(0, UINT64_MAX);
-  command.add_option("--markdown", o.markdown, "the tables as a page")->type_name("FILE.md")->output_file();
-  add_json_option(command, o.json);
+  add_exclusion_options(command, o);
+  add_output_options(command, o);
 }
 
 }  // namespace
@@ -211,14 +338,16 @@ void add_options(Command& command, Options& o) {
 void add_study_analyze(Command& study, Run& run) {
   Command* command = study.add_subcommand("analyze", "Thresholds, rankings and verdicts of answers, with intervals");
   command->footer(
-      "Roles of columns: participant, trial, task, condition, clip, level, signal, item_a, item_b, shown_first, "
-      "answer,\n"
-      "expected, yes, no, ties, total, rt, catch. `answer`, or counts (`yes` and `no` or `total`), is needed; what "
-      "else there\n"
+      "Roles of columns: participant, trial, task, condition, clip, stimulus, level, signal, item_a, item_b, "
+      "shown_first,\n"
+      "answer, expected, yes, no, ties, total, rt, frames_dropped, hidden, study (the plan's hash), catch. `answer`, "
+      "or "
+      "counts\n(`yes` and `no` or `total`), is needed; what else there\n"
       "is decides what is analysed: `level` a psychometric function, `item_a` and `item_b` a ranking, `participant` a\n"
       "mixed model.\n\nExamples:\n"
       "  crowdbench study analyze answers.csv --margin 0.1 --markdown answers.md\n"
       "  crowdbench study analyze --table trials.csv --columns participant=who,level=distance_m,answer=seen --guess 0\n"
+      "  crowdbench study analyze answers.csv --plan study.toml --scores out/study.json --out report\n"
       "  crowdbench study analyze --table pairs.csv --columns item_a=left,item_b=right,shown_first=left,answer=choice "
       "--json");
   auto options = std::make_shared<Options>();

@@ -1,5 +1,5 @@
 // The analysis of a study's answers: every question that they can answer is asked, by task and by condition, and what
-// cannot be answered says why. Numbers in, numbers out; study_output.h prints them.
+// cannot be answered says why. Numbers in, numbers out; analysis_output.h and analysis_text.h print them.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -12,6 +12,7 @@
 #include "studies/analysis/paired_comparison.h"
 #include "studies/analysis/proportions.h"
 #include "studies/analysis/psychometric.h"
+#include "studies/analysis/score_prediction.h"
 
 namespace crowdbench::studies {
 
@@ -29,7 +30,8 @@ struct AnalysisSettings {
   double chance = 0.5;  // of a yes, where there is nothing to see
   double confidence = 0.95;
   TieRule ties = TieRule::drop;
-  std::optional<double> margin;  // of equivalence to chance; nothing: not asked
+  std::optional<double> margin;   // of equivalence to chance; nothing: not asked
+  std::optional<double> between;  // of equivalence of every two conditions' shares; nothing: not asked
   double alpha = 0.05;
   double power = 0.8;  // that "how many more" is for
   CurveSettings curve;
@@ -37,6 +39,7 @@ struct AnalysisSettings {
   Link link = Link::logit;
   std::optional<Integration> integration;  // nothing: quadrature where it can be, else Laplace
   double catch_least = 0;                  // share of catch trials that a participant must get right
+  TrialRules trials;
   uint64_t seed = 1;
   size_t resamples = 1000;  // of bootstrap intervals; 0: none
 };
@@ -56,6 +59,13 @@ struct ConditionResult {
   std::optional<SignalDetection> detection;  // where trials with and without a signal are known
 
   bool is_tested() const { return decided > 0 && !detection; }
+};
+
+// Two conditions of a task, by their place in its list.
+struct DifferenceResult {
+  size_t first = 0, second = 0;
+  DifferenceEquivalence equivalence;
+  double holm = 1;  // the two-sided p of "no difference", corrected over the pairs of the task
 };
 
 struct CurveResult {
@@ -82,15 +92,17 @@ struct RankingResult {
   std::optional<LikelihoodRatio> position;  // of the effect of standing first
   Jod jod;                                  // maximum likelihood, ties as half wins
   Jod jod_with_prior;
-  std::optional<JodIntervals> intervals;  // of the latter, by participants drawn anew
+  std::optional<JodIntervals> intervals;  // of the latter, by participants drawn anew; of up to 20 items
 };
 
 struct TaskResult {
   std::string name;  // empty: the table names no tasks
   std::vector<ConditionResult> conditions;
+  std::vector<DifferenceResult> differences;
   std::vector<CurveResult> curves;
   std::vector<MixedResult> mixed;
   std::optional<RankingResult> ranking;
+  std::optional<ScorePredictions> prediction;  // where there are scores
 };
 
 struct Analysis {
@@ -99,12 +111,28 @@ struct Analysis {
   size_t participants = 0;
   size_t catch_rows = 0;  // set aside
   std::vector<Exclusion> excluded;
+  LeftOut left_out;
   std::vector<TaskResult> tasks;
   AnalysisSettings settings;
+  Answers answers;  // that were analysed
 };
 
-// Throws Error where nothing is left to analyse, a level is below 0 and the curve is Weibull's, or positions are known
-// of some comparisons only.
-Analysis analyse(Answers answers, const AnalysisSettings& settings);
+// What is more has to be asked in parts: nobody reads it, and fits take hours.
+constexpr size_t kMostTaskConditions = 100;
+constexpr size_t kMostItems = 50;
+constexpr size_t kMostLevels = 500;       // of a condition
+constexpr size_t kMostMixedNames = 2000;  // participants and clips of one mixed model
+
+// scores: of what the answers name; empty: not asked. Throws Error where nothing is left to analyse, there is more than
+// the above, a level is below 0 and the curve is Weibull's, positions are known of some comparisons only, or no
+// stimulus has scores.
+Analysis analyse(Answers answers, const AnalysisSettings& settings, const ScoreTable& scores = {});
+
+// yes and ties and no after the rule for ties: so many chosen of so many decided.
+struct Decided {
+  uint64_t yes = 0;
+  uint64_t of = 0;
+};
+Decided decided(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule);
 
 }  // namespace crowdbench::studies

@@ -1,4 +1,5 @@
 #include "studies/analysis/analysis_output.h"
+#include "studies/analysis/verdict_sentences.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -6,6 +7,7 @@ namespace {
 Json json_of(const Interval& i) { return Json::array({i.low, i.high}); }
 Json json_of(const LikelihoodRatio& r);
 Json json_of(const RankingResult& r);
+Json json_of(const ScorePredictions& p);
 Json json_of(const Tost& t) { return {{"p", t.p}, {"p_low", t.p_low}, {"p_upp", t.p_upp}}; }
 template <typename T>
 Json json_of(const std::optional<T>& value) {
@@ -31,6 +33,52 @@ Json json_of(const Equivalence& e) {
           {"participants_needed", json_of(e.participants_needed)},
           {"more_trials", e.more_trials},
           {"more_participants", e.more_participants}};
+}
+
+Json json_of(const DifferenceResult& d, const std::vector<ConditionResult>& conditions) {
+  const DifferenceEquivalence& e = d.equivalence;
+  return {{"first", conditions[d.first].name},
+          {"second", conditions[d.second].name},
+          {"verdict", std::string(verdict_text(e.verdict))},
+          {"difference", e.difference},
+          {"score", json_of(e.score)},
+          {"different_score_p", e.different_score},
+          {"different_p_holm", d.holm},
+          {"participants", e.participants},
+          {"by_participant", json_of(e.by_participant)},
+          {"different_by_participant_p", json_of(e.different_by_participant)},
+          {"interval", json_of(e.interval)},
+          {"participant_sd", json_of(e.participant_sd)},
+          {"trials_needed_of_either", json_of(e.trials_needed)},
+          {"participants_needed", json_of(e.participants_needed)},
+          {"more_trials_of_either", e.more_trials},
+          {"more_participants", e.more_participants}};
+}
+
+Json json_of(const ScorePredictions& p) {
+  Json out = {{"answers", p.answers},           {"stimuli", p.stimuli},
+              {"participants", p.participants}, {"answers_without_scores", p.without_scores},
+              {"resamples", p.resamples},       {"best", p.best ? Json(p.scores[*p.best].score) : Json()}};
+  out["scores"] = out["contests"] = Json::array();
+  for (const ScorePrediction& s : p.scores) {
+    Json one = {{"score", s.score}, {"state", std::string(state_text(s.state))}};
+    if (s.state == PredictionState::fitted)
+      one.update({{"falls", s.falls},
+                  {"auc", s.auc},
+                  {"auc_interval", json_of(s.auc_interval)},
+                  {"calibration_slope", json_of(s.calibration_slope)},
+                  {"calibration_slope_interval", json_of(s.slope_interval)},
+                  {"calibration_intercept", json_of(s.calibration_intercept)},
+                  {"calibration_intercept_interval", json_of(s.intercept_interval)}});
+    out["scores"].push_back(one);
+  }
+  for (const ScoreContest& c : p.contests)
+    out["contests"].push_back({{"better", p.scores[c.a].score},
+                               {"other", p.scores[c.b].score},
+                               {"difference", c.difference},
+                               {"interval", json_of(c.interval)},
+                               {"distinguishable", c.distinguishable}});
+  return out;
 }
 
 Json json_of(const SignalDetection& d) {
@@ -169,6 +217,10 @@ Json json_of(const TaskResult& t, const AnalysisSettings& s) {
   for (const CurveResult& c : t.curves) out["curves"].push_back(json_of(c, s.curve));
   for (const MixedResult& m : t.mixed) out["mixed_models"].push_back(json_of(m));
   out["ranking"] = json_of(t.ranking);
+  if (!t.differences.empty()) out["differences"] = Json::array();
+  for (const DifferenceResult& d : t.differences) out["differences"].push_back(json_of(d, t.conditions));
+  if (t.prediction) out["prediction"] = json_of(*t.prediction);
+  out["verdicts"] = verdict_sentences(t, s);
   return out;
 }
 
@@ -183,13 +235,18 @@ Json analysis_json(const Analysis& a) {
   out["excluded"] = Json::array();
   for (const Exclusion& e : a.excluded)
     out["excluded"].push_back({{"participant", e.participant}, {"right", e.right}, {"of", e.of}});
+  out["left_out"] = {{"fast", a.left_out.fast}, {"dropped", a.left_out.dropped}, {"hidden", a.left_out.hidden}};
   out["settings"] = {{"chance", a.settings.chance},
                      {"confidence", a.settings.confidence},
                      {"ties", std::string(tie_rule_text(a.settings.ties))},
                      {"margin", json_of(a.settings.margin)},
+                     {"between", json_of(a.settings.between)},
                      {"alpha", a.settings.alpha},
                      {"power", a.settings.power},
                      {"catch_least", a.settings.catch_least},
+                     {"shortest_rt_ms", a.settings.trials.shortest_rt_ms},
+                     {"most_frames_dropped", json_of(a.settings.trials.most_frames_dropped)},
+                     {"hidden_left_out", a.settings.trials.hidden},
                      {"seed", a.settings.seed},
                      {"resamples", a.settings.resamples}};
   out["tasks"] = Json::array();

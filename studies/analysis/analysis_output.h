@@ -1,6 +1,7 @@
 // An analysis as JSON, and as Markdown for a paper's supplement.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "core/json.h"
 #include "studies/analysis/analysis.h"
@@ -11,8 +12,8 @@ namespace crowdbench::studies {
 // state says why.
 Json analysis_json(const Analysis& analysis);
 
-// Tables by task. Names from files are made harmless.
-std::string analysis_markdown(const Analysis& analysis);
+// What analysis_text() says, behind the sentences of `standing` (how the analysis was planned).
+std::string analysis_markdown(const Analysis& analysis, const std::vector<std::string>& standing = {});
 
 std::string_view tie_rule_text(TieRule rule);  // "drop", "split", "no"
 

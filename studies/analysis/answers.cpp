@@ -16,6 +16,9 @@ namespace crowdbench::studies {
 namespace {
 
 constexpr uint64_t kMostAnswers = 1'000'000'000;
+// Sizes of levels: squares of them, and of their differences, are numbers still.
+constexpr double kSmallestLevel = 1e-15;
+constexpr double kLargestLevel = 1e15;
 
 const std::vector<std::pair<std::string, Role>>& role_names() {
   static const std::vector<std::pair<std::string, Role>> all = {{"participant", Role::participant},
@@ -23,6 +26,7 @@ const std::vector<std::pair<std::string, Role>>& role_names() {
                                                                 {"task", Role::task},
                                                                 {"condition", Role::condition},
                                                                 {"clip", Role::clip},
+                                                                {"stimulus", Role::stimulus},
                                                                 {"level", Role::level},
                                                                 {"signal", Role::signal},
                                                                 {"item_a", Role::item_a},
@@ -35,6 +39,9 @@ const std::vector<std::pair<std::string, Role>>& role_names() {
                                                                 {"ties", Role::ties},
                                                                 {"total", Role::total},
                                                                 {"rt", Role::rt},
+                                                                {"frames_dropped", Role::frames_dropped},
+                                                                {"hidden", Role::hidden},
+                                                                {"study", Role::study},
                                                                 {"catch", Role::catch_kind}};
   return all;
 }
@@ -235,14 +242,31 @@ void read_items(const Columns& columns, const Table::Row& row, Names& items, Ans
   out.item_b = items.of(b);
 }
 
+double read_level(const Columns& columns, const Table::Row& row) {
+  const double level = columns.number(row, Role::level);
+  const double size = std::fabs(level);
+  if (size > kLargestLevel || (size < kSmallestLevel && size != 0))
+    throw columns.wrong(row, Role::level,
+                        fmt::format("a level other than 0 has a size from {} to {}: choose another unit",
+                                    kSmallestLevel, kLargestLevel));
+  return level;
+}
+
+// A count; an empty field is 0.
+uint64_t count_if_any(const Columns& columns, const Table::Row& row, Role role) {
+  return columns.has(role) && !columns.field(row, role).empty() ? columns.count(row, role) : 0;
+}
+
 void read_rest(const Columns& columns, const Table::Row& row, Answer& out) {
   if (columns.has(Role::trial)) out.trial = columns.required(row, Role::trial);
-  if (columns.has(Role::level)) out.level = columns.number(row, Role::level);
+  if (columns.has(Role::level)) out.level = read_level(columns, row);
   if (columns.has(Role::signal)) {
     const Word word = word_of(columns.required(row, Role::signal));
     if (word != Word::yes && word != Word::no) throw columns.wrong(row, Role::signal, "it is 1 or 0");
     out.signal = word == Word::yes;
   }
+  out.hidden = count_if_any(columns, row, Role::hidden);
+  out.frames_dropped = count_if_any(columns, row, Role::frames_dropped);
   if (columns.has(Role::rt) && !columns.field(row, Role::rt).empty() && columns.field(row, Role::rt) != "null") {
     out.rt_ms = columns.number(row, Role::rt);
     if (*out.rt_ms < 0) throw columns.wrong(row, Role::rt, "a time is not below 0");
@@ -287,6 +311,8 @@ void add_answers(Answers& to, const Table& table, const ColumnMap& map) {
   Names conditions(to.conditions);
   Names clips(to.clips);
   Names items(to.items);
+  Names stimuli(to.stimuli);
+  Names studies(to.studies);
   std::map<std::tuple<uint32_t, std::string, std::string>, std::string> seen;
   for (const Answer& row : to.rows)
     if (!row.trial.empty())
@@ -303,6 +329,8 @@ void add_answers(Answers& to, const Table& table, const ColumnMap& map) {
     if (columns.has(Role::task)) out.task = tasks.of(columns.required(row, Role::task));
     if (columns.has(Role::condition)) out.condition = conditions.of(joined(columns, row));
     if (columns.has(Role::clip)) out.clip = clips.of(columns.required(row, Role::clip));
+    if (columns.has(Role::stimulus)) out.stimulus = stimuli.of(columns.required(row, Role::stimulus));
+    if (columns.has(Role::study)) out.study = studies.of(columns.required(row, Role::study));
     if (columns.has(Role::item_a)) read_items(columns, row, items, out);
     read_rest(columns, row, out);
     if (columns.has(Role::answer))
@@ -340,6 +368,23 @@ std::vector<Exclusion> exclude_by_catch(Answers& answers, double least) {
     }
   std::erase_if(answers.rows, [&](const Answer& row) {
     return !row.catch_kind.empty() || (row.participant && gone.contains(*row.participant));
+  });
+  return out;
+}
+
+LeftOut leave_out(Answers& answers, const TrialRules& rules) {
+  LeftOut out;
+  std::erase_if(answers.rows, [&](const Answer& row) {
+    const bool fast = row.rt_ms && *row.rt_ms < rules.shortest_rt_ms;
+    const bool dropped = rules.most_frames_dropped && row.frames_dropped > *rules.most_frames_dropped;
+    const bool hidden = rules.hidden && row.hidden > 0;
+    if (fast)
+      ++out.fast;
+    else if (dropped)
+      ++out.dropped;
+    else if (hidden)
+      ++out.hidden;
+    return fast || dropped || hidden;
   });
   return out;
 }

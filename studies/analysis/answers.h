@@ -18,7 +18,9 @@ namespace crowdbench::studies {
 //   task                what was asked; answers of several tasks are analysed apart
 //   condition           what is compared; several columns may be conditions (their values are joined)
 //   clip                what was shown, where several clips show one condition
-//   level               a number: the axis of the psychometric function (distance, height, ratio)
+//   stimulus            what exactly was shown, by the id that study.json has: for objective scores
+//   level               a number: the axis of the psychometric function (distance, height, ratio); 0, or of a size
+//                       from 1e-15 to 1e15
 //   signal              whether there was something to see (1) or not (0): d' and criterion
 //   item_a, item_b      the two things compared, by name; `yes` is then a choice of item_a
 //   shown_first         the item that stood first (above, or left): for the effect of position
@@ -28,6 +30,9 @@ namespace crowdbench::studies {
 //   expected            the right answer, in the same words: the answer counts as yes where it is that one
 //   yes, no, ties, total  counts in place of `answer`
 //   rt                  response time in milliseconds
+//   frames_dropped      how many of the clip's frames were not shown
+//   hidden              how often the page was out of sight meanwhile
+//   study               the hash of the plan that was answered
 //   catch               kind of catch trial; empty, 0, no, none: an ordinary trial
 enum class Role {
   participant,
@@ -35,6 +40,7 @@ enum class Role {
   task,
   condition,
   clip,
+  stimulus,
   level,
   signal,
   item_a,
@@ -47,6 +53,9 @@ enum class Role {
   ties,
   total,
   rt,
+  frames_dropped,
+  hidden,
+  study,
   catch_kind,
 };
 
@@ -62,11 +71,13 @@ struct Answer {
   size_t source = 0;  // of Answers::sources
   size_t line = 0;
   // Indices into the names below; nothing where the table has no such column.
-  std::optional<uint32_t> participant, task, condition, clip, item_a, item_b;
+  std::optional<uint32_t> participant, task, condition, clip, item_a, item_b, stimulus, study;
   std::optional<bool> shown_first_is_a;
   std::optional<bool> signal;
   std::optional<double> level;  // finite
   std::optional<double> rt_ms;
+  uint64_t frames_dropped = 0;
+  uint64_t hidden = 0;
   std::string trial;
   std::string catch_kind;  // empty: an ordinary trial
   uint64_t yes = 0;
@@ -78,7 +89,7 @@ struct Answer {
 
 struct Answers {
   std::vector<std::string> sources;
-  std::vector<std::string> participants, tasks, conditions, clips, items;
+  std::vector<std::string> participants, tasks, conditions, clips, items, stimuli, studies;
   std::vector<std::string> condition_columns;  // what the names of conditions are joined of
   std::vector<Answer> rows;
 };
@@ -96,5 +107,17 @@ struct Exclusion {
 // Takes out whom the rule excludes (a share of right answers to catch trials below `least`) with all their rows, and
 // every catch trial of the others; says whom. Who had no catch trials stays.
 std::vector<Exclusion> exclude_by_catch(Answers& answers, double least);
+
+// Which single trials count for nothing.
+struct TrialRules {
+  double shortest_rt_ms = 0;                    // answers that came sooner
+  std::optional<uint64_t> most_frames_dropped;  // more frames than this were not shown
+  bool hidden = false;                          // the page was out of sight
+};
+// How many rows each rule took out; a row counts for the first that does.
+struct LeftOut {
+  size_t fast = 0, dropped = 0, hidden = 0;
+};
+LeftOut leave_out(Answers& answers, const TrialRules& rules);
 
 }  // namespace crowdbench::studies

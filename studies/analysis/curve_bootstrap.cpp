@@ -1,6 +1,7 @@
 // Based on: Wichmann and Hill, "The psychometric function: II. Bootstrap-based confidence intervals and sampling"
 // (2001). Differs: where participants are known, whole participants are drawn.
 #include <algorithm>
+#include <cmath>
 
 #include "core/random.h"
 #include "studies/analysis/curve_problem.h"
@@ -10,12 +11,35 @@ namespace crowdbench::studies {
 namespace {
 
 constexpr uint64_t kCurveDraw = 0x70737963;
+constexpr uint64_t kMostDrawn = 2000;  // answers that are drawn one by one
+constexpr double kLargeVariance = 1e4;
 
 double unit(uint64_t seed, size_t resample, size_t draw) {
   return random_unit(mix64(seed + kCurveDraw), resample, draw);
 }
 
+// The count of which the distribution function reaches u; where the variance is large, of the normal one, which is off
+// by less than a hundredth of the standard deviation.
+uint64_t binomial_quantile(uint64_t n, double p, double u) {
+  const auto count = static_cast<double>(n);
+  if (count * p * (1 - p) > kLargeVariance) {
+    const double at = count * p + std::sqrt(count * p * (1 - p)) * normal_quantile(u);
+    return static_cast<uint64_t>(std::clamp(std::round(at), 0.0, count));
+  }
+  uint64_t low = 0;
+  uint64_t high = n;
+  while (low < high) {
+    const uint64_t middle = low + (high - low) / 2;
+    if (binomial_at_most(middle, n, p) >= u)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
 uint64_t binomial_draw(uint64_t n, double p, uint64_t seed, size_t resample, size_t& draw) {
+  if (n > kMostDrawn) return binomial_quantile(n, p, unit(seed, resample, draw++));
   uint64_t out = 0;
   for (uint64_t i = 0; i < n; ++i) out += unit(seed, resample, draw++) < p ? 1 : 0;
   return out;

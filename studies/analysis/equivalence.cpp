@@ -1,9 +1,11 @@
-// Based on: Schuirmann, "A comparison of the two one-sided tests procedure and the power approach" (1987).
+// Based on: Schuirmann, "A comparison of the two one-sided tests procedure and the power approach" (1987); Miettinen
+// and Nurminen, "Comparative analysis of two rates" (1985), in the closed form of Farrington and Manning (1990).
 #include "studies/analysis/equivalence.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "core/probability.h"
@@ -46,18 +48,17 @@ struct Moments {
   double mean = 0;
   double sd = 0;
 };
-Moments moments_of(std::span<const Share> shares) {
+Moments moments_of(std::span<const double> values) {
   Moments out;
-  const auto n = static_cast<double>(shares.size());
-  for (const Share& s : shares) out.mean += static_cast<double>(s.chosen) / static_cast<double>(s.of) / n;
+  const auto n = static_cast<double>(values.size());
+  for (const double v : values) out.mean += v / n;
   double squares = 0;
-  for (const Share& s : shares) {
-    const double d = static_cast<double>(s.chosen) / static_cast<double>(s.of) - out.mean;
-    squares += d * d;
-  }
-  out.sd = shares.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
+  for (const double v : values) squares += (v - out.mean) * (v - out.mean);
+  out.sd = values.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
   return out;
 }
+
+double share_of(const Share& s) { return static_cast<double>(s.chosen) / static_cast<double>(s.of); }
 
 // Participants whose t tests have the power, were the truth chance itself and their shares of that spread.
 std::optional<uint64_t> participants_for(double sd, const EquivalenceSettings& s) {
@@ -80,18 +81,18 @@ std::optional<uint64_t> participants_for(double sd, const EquivalenceSettings& s
   return high;
 }
 
-void test_participants(std::span<const Share> shares, const EquivalenceSettings& s, Equivalence& out) {
-  const Moments m = moments_of(shares);
-  out.mean = m.mean;
-  if (shares.size() < 2) return;
-  const auto n = static_cast<double>(shares.size());
+// t tests of participants' values, two or more, against `centre`. Fills the members that both results have.
+template <typename Result>
+void test_participants(std::span<const double> values, double centre, const EquivalenceSettings& s, Result& out) {
+  const Moments m = moments_of(values);
+  const auto n = static_cast<double>(values.size());
   const double variance = m.sd * m.sd / n;
   const auto above = [&](double limit) { return 1 - student_t_cdf(standardised(m.mean - limit, variance), n - 1); };
-  out.by_participant = larger_of(above(s.chance - s.margin), 1 - above(s.chance + s.margin));
-  const double tail = above(s.chance);
+  out.by_participant = larger_of(above(centre - s.margin), 1 - above(centre + s.margin));
+  const double tail = above(centre);
   out.different_by_participant = std::min(1.0, 2 * std::min(tail, 1 - tail));
   const double half = student_t_quantile(1 - s.alpha, n - 1) * std::sqrt(variance);
-  out.interval = Interval{std::max(0.0, m.mean - half), std::min(1.0, m.mean + half)};
+  out.interval = Interval{m.mean - half, m.mean + half};
   out.participant_sd = m.sd;
   out.participants_needed = participants_for(m.sd, s);
 }
@@ -104,6 +105,42 @@ std::optional<uint64_t> trials_for(const EquivalenceSettings& s) {
   return tost_sample_size(s.chance - s.margin, s.chance + s.margin, s.chance, s.alpha, s.power,
                           static_cast<uint64_t>(about * 1.2) + 40, static_cast<uint64_t>(about * 0.7) + 1)
       .always;
+}
+
+// ---- two conditions
+
+struct TwoShares {
+  double n1 = 0, n2 = 0;
+  double p1 = 0, p2 = 0;
+};
+
+// The share of the first condition that is likeliest where it exceeds the second's by `difference`: a root of a cubic.
+double likeliest_first(const TwoShares& s, double difference) {
+  const double ratio = s.n2 / s.n1;
+  const double a = 1 + ratio;
+  const double b = -(1 + ratio + s.p1 + ratio * s.p2 + difference * (ratio + 2));
+  const double c = difference * difference + difference * (2 * s.p1 + ratio + 1) + s.p1 + ratio * s.p2;
+  const double d = -s.p1 * difference * (1 + difference);
+  const double third = b / (3 * a);
+  const double v = third * third * third - b * c / (6 * a * a) + d / (2 * a);
+  const double u = std::copysign(std::sqrt(std::max(0.0, third * third - c / (3 * a))), v);
+  const double turn = u == 0 ? 1 : std::clamp(v / (u * u * u), -1.0, 1.0);
+  const double angle = (std::numbers::pi + std::acos(turn)) / 3;
+  return std::clamp(2 * u * std::cos(angle) - third, std::max(0.0, difference), std::min(1.0, 1 + difference));
+}
+
+// z of the difference against a limit, with the variance at that limit.
+double score_z(const TwoShares& s, double limit) {
+  const double p1 = likeliest_first(s, limit);
+  const double p2 = p1 - limit;
+  const double variance = (p1 * (1 - p1) / s.n1 + p2 * (1 - p2) / s.n2) * (s.n1 + s.n2) / (s.n1 + s.n2 - 1);
+  return standardised(s.p1 - s.p2 - limit, std::max(0.0, variance));
+}
+
+// Trials of either condition (Chow, Shao and Wang 2008, section 4.2), were the shares equal.
+std::optional<uint64_t> trials_for_difference(double share, const EquivalenceSettings& s) {
+  const double z = normal_quantile(1 - s.alpha) + normal_quantile((1 + s.power) / 2);
+  return static_cast<uint64_t>(std::ceil(2 * share * (1 - share) * z * z / (s.margin * s.margin)));
 }
 
 uint64_t missing(const std::optional<uint64_t>& needed, uint64_t have) {
@@ -175,7 +212,13 @@ Equivalence judge_equivalence(std::span<const Share> shares, const EquivalenceSe
   Equivalence out;
   out.exact = tost_exact(chosen, of, low, upp);
   out.different_exact = binomial_test(chosen, of, s.chance).two_sided;
-  test_participants(shares, s, out);
+  std::vector<double> each;
+  for (const Share& share : shares) each.push_back(share_of(share));
+  out.mean = moments_of(each).mean;
+  if (each.size() > 1) {
+    test_participants<Equivalence>(each, s.chance, s, out);
+    out.interval = Interval{std::max(0.0, out.interval->low), std::min(1.0, out.interval->high)};
+  }
   const bool inside = out.exact.p <= s.alpha && (!out.by_participant || out.by_participant->p <= s.alpha);
   const bool apart = out.different_exact <= s.alpha && out.different_by_participant.value_or(0) <= s.alpha;
   out.verdict = inside ? Verdict::equivalent : apart ? Verdict::different : Verdict::not_enough_data;
@@ -183,6 +226,52 @@ Equivalence judge_equivalence(std::span<const Share> shares, const EquivalenceSe
   if (out.verdict == Verdict::not_enough_data) {
     out.more_trials = missing(out.trials_needed, of);
     out.more_participants = missing(out.participants_needed, shares.size());
+  }
+  return out;
+}
+
+Tost tost_difference(uint64_t k1, uint64_t n1, uint64_t k2, uint64_t n2, double margin, DifferenceMethod method) {
+  const double more = method == DifferenceMethod::agresti_caffo ? 1 : 0;
+  TwoShares s{static_cast<double>(n1) + 2 * more, static_cast<double>(n2) + 2 * more};
+  s.p1 = (static_cast<double>(k1) + more) / s.n1;
+  s.p2 = (static_cast<double>(k2) + more) / s.n2;
+  if (method == DifferenceMethod::score)
+    return larger_of(normal_cdf(-score_z(s, -margin)), normal_cdf(score_z(s, margin)));
+  const double variance = s.p1 * (1 - s.p1) / s.n1 + s.p2 * (1 - s.p2) / s.n2;
+  const double difference = s.p1 - s.p2;
+  return larger_of(normal_cdf(-standardised(difference + margin, variance)),
+                   normal_cdf(standardised(difference - margin, variance)));
+}
+
+DifferenceEquivalence judge_difference(std::span<const SharePair> pairs, bool known, const EquivalenceSettings& s) {
+  Share first;
+  Share second;
+  std::vector<double> each;
+  for (const SharePair& pair : pairs) {
+    first = {first.chosen + pair.first.chosen, first.of + pair.first.of};
+    second = {second.chosen + pair.second.chosen, second.of + pair.second.of};
+    if (pair.first.of > 0 && pair.second.of > 0) each.push_back(share_of(pair.first) - share_of(pair.second));
+  }
+  assert(first.of > 0 && second.of > 0 && s.margin > 0 && s.margin < 1);
+  DifferenceEquivalence out;
+  out.difference = share_of(first) - share_of(second);
+  out.score = tost_difference(first.chosen, first.of, second.chosen, second.of, s.margin, DifferenceMethod::score);
+  const TwoShares shares{static_cast<double>(first.of), static_cast<double>(second.of), share_of(first),
+                         share_of(second)};
+  out.different_score = two_sided_normal_p(score_z(shares, 0));
+  out.participants = known ? each.size() : 0;
+  if (out.participants > 1) test_participants<DifferenceEquivalence>(each, 0, s, out);
+  const bool inside = out.score.p <= s.alpha && (!out.by_participant || out.by_participant->p <= s.alpha);
+  const bool apart = out.different_score <= s.alpha && out.different_by_participant.value_or(0) <= s.alpha;
+  // The trials of one participant, or of others in either condition, say too little where participants are known.
+  const bool enough = !known || out.participants > 1;
+  if (enough) out.verdict = inside ? Verdict::equivalent : apart ? Verdict::different : Verdict::not_enough_data;
+  const auto all = static_cast<double>(first.of + second.of);
+  out.trials_needed = trials_for_difference((static_cast<double>(first.chosen + second.chosen) + 1) / (all + 2), s);
+  if (out.verdict == Verdict::not_enough_data) {
+    out.more_trials = missing(out.trials_needed, std::min(first.of, second.of));
+    out.more_participants = missing(out.participants_needed, out.participants);
+    if (!enough) out.more_participants = std::max<uint64_t>(2 - out.participants, out.more_participants);
   }
   return out;
 }

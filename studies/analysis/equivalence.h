@@ -70,4 +70,39 @@ struct EquivalenceSettings {
 // margin is "equivalent": that is what the margin says.
 Equivalence judge_equivalence(std::span<const Share> shares, const EquivalenceSettings& settings);
 
+// ---- two conditions
+
+// Two one-sided tests of "the shares k1 / n1 and k2 / n2 differ by `margin` or more", either way; n1, n2 > 0, 0 <
+// margin < 1. wald: the variance of the sample. agresti_caffo: likewise with one answer of each kind added to either
+// condition (Agresti and Caffo 2000). score: the variance at the limit (Miettinen and Nurminen 1985), whose error of
+// the first kind holds at small numbers and near 0 and 1, too.
+enum class DifferenceMethod { wald, agresti_caffo, score };
+Tost tost_difference(uint64_t k1, uint64_t n1, uint64_t k2, uint64_t n2, double margin, DifferenceMethod method);
+
+// What one participant answered of two conditions; of either `of` may be 0.
+struct SharePair {
+  Share first, second;
+};
+struct DifferenceEquivalence {
+  Verdict verdict = Verdict::not_enough_data;
+  double difference = 0;               // of all shares, first less second
+  Tost score;                          // all trials as if they were independent
+  double different_score = 1;          // two-sided p of "no difference", likewise
+  size_t participants = 0;             // who answered both
+  std::optional<Tost> by_participant;  // t tests of their differences: from two on
+  std::optional<double> different_by_participant;
+  std::optional<Interval> interval;      // 1 - 2 alpha, of the mean difference
+  std::optional<double> participant_sd;  // of the differences
+  // What "equivalent" would take with the power asked for, were there no difference: independent trials of either
+  // condition by the normal approximation, participants by t tests with the spread that these have.
+  std::optional<uint64_t> trials_needed;
+  std::optional<uint64_t> participants_needed;
+  uint64_t more_trials = 0;  // of either condition
+  uint64_t more_participants = 0;
+};
+// pairs: one a participant, or one alone of which nobody knows who it was (`known` false). Either condition has
+// answers. Verdicts as judge_equivalence gives them; settings.chance plays no part.
+DifferenceEquivalence judge_difference(std::span<const SharePair> pairs, bool known,
+                                       const EquivalenceSettings& settings);
+
 }  // namespace crowdbench::studies

@@ -53,6 +53,12 @@ double prior_term(const std::vector<Ordered>& pairs, const std::vector<double>& 
   const size_t m = pairs.size();
   Eigen::MatrixXd chance(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(m));  // (a, b)
   Eigen::MatrixXd slope = chance;
+  std::vector<LogPhi> up(m);
+  std::vector<LogPhi> down(m);
+  for (size_t a = 0; a < m; ++a) {
+    up[a] = log_phi(z[a]);
+    down[a] = log_phi(-z[a]);
+  }
   for (size_t b = 0; b < m; ++b) {
     const double n = pairs[b].n;
     double k = pairs[b].k;
@@ -63,10 +69,8 @@ double prior_term(const std::vector<Ordered>& pairs, const std::vector<double>& 
     const auto column = static_cast<Eigen::Index>(b);
     for (size_t a = 0; a < m; ++a) {
       const auto row = static_cast<Eigen::Index>(a);
-      const LogPhi up = log_phi(z[a]);
-      const LogPhi down = log_phi(-z[a]);
-      chance(row, column) = k * up.value + (n - k) * down.value;
-      slope(row, column) = k * up.slope - (n - k) * down.slope;
+      chance(row, column) = k * up[a].value + (n - k) * down[a].value;
+      slope(row, column) = k * up[a].slope - (n - k) * down[a].slope;
     }
     chance.col(column).array() -= chance.col(column).maxCoeff();
     chance.col(column) = chance.col(column).array().exp();

@@ -9,6 +9,35 @@
 #include "core/probability.h"
 
 namespace crowdbench::studies {
+namespace {
+
+// Outcomes of more trials are not gone through one by one.
+constexpr uint64_t kMostListed = 100'000;
+
+double log_chance(uint64_t k, uint64_t n, double p) {
+  return log_choose(n, k) + static_cast<double>(k) * std::log(p) + static_cast<double>(n - k) * std::log1p(-p);
+}
+
+// The same sum by where the outcomes that are likelier than k end on the other side of the likeliest: chances fall on
+// either side of it.
+double two_sided_of_many(uint64_t k, uint64_t n, double p) {
+  if (p == 0 || p == 1) return k == (p == 0 ? 0 : n) ? 1 : 0;
+  const auto mode = std::min(n, static_cast<uint64_t>(static_cast<double>(n + 1) * p));
+  const double limit = log_chance(k, n, p) + 1e-7;
+  if (log_chance(mode, n, p) <= limit) return 1;
+  uint64_t likelier = mode;
+  uint64_t beyond = k < mode ? n + 1 : 0;  // n + 1 is no outcome
+  if (k > mode && log_chance(0, n, p) > limit) return binomial_at_least(k, n, p);
+  while (std::max(likelier, beyond) - std::min(likelier, beyond) > 1) {
+    const uint64_t middle = std::min(likelier, beyond) + (std::max(likelier, beyond) - std::min(likelier, beyond)) / 2;
+    (log_chance(middle, n, p) > limit ? likelier : beyond) = middle;
+  }
+  const double sum = k < mode ? binomial_at_most(k, n, p) + binomial_at_least(beyond, n, p)
+                              : binomial_at_least(k, n, p) + binomial_at_most(beyond, n, p);
+  return std::min(1.0, sum);
+}
+
+}  // namespace
 
 Interval clopper_pearson(uint64_t k, uint64_t n, double confidence) {
   assert(n > 0 && k <= n && confidence > 0 && confidence < 1);
@@ -31,6 +60,7 @@ Interval wilson(uint64_t k, uint64_t n, double confidence) {
 
 BinomialTest binomial_test(uint64_t k, uint64_t n, double p0) {
   assert(k <= n);
+  if (n > kMostListed) return {two_sided_of_many(k, n, p0), binomial_at_least(k, n, p0), binomial_at_most(k, n, p0)};
   const std::vector<double> chances = binomial_probabilities(n, p0);
   // Outcomes that are equally likely but for the last digits count as such.
   const double limit = chances[k] * (1 + 1e-7);

@@ -425,6 +425,31 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(run("study analyze --jsn").text.find("study analyze has no option '--jsn'; did you mean --json?"),
                    std::string::npos);
          EXPECT_NE(run("study analyze").text.find("there are no answers to analyse"), std::string::npos);
+         EXPECT_NE(
+             run("study analyze answers.csv --ties drp").text.find("--ties: there is no 'drp'; did you mean 'drop'?"),
+             std::string::npos);
+         // Everything that is written, and a plan that was frozen for other answers.
+         write_file(work_ / "study.toml", "[conditions]\ntest = \"flat\"\n[analysis]\nmargin = 0.2\n");
+         write_file(work_ / "scores.csv", "condition,ssim\nnear,0.9\nfar,0.8\n");
+         std::string answers = "study,participant,condition,answer\n";
+         for (int i = 0; i < 40; ++i)
+           answers += fmt::format("0123456789abcdef,{},{},{}\n", i % 4, i % 2 == 0 ? "near" : "far",
+                                  i % 3 == 0 ? "yes" : "no");
+         write_file(work_ / "studied.csv", answers);
+         const json planned = facts(
+             "study analyze studied.csv --plan study.toml --scores scores.csv --between 0.3 --resamples 20 --page "
+             "page.html --out all --export other --json");
+         EXPECT_EQ(planned.at("plan").at("standing"), "Not the planned analysis");
+         EXPECT_EQ(planned.at("plan").at("sentences").at(0), "study.toml was not frozen before the first answer.");
+         EXPECT_NE(planned.at("plan").at("sentences").at(1).get<std::string>().find("--between 0.3"),
+                   std::string::npos);
+         EXPECT_EQ(planned.at("settings").at("margin"), 0.2);
+         EXPECT_EQ(planned.at("tasks")[0].at("differences").size(), 1U);
+         EXPECT_EQ(planned.at("tasks")[0].at("prediction").at("best"), "ssim");
+         EXPECT_NE(text("page.html").find("Not the planned analysis"), std::string::npos);
+         for (const char* file : {"all/report.html", "all/report.md", "all/analysis.json", "other/analysis.R",
+                                  "other/dataset_description.json", "other/data/study_answers_data.csv"})
+           EXPECT_TRUE(fs::exists(work_ / file)) << file;
        }},
       {"study simulate",
        [&] {

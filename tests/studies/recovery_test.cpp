@@ -1,14 +1,18 @@
 // Simulated observers, of whom everything is known, through the whole analysis: estimates come back, intervals cover as
 // often as they say, and "equivalent" is not said of what differs. A few seeds here; as many as one likes by
-//   CROWDBENCH_SEEDS=500 build/release/bin/test_studies --gtest_filter='Recovery*'
+//   tools/study_evidence.sh build/release docs/study-evidence.md --seeds 500
+// which takes the rows of a table that these tests print.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
 
+#include "core/probability.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "studies/analysis/analysis.h"
 #include "studies/analysis/equivalence.h"
 #include "studies/analysis/mixed_model.h"
 #include "studies/analysis/paired_comparison.h"
@@ -32,7 +36,9 @@ size_t seeds(size_t normally) {
 // within `least` to `most`.
 void expect_share(size_t k, size_t n, double p, double least, double most, const char* what) {
   const double share = static_cast<double>(k) / static_cast<double>(n);
-  std::cout << what << ": " << k << " of " << n << " (" << 100 * share << " %)\n";
+  const CountLimits limits = binomial_limits(n, p);
+  std::cout << fmt::format("| {} | {} of {} | {:.1f} % | {:g} % | {} to {} |\n", what, k, n, 100 * share, 100 * p,
+                           limits.low, limits.high);
   const double noise = 3.3 * std::sqrt(p * (1 - p) / static_cast<double>(n));
   if (n >= 500) {
     EXPECT_GE(share, least) << what;
@@ -43,35 +49,34 @@ void expect_share(size_t k, size_t n, double p, double least, double most, const
   }
 }
 
-std::vector<MixedRow> mixed_rows(const Answers& answers) {
-  std::vector<MixedRow> out;
-  for (const Answer& a : answers.rows)
-    out.push_back({.participant = *a.participant,
-                   .clip = *a.clip,
-                   .fixed = {1, *a.level},
-                   .slope = *a.level,
-                   .yes = a.yes,
-                   .of = 1});
+// Simulated answers through the door that all answers take.
+Answers through_a_table(const Answers& answers) {
+  const Table table = parse_table(answers_csv(answers), "simulated.csv");
+  Answers out;
+  add_answers(out, table, columns_by_name(table));
   return out;
 }
 
 TEST(Recovery, ThresholdOfMixedModelIsCovered) {
   const SimulatedObservers truth{.threshold = 1.5, .slope = 1.2, .threshold_sd = 0.6};
   const SimulatedDesign design{.participants = 24, .levels = {0, 1, 2, 3}, .clips = 1, .repeats = 8};
+  AnalysisSettings settings{.resamples = 0};
+  settings.curve.guess = 0;
+  settings.curve.level = 0.5;
   const size_t n = seeds(24);
   size_t covered = 0;
   double sum = 0;
   for (size_t seed = 0; seed < n; ++seed) {
-    const MixedFit fit =
-        fit_mixed(mixed_rows(simulate_answers(truth, design, seed)), {.integration = Integration::quadrature});
-    ASSERT_TRUE(fit.state == MixedState::fitted || fit.state == MixedState::singular);
-    const auto at = mixed_threshold(fit, {}, 0.5);
+    const Analysis analysis = analyse(through_a_table(simulate_answers(truth, design, seed)), settings);
+    const MixedResult& mixed = analysis.tasks.at(0).mixed.at(0);
+    ASSERT_TRUE(mixed.fit.state == MixedState::fitted || mixed.fit.state == MixedState::singular);
+    const auto& at = mixed.threshold;
     ASSERT_TRUE(at && at->interval);
     covered += at->interval->low <= truth.threshold && truth.threshold <= at->interval->high ? 1 : 0;
     sum += at->at;
   }
   EXPECT_NEAR(sum / static_cast<double>(n), truth.threshold, 0.6 / std::sqrt(24.0 * static_cast<double>(n)) * 4);
-  expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the mixed model covered");
+  expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the mixed model, table to interval");
 }
 
 TEST(Recovery, ThresholdOfPsychometricFunctionIsCovered) {
@@ -95,7 +100,7 @@ TEST(Recovery, ThresholdOfPsychometricFunctionIsCovered) {
             ? 1
             : 0;
   }
-  expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the psychometric function covered");
+  expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the psychometric function, profile likelihood");
 }
 
 TEST(Recovery, DifferencesOfWorthsAreCovered) {
@@ -110,7 +115,9 @@ TEST(Recovery, DifferencesOfWorthsAreCovered) {
     covered += std::fabs(d.value - 1.4) <= 1.959964 * d.se ? 1 : 0;
     ordered += fit.log_worth[0] > fit.log_worth[1] && fit.log_worth[1] > fit.log_worth[3] ? 1 : 0;
   }
-  expect_share(covered, n, 0.95, 0.93, 0.97, "difference of two worths covered");
+  expect_share(covered, n, 0.95, 0.93, 0.97, "difference of two log-worths, ties and position in the model");
+  std::cout << fmt::format("| ranking of items 1, 2 and 4 of 4 as it was made | {} of {} | {:.1f} % | - | - |\n",
+                           ordered, n, 100 * static_cast<double>(ordered) / static_cast<double>(n));
   EXPECT_GT(ordered, n * 9 / 10);
 }
 
@@ -132,7 +139,12 @@ TEST(Recovery, EquivalentIsNotSaidOfWhatLiesAtTheMargin) {
       const bool equivalent = judge_equivalence(shares, {.margin = 0.1}).verdict == Verdict::equivalent;
       (truth == 0.5 ? said_of_equal : said) += equivalent ? 1 : 0;
     }
-  std::cout << "false \"equivalent\": " << said << " of " << n << "; of equal ones: " << said_of_equal << "\n";
+  const auto row = [n](const char* what, size_t k, const char* nominal) {
+    std::cout << fmt::format("| {} | {} of {} | {:.1f} % | {} | - |\n", what, k, n,
+                             100 * static_cast<double>(k) / static_cast<double>(n), nominal);
+  };
+  row("\"equivalent\" said of what lies at the margin", said, "at most 5 %");
+  row("\"equivalent\" said of what is equal", said_of_equal, "-");
   EXPECT_LE(static_cast<double>(said),
             0.05 * static_cast<double>(n) + 3.3 * std::sqrt(0.05 * 0.95 * static_cast<double>(n)) * (n < 500));
   EXPECT_GT(said_of_equal, n * 9 / 10);
@@ -172,8 +184,84 @@ TEST(Recovery, QuestPlusNeedsFewerTrials) {
     constant.push_back(std::fabs(fixed.mean()[0] - truth));
     adaptive.push_back(std::fabs(quest.mean()[0] - truth));
   }
-  std::cout << "median error: " << median(constant) << " of " << kConstant << " constant, " << median(adaptive)
-            << " of " << kAdaptive << " adaptive trials\n";
+  std::cout << fmt::format("| constant stimuli | {} | {:.3f} |\n| QUEST+ | {} | {:.3f} |\n", kConstant,
+                           median(constant), kAdaptive, median(adaptive));
+  EXPECT_LE(median(adaptive), median(constant));
+}
+
+TEST(Recovery, PowerIsThatOfLme4) {
+  const Expected& expected = test::statistics_expected();
+  const size_t n = seeds(40);
+  for (const auto& [name, c] : expected.at("power_simulation").items()) {
+    const Expected& truth = c.at("truth");
+    for (const Expected& row : c.at("rows")) {
+      const Power got = simulate_power({.intercept = truth.at("b0").get<double>(),
+                                        .effect = truth.at("b1").get<double>(),
+                                        .participant_sd = truth.at("so").get<double>(),
+                                        .clip_sd = truth.at("sc").get<double>(),
+                                        .participants = row.at("observers").get<uint32_t>(),
+                                        .clips = truth.at("nclip").get<uint32_t>(),
+                                        .simulations = n});
+      SCOPED_TRACE(name + ", " + row.at("observers").dump());
+      const auto reference = row.at("power").get<double>();
+      std::cout << fmt::format("| {} | {} | {:.3f} +- {:.3f} | {:.3f} +- {:.3f} |\n", name,
+                               row.at("observers").get<int>(), got.power, got.power_se, reference,
+                               row.at("mc_se").get<double>());
+      const double own = truth + 0.2 * (random_unit(seed, p, 1) - 0.5);
+      Share share{0, 40};
+      for (uint64_t t = 0; t < share.of; ++t) share.chosen += random_unit(seed, p, 100 + t) < own ? 1 : 0;
+      shares.push_back(share);
+    }
+    const bool equivalent = judge_equivalence(shares, {.margin = 0.1}).verdict == Verdict::equivalent;
+    (truth == 0.5 ? said_of_equal : said) += equivalent ? 1 : 0;
+  }
+  const auto row = [n](const char* what, size_t k, const char* nominal) {
+    std::cout << fmt::format("| {} | {} of {} | {:.1f} % | {} | - |\n", what, k, n,
+                             100 * static_cast<double>(k) / static_cast<double>(n), nominal);
+  };
+  row("\"equivalent\" said of what lies at the margin", said, "at most 5 %");
+  row("\"equivalent\" said of what is equal", said_of_equal, "-");
+  EXPECT_LE(static_cast<double>(said),
+            0.05 * static_cast<double>(n) + 3.3 * std::sqrt(0.05 * 0.95 * static_cast<double>(n)) * (n < 500));
+  EXPECT_GT(said_of_equal, n * 9 / 10);
+}
+
+// As wide an interval with six tenths of the trials: the spread of QUEST+'s estimates over seeds against that of
+// constant stimuli, both read as posterior means of the same grid.
+TEST(Recovery, QuestPlusNeedsFewerTrials) {
+  QuestSettings grid{.function = QuestFunction::normal,
+                     .stimuli = {},
+                     .threshold = {},
+                     .slope = {0.7, 1, 1.5, 2.2},
+                     .guess = {0.5},
+                     .lapse = {0.02}};
+  for (int i = 0; i <= 20; ++i) grid.stimuli.push_back(i);
+  for (int i = 0; i <= 40; ++i) grid.threshold.push_back(i * 0.5);
+  constexpr size_t kConstant = 100;
+  constexpr size_t kAdaptive = 60;
+  const size_t n = seeds(40);
+  std::vector<double> constant;
+  std::vector<double> adaptive;
+  for (size_t seed = 0; seed < n; ++seed) {
+    const double truth = 6 + 8 * random_unit(seed, 0, 1);
+    const auto yes = [&](double x, uint64_t trial, uint64_t purpose) {
+      return random_unit(seed, trial, purpose) < 0.5 + 0.48 * 0.5 * std::erfc(-(x - truth) / std::sqrt(2.0));
+    };
+    QuestPlus fixed(grid);
+    for (size_t t = 0; t < kConstant; ++t) {
+      const size_t stimulus = t % 5 * 3 + 4;  // 4, 7, 10, 13, 16: over all thresholds there may be
+      fixed.answer(stimulus, yes(grid.stimuli[stimulus], t, 2));
+    }
+    QuestPlus quest(grid);
+    for (size_t t = 0; t < kAdaptive; ++t) {
+      const size_t stimulus = quest.next().stimulus;
+      quest.answer(stimulus, yes(grid.stimuli[stimulus], t, 3));
+    }
+    constant.push_back(std::fabs(fixed.mean()[0] - truth));
+    adaptive.push_back(std::fabs(quest.mean()[0] - truth));
+  }
+  std::cout << fmt::format("| constant stimuli | {} | {:.3f} |\n| QUEST+ | {} | {:.3f} |\n", kConstant,
+                           median(constant), kAdaptive, median(adaptive));
   EXPECT_LE(median(adaptive), median(constant));
 }
 

@@ -1,0 +1,185 @@
+// The models of a task: psychometric functions, mixed regressions, rankings.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "core/error.h"
+#include "core/probability.h"
+#include "studies/analysis/analysis_parts.h"
+
+namespace crowdbench::studies::parts {
+namespace {
+
+constexpr size_t kMostBootstrapItems = 20;  // of which every two were compared: a minute
+
+std::vector<Level> levels_of(const Rows& rows, TieRule rule) {
+  std::map<double, std::array<uint64_t, 3>> counts;
+  for (const Answer* row : rows) {
+    auto& [yes, ties, no] = counts[*row->level];
+    yes += row->yes;
+    ties += row->ties;
+    no += row->no;
+  }
+  std::vector<Level> out;
+  for (const auto& [x, c] : counts) {
+    const Decided d = decided(c[0], c[1], c[2], rule);
+    out.push_back({x, d.yes, d.of});
+  }
+  return out;
+}
+
+CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSettings& s) {
+  CurveResult out;
+  out.condition = name;
+  const std::vector<Level> levels = levels_of(rows, s.ties);
+  CurveSettings settings = s.curve;
+  settings.confidence = s.confidence;
+  out.fit = fit_curve(levels, settings);
+  std::vector<std::vector<Level>> people;
+  for (const auto& [participant, theirs] : by_participant(rows)) people.push_back(levels_of(theirs, s.ties));
+  if (people.size() < 2) people.clear();
+  out.by_participant = !people.empty();
+  out.bootstrap = bootstrap_threshold(out.fit, levels, people, settings, s.seed, s.resamples);
+  return out;
+}
+
+MixedSettings mixed_settings(const Rows& rows, const AnalysisSettings& s, bool with_level) {
+  MixedSettings out;
+  out.link = s.link;
+  out.guess = with_level && s.curve.guess_rate == Rate::fixed ? s.curve.guess : 0;
+  out.slopes = with_level && (s.random == RandomEffects::slope || s.random == RandomEffects::independent_slope);
+  out.correlated = s.random == RandomEffects::slope;
+  std::set<uint32_t> clips;
+  for (const Answer* row : rows)
+    if (row->clip) clips.insert(*row->clip);
+  out.clips = clips.size() > 1;
+  const bool scalar = !out.slopes && !out.clips;
+  out.integration = s.integration.value_or(scalar ? Integration::quadrature : Integration::laplace);
+  // Quadrature over two dimensions is not offered: the Laplace of the same information stands in.
+  if (!scalar && out.integration == Integration::quadrature) out.integration = Integration::laplace_observed;
+  return out;
+}
+
+// conditions: those that get a contrast to the first; none where they are fitted apart.
+MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vector<uint32_t>& conditions,
+                     const Answers& answers, const AnalysisSettings& s) {
+  MixedResult out;
+  out.condition = name;
+  const bool with_level = rows.front()->level.has_value();
+  out.settings = mixed_settings(rows, s, with_level);
+  out.effects = {"intercept"};
+  if (with_level) out.effects.emplace_back("level");
+  for (size_t i = 1; i < conditions.size(); ++i) out.effects.push_back(answers.conditions[conditions[i]]);
+  std::map<uint32_t, uint32_t> participants;
+  std::map<uint32_t, uint32_t> clips;
+  std::vector<MixedRow> data;
+  for (const Answer* row : rows) {
+    const Decided d = decided(row->yes, row->ties, row->no, s.ties);
+    if (d.of == 0 || !row->participant) continue;
+    MixedRow one{.yes = d.yes, .of = d.of};
+    one.participant = participants.emplace(*row->participant, static_cast<uint32_t>(participants.size())).first->second;
+    if (out.settings.clips)
+      one.clip = clips.emplace(row->clip.value_or(0), static_cast<uint32_t>(clips.size())).first->second;
+    one.fixed.assign(out.effects.size(), 0);
+    one.fixed[0] = 1;
+    if (with_level) one.fixed[1] = one.slope = *row->level;
+    for (size_t i = 1; i < conditions.size(); ++i)
+      one.fixed[(with_level ? 1 : 0) + i] = row->condition == conditions[i] ? 1 : 0;
+    data.push_back(std::move(one));
+  }
+  out.fit = fit_mixed(data, out.settings);
+  if (out.fit.state != MixedState::fitted && out.fit.state != MixedState::singular) return out;
+  if (with_level) {
+    out.ratio = likelihood_ratio(data, out.settings, out.fit, 1);
+    out.threshold = mixed_threshold(out.fit, out.settings, s.curve.level, s.confidence);
+  } else if (out.effects.size() == 1) {
+    out.population = population_probability(out.fit, out.settings, {1});
+  }
+  return out;
+}
+
+// Items of a task, by their place in Answers::items: those of others and of catch trials are not in its ranking.
+using Places = std::map<uint32_t, uint32_t>;
+Places places_of(const Rows& rows) {
+  Places out;
+  for (const Answer* row : rows)
+    for (const uint32_t item : {*row->item_a, *row->item_b}) out.emplace(item, 0U);
+  uint32_t next = 0;
+  for (auto& [item, place] : out) place = next++;
+  return out;
+}
+
+Wins wins_of(const Rows& rows, const Places& places) {
+  Wins out(places.size(), std::vector<double>(places.size(), 0));
+  for (const Answer* row : rows) {
+    const double half = static_cast<double>(row->ties) / 2;
+    const size_t a = places.at(*row->item_a);
+    const size_t b = places.at(*row->item_b);
+    out[a][b] += static_cast<double>(row->yes) + half;
+    out[b][a] += static_cast<double>(row->no) + half;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<CurveResult> curves_of(const Groups& groups, const AnalysisSettings& s) {
+  std::vector<CurveResult> out;
+  for (const auto& [condition, theirs] : groups.all) out.push_back(curve_of(condition, theirs, s));
+  return out;
+}
+
+std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& rows, const Groups& groups,
+                                      const AnalysisSettings& s) {
+  std::vector<MixedResult> out;
+  if (s.random == RandomEffects::none || !rows.front()->participant) return out;
+  if (rows.front()->level || !rows.front()->condition) {
+    for (const auto& [name, theirs] : groups.all) out.push_back(mixed_of(name, theirs, {}, answers, s));
+    return out;
+  }
+  std::vector<uint32_t> conditions;
+  for (const Answer* row : rows)
+    if (std::find(conditions.begin(), conditions.end(), *row->condition) == conditions.end())
+      conditions.push_back(*row->condition);
+  out.push_back(mixed_of("", rows, conditions, answers, s));
+  return out;
+}
+
+RankingResult ranking_of(const Answers& answers, const Rows& rows, const AnalysisSettings& s) {
+  RankingResult out;
+  std::set<std::string> conditions;
+  for (const Answer* row : rows) conditions.insert(condition_name(answers, *row));
+  out.conditions = conditions.size();
+  const Places places = places_of(rows);
+  for (const auto& [item, place] : places) out.items.push_back(answers.items[item]);
+  std::vector<Comparison> comparisons;
+  for (const Answer* row : rows)
+    comparisons.push_back(
+        {places.at(*row->item_a), places.at(*row->item_b), row->shown_first_is_a, row->yes, row->ties, row->no});
+  const auto known = static_cast<size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const Answer* row) { return row->shown_first_is_a.has_value(); }));
+  if (known != 0 && known != rows.size())
+    throw Error(answers.sources.front(), "says of some comparisons only which item stood first",
+                "name the column `shown_first` of every table, or of none");
+  out.worths = fit_worths(comparisons, out.items.size(), known > 0);
+  if (known > 0 && out.worths.state == WorthState::fitted) {
+    const Worths without = fit_worths(comparisons, out.items.size(), false);
+    const double chi_squared = std::max(0.0, 2 * (out.worths.log_likelihood - without.log_likelihood));
+    out.position = LikelihoodRatio{chi_squared, chi_squared_tail(chi_squared, 1)};
+  }
+  const Wins wins = wins_of(rows, places);
+  out.jod = fit_jod(wins, JodPrior::none);
+  out.jod_with_prior = fit_jod(wins, JodPrior::gaussian);
+  std::vector<Wins> people;
+  for (const auto& [participant, theirs] : by_participant(rows)) people.push_back(wins_of(theirs, places));
+  if (people.size() > 1 && s.resamples > 0 && out.items.size() <= kMostBootstrapItems &&
+      out.jod_with_prior.state == WorthState::fitted)
+    out.intervals =
+        bootstrap_jod(people, bootstrap_draws(people.size(), s.resamples, s.seed), JodPrior::gaussian, s.confidence);
+  return out;
+}
+
+}  // namespace crowdbench::studies::parts

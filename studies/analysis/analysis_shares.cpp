@@ -1,0 +1,162 @@
+// The rows of a task by condition, and the shares of answers of each.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/multiple_tests.h"
+#include "studies/analysis/analysis_parts.h"
+
+namespace crowdbench::studies::parts {
+
+Decided decided(const Rows& rows, TieRule rule) {
+  uint64_t yes = 0;
+  uint64_t ties = 0;
+  uint64_t no = 0;
+  for (const Answer* row : rows) {
+    yes += row->yes;
+    ties += row->ties;
+    no += row->no;
+  }
+  return decided(yes, ties, no, rule);
+}
+
+std::map<uint32_t, Rows> by_participant(const Rows& rows) {
+  std::map<uint32_t, Rows> out;
+  for (const Answer* row : rows)
+    if (row->participant) out[*row->participant].push_back(row);
+  return out;
+}
+
+std::string condition_name(const Answers& answers, const Answer& row) {
+  return row.condition ? answers.conditions[*row.condition] : "";
+}
+
+Groups groups_of(const Answers& answers, const Rows& rows, bool pairs) {
+  Groups out;
+  std::map<std::string, size_t> index;
+  for (const Answer* row : rows) {
+    std::string name = condition_name(answers, *row);
+    if (pairs) {
+      if (*row->item_a > *row->item_b) {
+        out.turned.push_back(std::make_unique<Answer>(*row));
+        Answer& other = *out.turned.back();
+        std::swap(other.item_a, other.item_b);
+        std::swap(other.yes, other.no);
+        row = &other;
+      }
+      name += fmt::format("{}{} over {}", name.empty() ? "" : ": ", answers.items[*row->item_a],
+                          answers.items[*row->item_b]);
+    }
+    const auto [found, added] = index.emplace(name, out.all.size());
+    if (added) out.all.emplace_back(name, Rows{});
+    out.all[found->second].second.push_back(row);
+  }
+  return out;
+}
+
+namespace {
+
+std::optional<SignalDetection> detection_of(const Rows& rows, TieRule rule) {
+  Rows signals;
+  Rows noises;
+  for (const Answer* row : rows)
+    if (row->signal) (*row->signal ? signals : noises).push_back(row);
+  const Decided hit = decided(signals, rule);
+  const Decided alarm = decided(noises, rule);
+  return signal_detection(hit.yes, hit.of, alarm.yes, alarm.of);
+}
+
+std::optional<Equivalence> equivalence_of(const Rows& rows, const AnalysisSettings& s) {
+  if (!s.margin) return std::nullopt;
+  std::vector<Share> shares;
+  for (const auto& [participant, theirs] : by_participant(rows))
+    if (const Decided d = decided(theirs, s.ties); d.of > 0) shares.push_back({d.yes, d.of});
+  if (shares.empty()) {
+    const Decided all = decided(rows, s.ties);
+    shares.push_back({all.yes, all.of});
+  }
+  Equivalence out =
+      judge_equivalence(shares, {.chance = s.chance, .margin = *s.margin, .alpha = s.alpha, .power = s.power});
+  // One participant's trials say nothing of others.
+  if (shares.size() == 1 && !by_participant(rows).empty()) {
+    out.verdict = Verdict::not_enough_data;
+    out.more_participants = std::max<uint64_t>(1, out.more_participants);
+  }
+  return out;
+}
+
+ConditionResult condition_of(const std::string& name, const Rows& rows, const AnalysisSettings& s) {
+  ConditionResult out;
+  out.name = name;
+  for (const Answer* row : rows) {
+    out.yes += row->yes;
+    out.ties += row->ties;
+    out.no += row->no;
+  }
+  out.participants = by_participant(rows).size();
+  const Decided d = decided(out.yes, out.ties, out.no, s.ties);
+  out.chosen = d.yes;
+  out.decided = d.of;
+  out.detection = detection_of(rows, s.ties);
+  if (d.of == 0) return out;
+  out.exact = clopper_pearson(d.yes, d.of, s.confidence);
+  out.score = wilson(d.yes, d.of, s.confidence);
+  // "Yes" to a signal and "yes" without one are opposite answers: their share is no measure of anything but bias.
+  if (out.detection) return out;
+  out.test = binomial_test(d.yes, d.of, s.chance);
+  out.equivalence = equivalence_of(rows, s);
+  return out;
+}
+
+void correct_for_many(std::vector<ConditionResult>& conditions) {
+  std::vector<double> p;
+  for (const ConditionResult& c : conditions)
+    if (c.is_tested()) p.push_back(c.test.two_sided);
+  const std::vector<double> corrected = holm(p);
+  size_t at = 0;
+  for (ConditionResult& c : conditions)
+    if (c.is_tested()) c.holm = corrected[at++];
+}
+
+}  // namespace
+
+std::vector<ConditionResult> conditions_of(const Groups& groups, const AnalysisSettings& s) {
+  std::vector<ConditionResult> out;
+  for (const auto& [condition, theirs] : groups.all) out.push_back(condition_of(condition, theirs, s));
+  correct_for_many(out);
+  return out;
+}
+
+std::vector<DifferenceResult> differences_of(const Groups& groups, const std::vector<ConditionResult>& conditions,
+                                             const AnalysisSettings& s) {
+  std::vector<DifferenceResult> out;
+  if (!s.between) return out;
+  const EquivalenceSettings settings{.margin = *s.between, .alpha = s.alpha, .power = s.power};
+  std::vector<std::map<uint32_t, Share>> shares(conditions.size());
+  for (size_t i = 0; i < conditions.size(); ++i)
+    for (const auto& [participant, theirs] : by_participant(groups.all[i].second)) {
+      const Decided d = decided(theirs, s.ties);
+      shares[i][participant] = {d.yes, d.of};
+    }
+  std::vector<double> p;
+  for (size_t i = 0; i < conditions.size(); ++i)
+    for (size_t j = i + 1; j < conditions.size(); ++j) {
+      if (!conditions[i].is_tested() || !conditions[j].is_tested()) continue;
+      const bool known = conditions[i].participants > 0;
+      std::map<uint32_t, SharePair> pairs;
+      for (const auto& [participant, share] : shares[i]) pairs[participant].first = share;
+      for (const auto& [participant, share] : shares[j]) pairs[participant].second = share;
+      std::vector<SharePair> all;
+      for (const auto& [participant, pair] : pairs) all.push_back(pair);
+      if (!known)
+        all.push_back({{conditions[i].chosen, conditions[i].decided}, {conditions[j].chosen, conditions[j].decided}});
+      out.push_back({i, j, judge_difference(all, known, settings)});
+      p.push_back(out.back().equivalence.different_score);
+    }
+  const std::vector<double> corrected = holm(p);
+  for (size_t i = 0; i < out.size(); ++i) out[i].holm = corrected[i];
+  return out;
+}
+
+}  // namespace crowdbench::studies::parts

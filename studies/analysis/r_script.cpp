@@ -1,0 +1,119 @@
+#include "studies/analysis/r_script.h"
+
+#include <fmt/format.h>
+
+namespace crowdbench::studies {
+namespace {
+
+// A string of R's, and of CSV in quotes.
+std::string quoted(const std::string& text, char escape) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '\n') {
+      out += escape == '\\' ? "\\n" : "\n";
+      continue;
+    }
+    if (c == '"' || (c == '\\' && escape == '\\')) out += escape;
+    out += c;
+  }
+  return out + "\"";
+}
+
+constexpr const char* kHead =
+    R"R(# The mixed models of `crowdbench study analyze`, by lme4. Run in this folder: Rscript analysis.R
+library(lme4)
+answers <- read.csv("data/study_answers_data.csv", colClasses = "character", na.strings = character(0))
+for (column in c("task", "condition")) if (is.null(answers[[column]])) answers[[column]] <- ""
+for (column in intersect(c("chosen", "decided", "level"), names(answers))) answers[[column]] <- suppressWarnings(as.numeric(answers[[column]]))
+answers <- answers[answers$decided > 0, ]
+ours <- read.csv("estimates.csv", colClasses = c("character", "character", "character", "numeric", "numeric"),
+                 na.strings = character(0))
+furthest <- 0
+
+# P(yes) = guess + (1 - guess) F(eta)
+guessing <- function(guess, link) {
+  base <- make.link(link)
+  if (guess == 0) return(base)
+  inner <- function(mu) pmin(pmax((mu - guess) / (1 - guess), 1e-9), 1 - 1e-9)
+  structure(list(linkfun = function(mu) base$linkfun(inner(mu)),
+                 linkinv = function(eta) guess + (1 - guess) * base$linkinv(eta),
+                 mu.eta = function(eta) (1 - guess) * base$mu.eta(eta),
+                 valideta = function(eta) TRUE, name = paste0("guess", guess)), class = "link-glm")
+}
+
+compare <- function(task, condition, rows, formula, guess, link, nAGQ, effects) {
+  cat("\n== task", shQuote(task), "condition", shQuote(condition), "\n")
+  fit <- glmer(formula, data = rows, family = binomial(guessing(guess, link)), nAGQ = nAGQ,
+               control = glmerControl(optimizer = "bobyqa", optCtrl = list(maxfun = 1e5)))
+  theirs <- coef(summary(fit))
+  mine <- ours[ours$task == task & ours$condition == condition, ]
+  mine <- mine[match(effects, mine$effect), ]
+  table <- data.frame(effect = effects, crowdbench = mine$estimate, lme4 = theirs[, "Estimate"],
+                      crowdbench_se = mine$se, lme4_se = theirs[, "Std. Error"], row.names = NULL)
+  print(table, digits = 6)
+  print(VarCorr(fit), comp = "Variance")
+  furthest <<- max(furthest, abs(table$crowdbench - table$lme4) / table$lme4_se)
+}
+
+)R";
+
+std::string random_terms(const MixedSettings& s) {
+  std::string out = !s.slopes      ? "(1 | participant)"
+                    : s.correlated ? "(1 + level | participant)"
+                                   : "(1 + level || participant)";
+  return out + (s.clips ? " + (1 | clip)" : "");
+}
+
+// One model: its rows, formula and settings.
+std::string model(const TaskResult& t, const MixedResult& m, const Analysis& a) {
+  const bool level = m.effects.size() > 1 && m.effects[1] == "level";
+  const size_t first_contrast = level ? 2 : 1;
+  std::string rows = fmt::format("rows <- subset(answers, task == {}", quoted(t.name, '\\'));
+  if (!m.condition.empty()) rows += fmt::format(" & condition == {}", quoted(m.condition, '\\'));
+  std::string out = rows + ")\n";
+  std::string fixed = level ? "1 + level" : "1";
+  if (m.effects.size() > first_contrast) {
+    // The first condition is what the others are held against.
+    std::string levels;
+    for (const ConditionResult& c : t.conditions)
+      levels += fmt::format("{}{}", levels.empty() ? "" : ", ", quoted(c.name, '\\'));
+    out += fmt::format("rows$condition <- factor(rows$condition, levels = c({}))\n", levels);
+    fixed += " + condition";
+  }
+  std::string effects;
+  for (const std::string& effect : m.effects)
+    effects += fmt::format("{}{}", effects.empty() ? "" : ", ", quoted(effect, '\\'));
+  const int nodes = m.settings.integration == Integration::quadrature ? 25 : 1;
+  if (m.settings.integration == Integration::laplace_observed)
+    out +=
+        "# Laplace here has the observed information, lme4's the expected one: they differ a little where guesses are "
+        "held.\n";
+  out += fmt::format("compare({}, {}, rows, cbind(chosen, decided - chosen) ~ {} + {}, {:g}, \"{}\", {}, c({}))\n",
+                     quoted(t.name, '\\'), quoted(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
+                     m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
+  return out + (a.tasks.size() > 1 ? "\n" : "");
+}
+
+}  // namespace
+
+std::string r_script(const Analysis& a) {
+  std::string out = kHead;
+  for (const TaskResult& t : a.tasks)
+    for (const MixedResult& m : t.mixed)
+      if (!m.fit.fixed.empty()) out += model(t, m, a);
+  return out +
+         "\ncat(\"\\nlargest difference of an estimate, in its standard errors:\", format(furthest, digits = 3), "
+         "\"\\n\")\n";
+}
+
+std::string estimates_csv(const Analysis& a) {
+  std::string out = "task,condition,effect,estimate,se\n";
+  for (const TaskResult& t : a.tasks)
+    for (const MixedResult& m : t.mixed)
+      for (size_t i = 0; i < m.fit.fixed.size(); ++i)
+        out += fmt::format("{},{},{},{},{}\n", quoted(t.name, '"'), quoted(m.condition, '"'), quoted(m.effects[i], '"'),
+                           m.fit.fixed[i].estimate, m.fit.fixed[i].se);
+  return out;
+}
+
+}  // namespace crowdbench::studies

@@ -1,0 +1,20 @@
+// Numbers and names as the sentences and tables of an analysis write them. For the sources of this folder.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace crowdbench::studies::text {
+
+// "1 trial", "12 trials".
+std::string counted(uint64_t count, std::string_view one, std::string_view many);
+// A name from a file, without control characters; "all" where it is empty.
+std::string named(const std::string& name);
+std::string percent(uint64_t part, uint64_t whole);  // "29 %"; "-" of nothing
+std::string p_text(double p);                        // "0.012", "< 0.001"
+std::string number(std::optional<double> value);     // four digits; "-" for none
+// "3 to 5"; an end that is not there is open.
+std::string ends_text(const std::optional<double>& low, const std::optional<double>& high);
+
+}  // namespace crowdbench::studies::text

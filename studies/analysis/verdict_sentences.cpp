@@ -1,0 +1,161 @@
+#include "studies/analysis/verdict_sentences.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "studies/analysis/text_numbers.h"
+
+namespace crowdbench::studies {
+namespace {
+
+using text::counted;
+using text::ends_text;
+using text::named;
+using text::p_text;
+using text::percent;
+
+std::string p_is(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.3f}", p); }
+
+// In the form in which such studies are printed: all answers, then those of who chose.
+std::string shares_sentence(const ConditionResult& c, bool paired) {
+  const uint64_t all = c.yes + c.ties + c.no;
+  std::string out = fmt::format("{}: ", named(c.name));
+  if (all == 0) return out + "no answers.";
+  const char* first = paired ? "chose the first" : "yes";
+  const char* second = paired ? "the second" : "no";
+  if (c.ties > 0)
+    out += fmt::format("{} cannot tell, {} {}, {} {}", percent(c.ties, all), percent(c.yes, all), first,
+                       percent(c.no, all), second);
+  else
+    out += fmt::format("{} {}, {} {}", percent(c.yes, all), first, percent(c.no, all), second);
+  out += fmt::format(", of {}", counted(all, "answer", "answers"));
+  if (c.participants > 0) out += fmt::format(" by {}", counted(c.participants, "participant", "participants"));
+  if (c.ties > 0 && c.yes + c.no > 0) {
+    const double share = 100 * static_cast<double>(c.yes) / static_cast<double>(c.yes + c.no);
+    out += fmt::format("; among those who chose {:.0f} / {:.0f} %", share, 100 - std::round(share));
+  }
+  return out + ".";
+}
+
+std::string chance_sentence(const ConditionResult& c, const AnalysisSettings& s) {
+  const std::string interval =
+      fmt::format("{:.0f} % interval {:.3f} to {:.3f}", 100 * s.confidence, c.exact.low, c.exact.high);
+  const bool differs = c.holm <= 1 - s.confidence;
+  if (differs)
+    return fmt::format(" The share differs from {:g} (exact {}, {} after Holm's correction).", s.chance, interval,
+                       p_is(c.holm));
+  return fmt::format(" A difference from {:g} is not shown (exact {}, {} after Holm's correction){}.", s.chance,
+                     interval, p_is(c.holm),
+                     s.margin ? "" : ", which is no evidence that there is none: that takes a margin of equivalence");
+}
+
+template <typename Result>
+std::string more_text(const Result& e, const char* of_either) {
+  if (e.more_participants > 0)
+    return fmt::format("about {} would be needed, were there no difference",
+                       counted(e.more_participants, "more participant", "more participants"));
+  if (e.more_trials > 0)
+    return fmt::format("about {}{} would be needed, were there no difference",
+                       counted(e.more_trials, "more trial", "more trials"), of_either);
+  return "there are enough for the power asked for, and it did not come out";
+}
+
+std::string equivalence_sentence(const ConditionResult& c, const AnalysisSettings& s) {
+  const Equivalence& e = *c.equivalence;
+  const std::string people = e.by_participant ? fmt::format(", {} of participants", p_is(e.by_participant->p)) : "";
+  const std::string interval = e.interval
+                                   ? fmt::format("; mean share {:.3f}, {:.0f} % interval {:.3f} to {:.3f}", e.mean,
+                                                 100 * (1 - 2 * s.alpha), e.interval->low, e.interval->high)
+                                   : "";
+  switch (e.verdict) {
+    case Verdict::equivalent:
+      return fmt::format(" Equivalent to {:g} within {:g}: two one-sided tests, {} of trials{}{}.", s.chance, *s.margin,
+                         p_is(e.exact.p), people, interval);
+    case Verdict::different:
+      return fmt::format(
+          " Different from {:g}: {} of trials{}{}; not within {:g} of it.", s.chance, p_is(e.different_exact),
+          e.different_by_participant ? fmt::format(", {} of participants", p_is(*e.different_by_participant)) : "",
+          interval, *s.margin);
+    case Verdict::not_enough_data: break;
+  }
+  return fmt::format(" Not enough data to say whether it lies within {:g} of {:g}: {}{}.", *s.margin, s.chance,
+                     more_text(e, ""), interval);
+}
+
+std::string difference_sentence(const TaskResult& t, const DifferenceResult& d, const AnalysisSettings& s) {
+  const DifferenceEquivalence& e = d.equivalence;
+  const std::string both =
+      fmt::format("{} and {}", named(t.conditions[d.first].name), named(t.conditions[d.second].name));
+  const std::string people = e.by_participant ? fmt::format(", {} of participants", p_is(e.by_participant->p)) : "";
+  switch (e.verdict) {
+    case Verdict::equivalent:
+      return fmt::format("{} are equivalent within {:g}: difference {:+.3f}, {} of trials{}.", both, *s.between,
+                         e.difference, p_is(e.score.p), people);
+    case Verdict::different:
+      return fmt::format("{} are different: {:+.3f}, {} after Holm's correction.", both, e.difference, p_is(d.holm));
+    case Verdict::not_enough_data: break;
+  }
+  return fmt::format("{}: not enough data to say whether they differ by less than {:g} ({:+.3f}): {}.", both,
+                     *s.between, e.difference, more_text(e, " of either"));
+}
+
+std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
+  const std::string who = c.condition.empty() ? "" : named(c.condition) + ": ";
+  if (!c.fit.threshold) return fmt::format("{}There is no threshold: {}.", who, state_text(c.fit.state));
+  std::string interval = ends_text(c.fit.threshold_profile.low, c.fit.threshold_profile.high);
+  std::string method = "profile likelihood";
+  if (c.bootstrap && !c.bootstrap->open) {
+    interval = ends_text(c.bootstrap->threshold.low, c.bootstrap->threshold.high);
+    method = c.by_participant ? "bootstrap over participants" : "parametric bootstrap";
+  }
+  return fmt::format("{}The threshold at {:g} is {:.4g} ({:.0f} % interval {}, {}).", who, s.curve.level,
+                     *c.fit.threshold, 100 * s.confidence, interval, method);
+}
+
+std::string ranking_sentence(const RankingResult& r) {
+  if (r.jod_with_prior.q.empty()) return fmt::format("There is no ranking: {}.", state_text(r.worths.state));
+  const auto& q = r.jod_with_prior.q;
+  size_t best = 0;
+  size_t worst = 0;
+  for (size_t i = 1; i < q.size(); ++i) {
+    if (q[i] > q[best]) best = i;
+    if (q[i] < q[worst]) worst = i;
+  }
+  return fmt::format("Of {}, {} stands highest and {} lowest, {:.2f} JOD apart.",
+                     counted(r.items.size(), "item", "items"), named(r.items[best]), named(r.items[worst]),
+                     q[best] - q[worst]);
+}
+
+std::string prediction_sentence(const ScorePredictions& p) {
+  if (!p.best) return "No score can be held against the answers.";
+  const ScorePrediction& best = p.scores[*p.best];
+  std::string out =
+      fmt::format("Of the objective scores, {} predicts the answers best (AUC {:.2f}", named(best.score), best.auc);
+  if (best.auc_interval) out += fmt::format(", {:.2f} to {:.2f}", best.auc_interval->low, best.auc_interval->high);
+  out += ")";
+  if (best.auc_interval && best.auc_interval->low <= 0.5) out += ", not distinguishable from guessing";
+  std::string alike;
+  for (const ScoreContest& c : p.contests)
+    if (c.a == *p.best && c.interval && !c.distinguishable)
+      alike += (alike.empty() ? "" : ", ") + named(p.scores[c.b].score);
+  return out + (alike.empty() ? "." : fmt::format("; not distinguishable from it: {}.", alike));
+}
+
+}  // namespace
+
+std::vector<std::string> verdict_sentences(const TaskResult& t, const AnalysisSettings& s) {
+  std::vector<std::string> out;
+  for (const ConditionResult& c : t.conditions) {
+    out.push_back(shares_sentence(c, t.ranking.has_value()));
+    if (!c.is_tested()) continue;
+    out.back() += c.equivalence ? equivalence_sentence(c, s) : chance_sentence(c, s);
+  }
+  for (const DifferenceResult& d : t.differences) out.push_back(difference_sentence(t, d, s));
+  for (const CurveResult& c : t.curves) out.push_back(curve_sentence(c, s));
+  if (t.ranking) out.push_back(ranking_sentence(*t.ranking));
+  if (t.prediction) out.push_back(prediction_sentence(*t.prediction));
+  return out;
+}
+
+}  // namespace crowdbench::studies

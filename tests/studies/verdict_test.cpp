@@ -1,0 +1,355 @@
+// What is said of answers: two conditions against each other, scores against answers, whether it was planned, the forms
+// of other tools, and what tables of the worst kind end in.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <regex>
+
+#include "core/error.h"
+#include "core/probability.h"
+#include "core/random.h"
+#include "studies/analysis/analysis.h"
+#include "studies/analysis/analysis_output.h"
+#include "studies/analysis/exports.h"
+#include "studies/analysis/plan_standing.h"
+#include "studies/analysis/verdict_sentences.h"
+#include "tests/studies/answer_tables.h"
+#include "tests/studies/ground_truth.h"
+
+namespace crowdbench::studies {
+namespace {
+
+using test::answers_of;
+using Expected = nlohmann::json;
+
+// ---- two conditions
+
+TEST(TwoConditions, AreThoseOfStatsmodelsAndTheLikelihoodSearch) {
+  size_t compared = 0;
+  for (const Expected& c : test::statistics_expected().at("equivalence").at("two_proportions"))
+    for (const Expected& t : c.at("tost")) {
+      const auto name = t.at("method").get<std::string>();
+      const bool score = name.starts_with("score");
+      const DifferenceMethod method = score            ? DifferenceMethod::score
+                                      : name == "wald" ? DifferenceMethod::wald
+                                                       : DifferenceMethod::agresti_caffo;
+      const Tost got =
+          tost_difference(c.at("count1").get<uint64_t>(), c.at("nobs1").get<uint64_t>(), c.at("count2").get<uint64_t>(),
+                          c.at("nobs2").get<uint64_t>(), t.at("margin").get<double>(), method);
+      SCOPED_TRACE(c.dump().substr(0, 60) + " " + name);
+      // The score's z of the likelihood search is exact to 1e-4.
+      const double tolerance = score ? 5e-5 : 1e-9;
+      EXPECT_NEAR(got.p_low, t.at("p_low").get<double>(), tolerance);
+      EXPECT_NEAR(got.p_upp, t.at("p_upp").get<double>(), tolerance);
+      EXPECT_EQ(got.p, std::max(got.p_low, got.p_upp));
+      ++compared;
+    }
+  EXPECT_GE(compared, 9U);
+}
+
+TEST(TwoConditions, VerdictNeedsTrialsAndParticipants) {
+  const EquivalenceSettings settings{.margin = 0.1};
+  std::vector<SharePair> alike;
+  std::vector<SharePair> apart;
+  std::vector<SharePair> torn;  // the same shares in all, and every participant on one side
+  for (uint64_t p = 0; p < 20; ++p) {
+    alike.push_back({{20 + p % 2, 40}, {21 - p % 2, 40}});
+    apart.push_back({{30 + p % 3, 40}, {20, 40}});
+    torn.push_back({{p % 2 == 0 ? 36U : 4U, 40}, {p % 2 == 0 ? 4U : 36U, 40}});
+  }
+  EXPECT_EQ(judge_difference(alike, true, settings).verdict, Verdict::equivalent);
+  const DifferenceEquivalence different = judge_difference(apart, true, settings);
+  EXPECT_EQ(different.verdict, Verdict::different);
+  EXPECT_NEAR(different.difference, (30 * 20 + 19) / 800.0 - 0.5, 1e-12);
+  const DifferenceEquivalence unsure = judge_difference(torn, true, settings);
+  EXPECT_LE(unsure.score.p, 0.05) << "its trials alone would say equivalent";
+  EXPECT_EQ(unsure.verdict, Verdict::not_enough_data);
+  EXPECT_GT(unsure.more_participants, 100U);
+  // Nobody answered both.
+  const std::vector<SharePair> strangers = {{{300, 600}, {0, 0}}, {{0, 0}, {300, 600}}};
+  EXPECT_EQ(judge_difference(strangers, true, settings).verdict, Verdict::not_enough_data);
+  EXPECT_EQ(judge_difference(strangers, true, settings).more_participants, 2U);
+  EXPECT_EQ(judge_difference(strangers, false, settings).verdict, Verdict::equivalent);
+  // Of so many trials of either condition the test has about the power that was asked for.
+  const DifferenceEquivalence few =
+      judge_difference(std::vector<SharePair>{{{10, 20}, {10, 20}}}, false, {.margin = 0.15});
+  const auto n = few.trials_needed.value();
+  EXPECT_EQ(few.more_trials, n - 20);
+  double power = 0;
+  const std::vector<double> chances = binomial_probabilities(n, 0.5);
+  for (uint64_t i = 0; i <= n; i += 1)
+    for (uint64_t j = n * 3 / 10; j <= n * 7 / 10; ++j)
+      if (chances[i] * chances[j] > 1e-9 && tost_difference(i, n, j, n, 0.15, DifferenceMethod::score).p <= 0.05)
+        power += chances[i] * chances[j];
+  EXPECT_NEAR(power, 0.8, 0.02);
+}
+
+TEST(TwoConditions, StandInTheAnalysis) {
+  std::string text = "participant,condition,yes,no\n";
+  for (int p = 0; p < 12; ++p)
+    text += fmt::format("{},near,{},{}\n{},far,{},{}\n{},off,{},{}\n", p, 20 + p % 2, 20 - p % 2, p, 21 - p % 2,
+                        19 + p % 2, p, 34 + p % 3, 6 - p % 3);
+  const Analysis a = analyse(answers_of(text), {.between = 0.1, .resamples = 0});
+  ASSERT_EQ(a.tasks[0].differences.size(), 3U);
+  EXPECT_EQ(a.tasks[0].differences[0].equivalence.verdict, Verdict::equivalent);
+  EXPECT_EQ(a.tasks[0].differences[1].equivalence.verdict, Verdict::different);
+  EXPECT_GE(a.tasks[0].differences[1].holm, a.tasks[0].differences[1].equivalence.different_score);
+  const std::string page = analysis_markdown(a);
+  EXPECT_NE(page.find("near and far are equivalent within 0.1"), std::string::npos) << page;
+  EXPECT_NE(page.find("near and off are different"), std::string::npos) << page;
+}
+
+// ---- scores
+
+// Eight clips, 12 participants; the chance of a yes follows `truth`.
+std::string rated(std::string& scores) {
+  std::string text = "participant,clip,answer\n";
+  scores = "clip,truth,same_order,noise,constant,absent\n";
+  for (uint64_t c = 0; c < 8; ++c) {
+    const double truth = -1.5 + 3.0 * static_cast<double>(c) / 7;
+    scores += fmt::format("c{},{},{},{},7,\n", c, truth, std::exp(truth), random_unit(5, c, 1));
+    for (uint64_t p = 0; p < 12; ++p)
+      for (uint64_t r = 0; r < 3; ++r)
+        text += fmt::format("p{},c{},{}\n", p, c, random_unit(c, p, 10 + r) < logistic_cdf(truth) ? "yes" : "no");
+  }
+  return text;
+}
+
+TEST(Scores, AreHeldAgainstAnswers) {
+  std::string scores;
+  const Answers answers = answers_of(rated(scores));
+  const AnalysisSettings settings{.random = RandomEffects::none, .resamples = 300};
+  const Analysis a = analyse(answers, settings, score_table(parse_table(scores, "s.csv")));
+  const ScorePredictions& p = a.tasks.at(0).prediction.value();
+  ASSERT_EQ(p.scores.size(), 5U);
+  EXPECT_EQ(p.answers, 288U);
+  EXPECT_EQ(p.stimuli, 8U);
+  EXPECT_EQ(p.scores[*p.best].score, "truth");
+  EXPECT_EQ(p.scores[3].state, PredictionState::one_value);
+  EXPECT_EQ(p.scores[4].state, PredictionState::no_values);
+  const ScorePrediction& truth = p.scores[0];
+  EXPECT_GT(truth.auc, 0.65);
+  EXPECT_FALSE(truth.falls);
+  EXPECT_LT(truth.auc_interval->low, truth.auc);
+  EXPECT_GT(truth.auc_interval->high, truth.auc);
+  EXPECT_NEAR(truth.calibration_slope.value(), 1, 0.35);
+  EXPECT_LT(truth.slope_interval->low, 1);
+  EXPECT_NEAR(truth.auc, p.scores[1].auc, 1e-12) << "an area knows the order alone";
+  ASSERT_EQ(p.contests.size(), 3U);
+  for (const ScoreContest& c : p.contests)
+    if (p.scores[c.a].score != "noise" && p.scores[c.b].score != "noise") {
+      EXPECT_FALSE(c.distinguishable);
+      EXPECT_EQ(c.difference, 0);
+    } else {
+      EXPECT_TRUE(c.distinguishable) << c.interval->low;
+    }
+  const std::vector<std::string> said = verdict_sentences(a.tasks[0], settings);
+  EXPECT_NE(said.back().find("truth predicts the answers best"), std::string::npos) << said.back();
+  EXPECT_NE(said.back().find("not distinguishable from it: same_order."), std::string::npos) << said.back();
+  const Analysis again = analyse(answers, settings, score_table(parse_table(scores, "s.csv")));
+  EXPECT_EQ(analysis_json(a).dump(), analysis_json(again).dump());
+}
+
+TEST(Scores, AreasAreRightByHand) {
+  // Of the nine pairs of a yes and a no 8 are in order, and one is equal.
+  PredictedAnswers answers;
+  answers.values = {{1.0}, {2.0}, {3.0}};
+  answers.cells = {{0, 0, 0, 2}, {0, 1, 1, 2}, {0, 2, 2, 2}};
+  const ScorePredictions up = predict_by_scores({"s"}, answers, 0.95, 1, 0);
+  EXPECT_NEAR(up.scores[0].auc, 1 - (0.5 * 1) / 9, 1e-12);
+  for (auto& v : answers.values) v[0] = -*v[0];
+  const ScorePredictions down = predict_by_scores({"s"}, answers, 0.95, 1, 0);
+  EXPECT_TRUE(down.scores[0].falls);
+  EXPECT_NEAR(down.scores[0].auc, up.scores[0].auc, 1e-12);
+  EXPECT_FALSE(down.scores[0].calibration_slope) << "three stimuli are too few";
+  answers.cells = {{0, 0, 2, 2}, {0, 1, 2, 2}};
+  EXPECT_EQ(predict_by_scores({"s"}, answers, 0.95, 1, 10).scores[0].state, PredictionState::all_alike);
+}
+
+TEST(Scores, OfItemsDoNotCareWhichStandsFirst) {
+  const std::string scores = "item,error\nmesh,0\nflat,2\nrelief,1\n";
+  const ScoreTable table = score_table(parse_table(scores, "s.csv"));
+  const auto prediction = [&](const std::string& text) {
+    return analyse(answers_of(text), {.resamples = 20}, table).tasks.at(0).prediction.value();
+  };
+  const ScorePredictions one =
+      prediction("participant,item_a,item_b,yes,no\n1,mesh,flat,9,1\n1,relief,flat,7,3\n1,mesh,relief,6,4\n");
+  const ScorePredictions turned =
+      prediction("participant,item_a,item_b,yes,no\n1,flat,mesh,1,9\n1,flat,relief,3,7\n1,relief,mesh,4,6\n");
+  EXPECT_NEAR(one.scores[0].auc, turned.scores[0].auc, 1e-12);
+  EXPECT_GT(one.scores[0].auc, 0.6);
+  EXPECT_TRUE(one.scores[0].falls) << "less error is chosen";
+  EXPECT_EQ(one.answers, 30U);
+}
+
+TEST(Scores, RefuseWithTheLine) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"name,s\na,1\n", "s.csv:1: has no column that says whose scores they are"},
+      {"clip,item,s\na,b,1\n", "s.csv:1: says twice whose scores they are"},
+      {"clip\na\n", "s.csv:1: has 0 scores"},
+      {"clip,s\na,x\n", "s.csv:2: 'x' in column 's' is not a score"},
+      {"clip,s\na,inf\n", "s.csv:2: 'inf' in column 's' is not a score"},
+      {"clip,s\na,1\na,2\n", "s.csv:3: has scores of 'a' again"},
+      {"clip,s\nother,1\n", "s.csv: has scores of nothing that the answers name"},
+  };
+  for (const auto& [text, says] : wrong) {
+    try {
+      analyse(answers_of("clip,answer\na,yes\na,no\n"), {.resamples = 0}, score_table(parse_table(text, "s.csv")));
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).rfind(says, 0), 0U) << error.what();
+    }
+  }
+}
+
+// ---- planned or not
+
+TEST(PlanStanding, SaysWhateverSpeaksAgainstIt) {
+  const std::string a(64, 'a');
+  const std::string b(64, 'b');
+  const Answers of_a = answers_of("study,answer\n" + a + ",yes\n");
+  const Answers of_b = answers_of("study,answer\n" + b + ",yes\n");
+  const Answers of_nothing = answers_of("answer\nyes\n");
+  const PlanFacts frozen{"p.toml", a, a, {}};
+  EXPECT_EQ(plan_standing(frozen, of_a, {}).standing, Standing::planned);
+  EXPECT_EQ(plan_standing({"p.toml", a, std::nullopt, {}}, of_a, {}).standing, Standing::not_planned);
+  EXPECT_EQ(plan_standing({"p.toml", b, a, {}}, of_a, {}).standing, Standing::not_planned) << "changed";
+  EXPECT_EQ(plan_standing(frozen, of_b, {}).standing, Standing::not_planned);
+  EXPECT_EQ(plan_standing(frozen, of_nothing, {}).standing, Standing::not_planned);
+  const PlanStanding other = plan_standing(frozen, of_a, {"--ties split"});
+  EXPECT_EQ(other.standing, Standing::not_planned);
+  EXPECT_NE(other.sentences.at(0).find("--ties split"), std::string::npos);
+  const PlanStanding deviates = plan_standing({"p.toml", b, a, {{b, "a clip was broken"}}}, of_b, {});
+  EXPECT_EQ(deviates.standing, Standing::deviates);
+  EXPECT_NE(deviates.sentences.at(0).find("a clip was broken"), std::string::npos);
+}
+
+// ---- other tools
+
+std::string file_named(const std::vector<ExportedFile>& files, const std::string& name) {
+  for (const ExportedFile& file : files)
+    if (file.name == name) return file.text;
+  ADD_FAILURE() << "no " << name;
+  return "";
+}
+
+TEST(Exports, HoldTheSameData) {
+  std::string text = "who,trial,x,what,seen\n";
+  for (int p = 0; p < 6; ++p)
+    for (int t = 0; t < 12; ++t)
+      text += fmt::format("\"p, {}\",{},{},\"a \"\"b\"\"\",{}\n", p, t, t % 4, (t * 7 + p * 5) % 11 < 3 + t % 4 * 2);
+  AnalysisSettings settings{.resamples = 0};
+  settings.curve.guess = 0;
+  const Analysis a =
+      analyse(answers_of(text, "participant=who,trial=trial,level=x,condition=what,answer=seen"), settings);
+  const std::vector<ExportedFile> files = export_files(a);
+  const std::string data = file_named(files, "data/study_answers_data.csv");
+  EXPECT_EQ(data.substr(0, data.find('\n')), "participant,trial,condition,level,yes,ties,no,chosen,decided");
+  // Read back, it gives the same results.
+  Expected first = Expected::parse(analysis_json(a).dump());
+  Expected second = Expected::parse(analysis_json(analyse(answers_of(data), settings)).dump());
+  EXPECT_EQ(first, second);
+  const Table triplets = parse_table(file_named(files, "psignifit/1-1.csv"), "p");
+  ASSERT_EQ(triplets.rows.size(), 4U);
+  EXPECT_EQ(triplets.columns, (std::vector<std::string>{"level", "correct", "total"}));
+  EXPECT_EQ(triplets.rows[0].fields[2], "18");
+  const Expected description = Expected::parse(file_named(files, "dataset_description.json"));
+  EXPECT_EQ(description.at("@type"), "Dataset");
+  EXPECT_EQ(description.at("variableMeasured").size(), 9U);
+  const std::string script = file_named(files, "analysis.R");
+  EXPECT_NE(script.find("glmer("), std::string::npos);
+  EXPECT_NE(script.find("cbind(chosen, decided - chosen) ~ 1 + level + (1 | participant), 0, \"logit\", 25"),
+            std::string::npos)
+      << script.substr(script.size() - 400);
+  EXPECT_NE(script.find("condition == \"a \\\"b\\\"\""), std::string::npos);
+  EXPECT_EQ(parse_table(file_named(files, "estimates.csv"), "e").rows.size(), 2U);
+}
+
+TEST(Exports, ComparisonsForPwcmpAreOneARow) {
+  const Analysis a = analyse(
+      answers_of("participant,condition,item_a,item_b,yes,ties,no\nA,far,mesh,flat,2,5,1\nB,far,flat,mesh,0,0,1\n"),
+      {.resamples = 0});
+  EXPECT_EQ(file_named(export_files(a), "pwcmp/1.csv"),
+            "Observer,Session,Scene,Condition_1,Condition_2,Selection\n"
+            "A,1,far,mesh,flat,1\nA,1,far,mesh,flat,1\nA,1,far,mesh,flat,2\nB,1,far,flat,mesh,2\n");
+}
+
+// ---- the worst tables
+
+// Every number that is told is one.
+void expect_numbers(const Analysis& analysis) {
+  const std::string page = analysis_markdown(analysis);
+  std::smatch found;
+  EXPECT_FALSE(std::regex_search(page, found, std::regex("\\b(nan|inf)\\b"))) << page;
+}
+
+TEST(HostileTables, EndInAResultOrOneLine) {
+  const auto rows = [](int n, auto&& row) {
+    std::string out;
+    for (int i = 0; i < n; ++i) out += row(i);
+    return out;
+  };
+  const std::pair<std::string, std::string> cases[] = {
+      {"level,answer\n1e308,yes\n-1e308,no\n", "t.csv:2: '1e308' in column 'level'"},
+      {"level,answer\n1e-300,yes\n1,no\n", "t.csv:2: '1e-300' in column 'level'"},
+      {"level,yes,total\n-1e15,5,10\n0,6,10\n1e15,9,10\n", ""},
+      {"level,yes,total\n1,500000000,1000000000\n2,900000000,1000000000\n3,999999999,1000000000\n", ""},
+      {"participant,condition,yes,no\n1,a,500000000,500000000\n2,a,500000000,499000000\n1,b,1,1000000000\n2,b,2,1\n",
+       ""},
+      {"item_a,item_b,yes,no\nx,y,1000000000,1000000000\ny,z,1000000000,1\nx,z,1,1\n", ""},
+      {"yes,no\n2000000000,1\n", "t.csv:2: '2000000000' in column 'yes'"},
+      {"condition,answer\n" + rows(101, [](int i) { return fmt::format("c{},yes\n", i); }),
+       "t.csv: the answers have 101 conditions, and at most 100 are analysed"},
+      {"item_a,item_b,answer\n" + rows(51, [](int i) { return fmt::format("i{},i{},a\n", i, i + 1); }),
+       "t.csv: the answers have 52 items, and at most 50 are analysed"},
+      {"level,answer\n" + rows(501, [](int i) { return fmt::format("{},yes\n", i); }),
+       "t.csv: the answers have 501 levels in one condition, and at most 500 are analysed"},
+      {"participant,clip,answer\n" + rows(1500, [](int i) { return fmt::format("p{},c{},yes\n", i, i); }),
+       "t.csv: the answers have 3000 participants and clips, and at most 2000 are analysed"},
+      {"answer,hidden\nyes,2\nno,x\n", "t.csv:3: 'x' in column 'hidden'"},
+      {"answer,frames_dropped\nyes,-1\n", "t.csv:2: '-1' in column 'frames_dropped'"},
+  };
+  for (const auto& [text, says] : cases) {
+    SCOPED_TRACE(text.substr(0, 60));
+    try {
+      const Analysis a = analyse(answers_of(text), {.margin = 0.1, .between = 0.1, .resamples = 20});
+      EXPECT_EQ(says, "");
+      expect_numbers(a);
+    } catch (const Error& error) {
+      EXPECT_NE(says, "") << error.what();
+      EXPECT_EQ(std::string(error.what()).rfind(says, 0), 0U) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+TEST(HostileTables, TestsOfManyTrialsAreThoseOfFew) {
+  // Where outcomes are no longer gone through one by one, the p value goes on as before.
+  for (const double p0 : {0.5, 0.3, 0.01}) {
+    const auto k = static_cast<uint64_t>(100'000 * p0) + 150;
+    const double few = binomial_test(k, 100'000, p0).two_sided;
+    const double many = binomial_test(k, 100'001, p0).two_sided;
+    EXPECT_NEAR(few, many, 0.01 * few + 1e-12) << p0;
+  }
+  EXPECT_EQ(binomial_test(1'000'000'000, 2'000'000'000, 0.5).two_sided, 1);
+  const BinomialTest off = binomial_test(1'000'050'000, 2'000'000'000, 0.5);
+  EXPECT_NEAR(off.two_sided, two_sided_normal_p(50'000 / std::sqrt(5e8)), 1e-4);
+  EXPECT_NEAR(off.two_sided, 2 * off.greater, 1e-6);
+}
+
+TEST(HostileTables, TrialsAreLeftOutByTheirRules) {
+  AnalysisSettings settings{.resamples = 0};
+  settings.trials = {.shortest_rt_ms = 200, .most_frames_dropped = 3, .hidden = true};
+  const Analysis a = analyse(
+      answers_of("answer,rt,frames_dropped,hidden\nyes,150,0,0\nyes,250,4,1\nyes,250,3,2\nno,250,3,0\nyes,,,\n"),
+      settings);
+  EXPECT_EQ(a.left_out.fast, 1U);
+  EXPECT_EQ(a.left_out.dropped, 1U);
+  EXPECT_EQ(a.left_out.hidden, 1U);
+  EXPECT_EQ(a.rows, 2U);
+  const std::string page = analysis_markdown(a);
+  EXPECT_NE(page.find("Left out, answered within 200 ms: 1 trial."), std::string::npos) << page;
+}
+
+}  // namespace
+}  // namespace crowdbench::studies

@@ -1,0 +1,54 @@
+#!/bin/sh
+# Makes docs/study-evidence.md: how often the analysis of simulated answers is right. The rows are what the tests of
+# tests/studies/recovery_test.cpp print, over more seeds than they take in the normal run.
+# Usage: study_evidence.sh BUILD OUT.md [--seeds N]
+#
+# BUILD: a build directory with bin/test_studies. --seeds: simulated studies a row (500).
+set -eu
+
+fail() {
+  echo "study_evidence: $*" >&2
+  exit 2
+}
+[ $# -ge 2 ] || fail "usage: study_evidence.sh BUILD OUT.md [--seeds N]"
+build=$1
+out=$2
+shift 2
+seeds=500
+while [ $# -gt 0 ]; do
+  case $1 in
+    --seeds) [ $# -ge 2 ] || fail "--seeds needs a value"; seeds=$2; shift ;;
+    *) fail "'$1' is not an option" ;;
+  esac
+  shift
+done
+tests=$build/bin/test_studies
+[ -x "$tests" ] || fail "$tests is not there"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The rows that tests print. A test that fails is said in the page: its rows stand there for what they are.
+rows() {
+  CROWDBENCH_SEEDS=$seeds "$tests" --gtest_filter="$1" >"$work/test" 2>&1 || grep 'FAILED  \] Rec' "$work/test" | sort -u >>"$work/failed"
+  grep '^|' "$work/test"
+}
+
+: >"$work/failed"
+{
+  printf '# How often the analysis of a study is right\n\nMade by `tools/study_evidence.sh`: %s simulated studies a row. ' "$seeds"
+  printf 'All observers are simulated; nobody was asked anything.\n'
+  printf '\n## Intervals and verdicts\n\nHow often 95 %% intervals hold the truth, and what is called equivalent. "Limits": between which a\n'
+  printf 'count lies 95 times of 100 where the nominal share is true.\n\n'
+  printf '| what | found | share | nominal | limits |\n|---|--:|--:|--:|--:|\n'
+  rows 'Recovery.ThresholdOf*:Recovery.Differences*:Recovery.Equivalent*'
+  printf '\n## QUEST+ against constant stimuli\n\nThresholds drawn anew for each study; both read as means of the same posterior.\n\n'
+  printf '| method | trials | median error of the threshold |\n|---|--:|--:|\n'
+  rows 'Recovery.QuestPlus*'
+  printf '\n## Power of the mixed model\n\nBeside the same simulation by lme4 (1,000 studies a row).\n\n'
+  printf '| design | observers | power | lme4 |\n|---|--:|--:|--:|\n'
+  rows 'Recovery.Power*'
+} >"$out.part"
+if [ -s "$work/failed" ]; then
+  { printf '\n## Outside of what the tests demand\n\n'; sed 's/.*\] /- /; s/ (.*//' "$work/failed"; } >>"$out.part"
+fi
+mv "$out.part" "$out"
