@@ -245,11 +245,19 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
        [&] {
          const json j = facts(
              "tune --representation mesh:triangles=100 --agents 9 --size 160x120 --heights 3 --moments 1 " +
-             std::string("--azimuth-deg 0,90 --elevation-deg 0 --rounds 4 --threshold mae=255 --json") + character);
-         EXPECT_EQ(j.at("candidates").size(), 2U);
-         EXPECT_EQ(j.at("candidates")[0].at("heights").size(), 3U);
+             std::string(
+                 "--azimuth-deg 0,90 --elevation-deg 0 --rounds 4 --threshold mae=255 --promise-seeds 3 --prove 1 "
+                 "--prove-figures 8 --budget-ms 100000 --json") +
+             character);
+         EXPECT_EQ(j.at("characters")[0].at("candidates").size(), 2U);
+         EXPECT_EQ(j.at("characters")[0].at("candidates")[0].at("heights").size(), 3U);
          EXPECT_EQ(j.at("chosen").size(), 3U);
          EXPECT_TRUE(j.at("representation").is_string());
+         EXPECT_TRUE(j.at("budget").at("fits").get<bool>());
+         EXPECT_GT(j.at("budget").at("measured_frame_ms").get<double>(), 0);
+         EXPECT_EQ(j.at("promise").at("seeds").size(), 3U);
+         EXPECT_EQ(j.at("proof").at("errors")[0].at("figures"), 8);
+         EXPECT_EQ(j.at("proof").at("speed").at("seeds").size(), 1U);
        }},
       {"ratio",
        [&] {
