@@ -347,6 +347,18 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(text("h.html").find("Nothing changed"), std::string::npos);
          EXPECT_NE(run("history r.sqlite").text.find("no point was measured twice"), std::string::npos);
        }},
+      {"model",
+       [&] {
+         const json j = facts("model r.sqlite --markdown model.md --json");
+         ASSERT_EQ(j.at("scenes").size(), 1U);
+         const json& scene = j.at("scenes")[0].at("scene");
+         EXPECT_EQ(scene.at("models").size(), 2U);
+         EXPECT_NE(scene.at("models")[0].at("absent").get<std::string>().find("a model takes 5 at least"),
+                   std::string::npos);
+         EXPECT_EQ(scene.at("pareto")[0].at("entries").size(), 2U);
+         EXPECT_NE(text("model.md").find("## Cost model"), std::string::npos);
+         EXPECT_NE(run("model q.sqlite").text.find("no point was timed"), std::string::npos);
+       }},
       {"export",
        [&] {
          const Outcome outcome =

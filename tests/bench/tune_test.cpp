@@ -21,7 +21,7 @@
 namespace crowdbench::bench {
 namespace {
 
-TuneSubject mannequin_of(size_t triangles, std::vector<double> agents_px) {
+TuneSubject mannequin_of(int triangles, std::vector<double> agents_px) {
   TuneSubject subject;
   subject.character = std::make_shared<const scene::Character>(scene::make_mannequin({.triangles = triangles}));
   subject.clip = subject.character->placement.default_clip;
