@@ -67,7 +67,7 @@ std::string budget_text(const TuneReport& report, const TuneAnswer& answer) {
       1e-6 * budget.base_ns);
   if (budget.measured_ns) text += fmt::format("; as a crowd {:.2f} ms", 1e-6 * *budget.measured_ns);
   if (budget.factor > 1)
-    text += fmt::format(" (costs corrected by {:.2f}: what was sought first took longer than its agents'costs said)",
+    text += fmt::format(" (costs corrected by {:.2f}: what was sought first took longer than its agents' costs said)",
                         budget.factor);
   return text + fmt::format("\n  an agent loses {:.3f} of {} on average; no set within the budget less than {:.3f}",
                             answer.plan->error / each, report.request.error.score->title,

@@ -24,8 +24,11 @@ Json colours(const Scene& scene, const char* field) {
 }
 
 Json axis_of(const char* field, const char* title, bool log) {
-  Json scale = {{"zero", false}, {"nice", true}};
-  if (log) scale["type"] = "log";
+  Json scale = {{"nice", true}};
+  if (log)
+    scale["type"] = "log";
+  else
+    scale["zero"] = false;
   return {{"field", field},
           {"type", "quantitative"},
           {"scale", scale},

@@ -41,11 +41,11 @@ Lead lead_of(const StoreContents& contents, const std::vector<Scene>& scenes, co
   if (out.rows.empty())
     out.silent =
         "From which distance on another representation may be drawn is not in this file: nothing in it was scored "
-        "against distance. `crowdbench distance --db` adds that; `crowdbench tune` answers it whole.";
+        "against distance. The command “distance” with --db adds that; “tune” answers it whole.";
   else
     out.basis =
         "Read from what each agent of a crowd scored against how far away it was, and from paired times. What a switch "
-        "itself shows is not in these rows: `crowdbench tune` weighs it too.";
+        "itself shows is not in these rows: the command “tune” weighs it too.";
   return out;
 }
 
