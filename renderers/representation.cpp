@@ -190,9 +190,13 @@ std::vector<Spec> parse_specs(const std::string& text) {
 std::string canonical_text(const Spec& spec, const std::vector<RepresentationType>& types) {
   const RepresentationType& type = require_type(spec.name, types);
   std::vector<std::string> options;
+  // Of a type made of others the first option, which says where one takes over from the other, is what its rows and
+  // labels are told apart by: it stays where it was given, though it be the default.
+  const auto kept = [&](const std::string& key) { return type.components > 0 && key == type.options.front().key; };
   for (const std::string& key : option_keys(type))
     for (const auto& [k, value] : spec.options)
-      if (k == key && value != find_option(type, key)->default_value) options.push_back(key + "=" + value);
+      if (k == key && (value != find_option(type, key)->default_value || kept(key)))
+        options.push_back(key + "=" + value);
   if (spec.components.empty()) {
     std::string out = spec.name;
     for (size_t i = 0; i < options.size(); ++i) out += (i == 0 ? ":" : ",") + options[i];

@@ -33,6 +33,7 @@ void add_all_commands(Command& app, Run& run) {
       add_correlate,
       add_regress,
       add_history,
+      add_model,
       add_export,
       add_report,
       add_demo,

@@ -25,6 +25,7 @@ void add_history(Command& app, Run& run);
 void add_info(Command& app, Run& run);
 void add_inspect(Command& app, Run& run);
 void add_merge(Command& app, Run& run);
+void add_model(Command& app, Run& run);
 void add_pair(Command& app, Run& run);
 void add_quality(Command& app, Run& run);
 void add_popmap(Command& app, Run& run);

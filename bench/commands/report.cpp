@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "renderers/representation.h"
+#include "reports/exports/cost_export.h"
 #include "reports/exports/exports.h"
 #include "reports/page/report_page.h"
 #include "store/store.h"
@@ -26,7 +27,7 @@ int run_report(const Options& options) {
       options.json.empty() && options.google_benchmark.empty())
     throw Error("report", "nothing to write",
                 "name at least one of --out, --markdown, --csv, --scores-csv, --json-out, --google-benchmark");
-  const bool samples = !options.json.empty() || !options.google_benchmark.empty();
+  const bool samples = !options.out.empty() || !options.json.empty() || !options.google_benchmark.empty();
   const StoreContents contents = read_store(options.file, samples, !options.out.empty());
   const std::string source = std::filesystem::path(options.file).filename().string();
   const std::vector<reports::ScoreDoc> scores = score_docs(metrics::scores());
@@ -38,7 +39,11 @@ int run_report(const Options& options) {
   write(options.out, [&] {
     return reports::report_page(contents, {source, scores, renderers::floors_by_name(), pop_score_docs()});
   });
-  write(options.markdown, [&] { return reports::report_markdown(contents, source, scores); });
+  write(options.markdown, [&] {
+    std::string text = reports::report_markdown(contents, source, scores);
+    for (const reports::Scene& scene : reports::scenes_of(contents, scores)) text += reports::cost_markdown(scene);
+    return text;
+  });
   write(options.csv, [&] { return reports::results_csv(contents); });
   write(options.scores_csv, [&] { return reports::scores_csv(contents); });
   write(options.json, [&] { return reports::results_json(contents, scores); });

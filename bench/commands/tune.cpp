@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <filesystem>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
@@ -12,11 +13,14 @@
 #include "bench/commands/score_bounds.h"
 #include "bench/commands/score_commands.h"
 #include "bench/commands/tune_output.h"
+#include "bench/experiments/quality.h"
+#include "bench/experiments/switch_distance.h"
 #include "bench/stage/low_polygon.h"
 #include "bench/stage/stage.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "scene/cast/cast.h"
+#include "scene/cast/open_character.h"
 #include "scene/pose/normalise.h"
 
 namespace crowdbench::bench {
@@ -27,10 +31,15 @@ struct Options {
   std::vector<std::string> representations;
   std::string clip;
   std::string error, pop;
-  std::string azimuths = "0:300:60", elevations = "0,20";
+  std::string azimuths, elevations;
+  std::vector<std::string> also;
   double nearest_px = 0, farthest_px = 8;
-  uint64_t heights = 12;
-  uint64_t moments = 2, fade = 0, rounds = 20;
+  double budget_ms = 0;
+  uint64_t heights = 12, views = 72;
+  uint64_t moments = 12, fade = 0, rounds = 20;
+  uint64_t promise_seeds = kPromiseSeeds, prove = 0, prove_figures = 240;
+  std::string prove_on;
+  bool check_views = false;
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   bool no_cache = false;
   bool json = false;
@@ -78,27 +87,49 @@ std::vector<double> heights_of(const Options& options, int rows) {
   return out;
 }
 
-// Agents of the scenario's first frame at each height, each at the next one below its own; those beyond the camera's
-// edges cost nothing and are left out.
-std::vector<double> agents_by_height(Stage& stage, const std::vector<double>& heights) {
+// Agents of the scenario's first frame within the camera's edges; those beyond cost nothing and are left out.
+struct Seen {
+  std::vector<std::vector<double>> heights_px;  // by character
+  std::vector<double> elevations_deg;           // from where each is looked at
+};
+Seen agents_seen(Stage& stage) {
   const scene::Frame& frame = stage.frame(0);
   const glm::dmat3 turn = scene::view_rotation(frame.camera);
   const double slope = std::tan(frame.camera.fov_y / 2);
   const double aspect = static_cast<double>(frame.width) / frame.height;
-  std::vector<double> out(heights.size(), 0);
-  for (const scene::FrameAgent& agent : frame.agents[0]) {
-    const double height = stage.cast().characters[0]->placement.height * agent.scale;
-    const glm::dvec3 seen = turn * (glm::dvec3(agent.position) + glm::dvec3(0, height / 2, 0));
-    const double depth = -seen.z;
-    if (depth < frame.camera.near || std::abs(seen.y) > depth * slope + height / 2 ||
-        std::abs(seen.x) > depth * slope * aspect + height / 2)
-      continue;
-    const double rows = height / scene::pixel_size_at(frame.camera, depth, frame.height);
-    size_t bin = 0;
-    while (bin + 1 < heights.size() && heights[bin] > rows) ++bin;
-    out[bin] += 1;
+  Seen out;
+  out.heights_px.resize(frame.agents.size());
+  for (size_t c = 0; c < frame.agents.size(); ++c) {
+    for (const scene::FrameAgent& agent : frame.agents[c]) {
+      const double height = stage.cast().characters[c]->placement.height * agent.scale;
+      const glm::dvec3 middle = glm::dvec3(agent.position) + glm::dvec3(0, height / 2, 0);
+      const glm::dvec3 seen = turn * middle;
+      const double depth = -seen.z;
+      if (depth < frame.camera.near || std::abs(seen.y) > depth * slope + height / 2 ||
+          std::abs(seen.x) > depth * slope * aspect + height / 2)
+        continue;
+      out.heights_px[c].push_back(height / scene::pixel_size_at(frame.camera, depth, frame.height));
+      out.elevations_deg.push_back(glm::degrees(std::asin(std::clamp(-middle.y / glm::length(middle), -1.0, 1.0))));
+    }
   }
   return out;
+}
+
+// What was given, or what the scenario's camera sees: all but its outermost 5 % on either side.
+TuneBlocks blocks_of(const Options& options, const Seen& seen) {
+  TuneBlocks blocks;
+  blocks.views = static_cast<size_t>(options.views);
+  blocks.moments = static_cast<size_t>(options.moments);
+  if (!options.azimuths.empty() || !options.elevations.empty()) {
+    blocks.azimuths_deg =
+        parse_numbers(options.azimuths.empty() ? "0:300:60" : options.azimuths, "--azimuth-deg", -360, 360);
+    blocks.elevations_deg =
+        parse_numbers(options.elevations.empty() ? "0,20" : options.elevations, "--elevation-deg", -90, 90);
+  } else if (!seen.elevations_deg.empty()) {
+    blocks.lowest_deg = quantile(seen.elevations_deg, 0.05);
+    blocks.highest_deg = quantile(seen.elevations_deg, 0.95);
+  }
+  return blocks;
 }
 
 TuneRequest read_request(const Options& options, metrics::ScoreTable table, const ChosenScenario& chosen) {
@@ -113,9 +144,18 @@ TuneRequest read_request(const Options& options, metrics::ScoreTable table, cons
   };
   request.error = threshold(options.error, "--threshold");
   request.pop = options.pop.empty() ? request.error : threshold(options.pop, "--pop-threshold");
-  request.azimuths_deg = parse_numbers(options.azimuths, "--azimuth-deg", -360, 360);
-  request.elevations_deg = parse_numbers(options.elevations, "--elevation-deg", -90, 90);
-  request.moments = static_cast<size_t>(options.moments);
+  request.blocks = blocks_of(options, {});
+  request.budget_ns = 1e6 * options.budget_ms;
+  if (request.budget_ns > 0 && !std::isfinite(metrics::best_value(*request.error.score)))
+    throw Error("--budget-ms",
+                fmt::format("{} has no finite best value, so that losses do not add up", request.error.score->name),
+                "take another score with --threshold");
+  if (options.promise_seeds == 1 || options.promise_seeds == 2)
+    throw Error("--promise-seeds", "an interval is not made of so few", "use 0, or at least 3");
+  if (options.prove > 0 && options.promise_seeds == 0)
+    throw Error("--prove", "without --promise-seeds there is no promise of speed", "use at least 3 of them");
+  if (options.prove == 0 && !options.prove_on.empty())
+    throw Error("--prove-on", "nothing is proved", "give the number of seeds with --prove");
   request.fade = static_cast<int>(options.fade);
   request.heights_px = heights_of(options, chosen.scenario.height);
   request.display = chosen.display;
@@ -132,13 +172,13 @@ TuneRequest read_request(const Options& options, metrics::ScoreTable table, cons
 // Where a texel of the representation spans a pixel, as it is derived; nothing without texels.
 std::optional<double> predicted_height(gl::Context& context, const TuneRequest& request, const renderers::Spec& spec) {
   SwitchRequest one;
-  one.character = request.character;
+  one.character = request.subjects[0].character;
   one.representation = spec;
   one.ratios = {1};
   one.width = request.cost.width;
   one.height = request.cost.height;
   one.fov_y_deg = glm::degrees(request.cost.fov_y);
-  one.clip = request.clip;
+  one.clip = request.subjects[0].clip;
   one.bake_budget = request.cost.bake_budget;
   one.use_cache = request.cost.use_cache;
   try {
@@ -148,54 +188,142 @@ std::optional<double> predicted_height(gl::Context& context, const TuneRequest& 
   }
 }
 
-int run_tune(const Options& options, metrics::ScoreTable table) {
-  const ChosenScenario chosen = read_scenario(options.scene);
+// The scenario's characters, or that of --character, and those of --also-character in equal shares.
+ChosenScenario chosen_scenario(const Options& options) {
+  ChosenScenario chosen = read_scenario(options.scene);
+  for (const std::string& source : options.also) {
+    CharacterOptions character = options.scene.character;
+    character.source = scene::is_built_in(source) ? source : std::filesystem::absolute(source).string();
+    chosen.scenario.characters.push_back(character.entry());
+  }
+  return chosen;
+}
+
+TuneSubject subject_of(const Options& options, const std::shared_ptr<const scene::Character>& character) {
+  TuneSubject subject;
+  subject.character = character;
+  subject.clip =
+      options.clip.empty() ? character->placement.default_clip : scene::require_clip_or_none(*character, options.clip);
+  return subject;
+}
+
+// The scenario as it was placed: other seeds need no solving.
+TuneProofRequest proof_request(const Options& options, const Staged& staged, const scene::Cast& cast) {
+  TuneProofRequest request;
+  request.scenario = staged.scenario;
+  request.scenario.occupancy.reset();
+  request.cast = &cast;
+  request.bake_budget = options.bake_budget_mib << 20;
+  return request;
+}
+
+// Directions and clips of unseen figures; crowds of unseen seeds, of the tuned characters or of --prove-on.
+TuneProof prove(gl::Context& context, const Options& options, const TuneReport& report, const scene::Cast& cast,
+                TuneProofRequest request) {
+  TuneProof proof;
+  std::vector<TuneSubject> subjects = report.request.subjects;
+  scene::Cast other;
+  if (!options.prove_on.empty()) {
+    CharacterOptions character = options.scene.character;
+    character.source = options.prove_on;
+    request.scenario.characters = {character.entry()};
+    other = open_cast(request.scenario);
+    request.cast = &other;
+    subjects = {subject_of(options, other.characters[0])};
+    proof.character = other.characters[0]->name;
+  } else {
+    request.cast = &cast;
+  }
+  const uint64_t seed = report.request.seed;
+  proof.speed = prove_speed(
+      *report.promise,
+      time_seeds(context, request, derived_seeds(seed, SeedsFor::proof, static_cast<size_t>(options.prove))));
+  for (size_t s = 0; s < subjects.size(); ++s)
+    proof.errors.push_back(prove_errors(context, report.request, report.result, subjects[s], s, request.representation,
+                                        static_cast<size_t>(options.prove_figures),
+                                        derived_seeds(seed, SeedsFor::proof, 1)[0]));
+  return proof;
+}
+
+void describe_plan(gl::Context& context, const Options& options, const scene::Cast& cast, const Staged& staged,
+                   TuneReport& report) {
+  const TuneAnswer& answer = report.result.together;
+  if (!answer.plan) return;
+  for (const TuneSwitch& change : answer.switches)
+    report.predicted_px.push_back(
+        predicted_height(context, report.request, report.request.candidates[change.change.to]));
+  TuneProofRequest request = proof_request(options, staged, cast);
+  request.representation = tuned_representation(report.request, answer);
+  if (options.promise_seeds > 0 && staged.crowd.size() > 0)
+    report.promise = promised_speed(
+        time_seeds(context, request,
+                   derived_seeds(report.request.seed, SeedsFor::promise, static_cast<size_t>(options.promise_seeds))));
+  if (options.check_views) report.lenses = check_lenses(context, report.request, report.result, usual_lenses());
+  if (options.prove > 0 && report.promise) report.proof = prove(context, options, report, cast, request);
+}
+
+TuneReport measure(const Options& options, metrics::ScoreTable table) {
+  const ChosenScenario chosen = chosen_scenario(options);
   TuneReport report;
   report.request = read_request(options, table, chosen);
+  Progress progress("tune", 0);
+  progress.note("loading the characters");
+  const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
+  for (const auto& character : cast.characters) {
+    const TuneSubject subject = subject_of(options, character);
+    const scene::PoseBank bank(*character, {subject.clip}, 30);
+    report.bounds.emplace_back(bank.bounds_max() - bank.bounds_min());
+    report.request.subjects.push_back(subject);
+  }
+  const auto context = open_context(options.scene.device);
+  progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
+  const Staged staged = stage_scenario(chosen.scenario, cast, *context);
+  report.request.cost.fov_y = staged.camera.fov_y;
+  report.renderer = context->renderer();
+  report.crowd = static_cast<uint32_t>(staged.crowd.size());
   {
-    Progress progress("tune", 0);
-    progress.note("loading the characters");
-    const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
-    if (cast.characters.size() != 1)
-      throw Error("tune", fmt::format("the scenario has {} characters", cast.characters.size()),
-                  "switches are tuned for one: name it with --character");
-    report.request.character = cast.characters[0];
-    report.request.clip = options.clip.empty() ? cast.characters[0]->placement.default_clip
-                                               : scene::require_clip_or_none(*cast.characters[0], options.clip);
-    const scene::PoseBank bank(*cast.characters[0], {report.request.clip}, 30);
-    report.bounds = glm::dvec3(bank.bounds_max() - bank.bounds_min());
-    const auto context = open_context(options.scene.device);
-    progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
-    const Staged staged = stage_scenario(chosen.scenario, cast, *context);
-    report.request.cost.fov_y = staged.camera.fov_y;
-    report.renderer = context->renderer();
     Stage stage(*context, cast);
     stage.show(staged);
-    report.request.agents = agents_by_height(stage, report.request.heights_px);
-    progress.note("");
-    report.result = tune(*context, report.request);
-    for (const TuneSwitch& change : report.result.switches)
-      report.predicted_px.push_back(
-          predicted_height(*context, report.request, report.request.candidates[change.change.to]));
+    const Seen seen = agents_seen(stage);
+    for (size_t s = 0; s < cast.characters.size(); ++s) report.request.subjects[s].agents_px = seen.heights_px[s];
+    report.request.blocks = blocks_of(options, seen);
   }
+  progress.note("");
+  if (report.request.budget_ns > 0 && staged.crowd.size() > 0)
+    report.request.frame_ns = [&](const renderers::Spec& spec) {
+      TuneProofRequest request = proof_request(options, staged, cast);
+      request.representation = spec;
+      return time_seeds(*context, request, {staged.scenario.seed})[0].plan_ns;
+    };
+  report.result = tune(*context, report.request);
+  report.request.frame_ns = {};
+  describe_plan(*context, options, cast, staged, report);
+  return report;
+}
+
+int run_tune(const Options& options, metrics::ScoreTable table) {
+  const TuneReport report = measure(options, table);
   if (options.json)
     fmt::print("{}\n", tune_json(report).dump(2));
   else
     print_tune(report);
-  return report.result.plan ? 0 : 1;
+  return report.result.together.plan && (!report.proof || report.proof->holds()) ? 0 : 1;
 }
 
 void add_view_options(Command& command, Options& options) {
-  command.add_option("--azimuth-deg", options.azimuths, "from where it is looked at; 0 = from the front")
-      ->type_name("LIST")
-      ->capture_default_str();
-  command.add_option("--elevation-deg", options.elevations, "positive = from above")
-      ->type_name("LIST")
-      ->capture_default_str();
+  command
+      .add_option("--azimuth-deg", options.azimuths,
+                  "from where it is looked at, 0 = from the front; without a list all round")
+      ->type_name("LIST");
+  command
+      .add_option("--elevation-deg", options.elevations,
+                  "positive = from above; without a list as the scenario's camera sees its agents")
+      ->type_name("LIST");
   const auto add_count = [&](const char* name, uint64_t& value, uint64_t least, uint64_t most, const char* text) {
     command.add_option(name, value, text)->type_name("N")->capture_default_str()->whole_number(least, most);
   };
-  add_count("--moments", options.moments, 1, 100, "of the clip, evenly");
+  add_count("--views", options.views, 1, 10'000, "directions without lists; 72 bound the bad end's 5 %");
+  add_count("--moments", options.moments, 1, 100, "of the clip, evenly; with lists each for every direction");
   add_count("--heights", options.heights, 2, 100, "how many, evenly in their logarithm");
   command.add_option("--nearest-px", options.nearest_px, "the tallest height in pixels; 0: the picture's")
       ->type_name("PX")
@@ -207,6 +335,19 @@ void add_view_options(Command& command, Options& options) {
       ->number(2, 4096);
   add_count("--fade", options.fade, 0, 60, "judge a pop by the worst step of a cross-fade of so many ticks; 0: a cut");
   add_count("--rounds", options.rounds, 4, 1000, "in which costs are measured");
+}
+
+void add_proof_options(Command& command, Options& options) {
+  const auto add_count = [&](const char* name, uint64_t& value, uint64_t least, uint64_t most, const char* text) {
+    command.add_option(name, value, text)->type_name("N")->capture_default_str()->whole_number(least, most);
+  };
+  add_count("--promise-seeds", options.promise_seeds, 0, 1000,
+            "crowds of other seeds from which the speed on any other is promised; 0: none");
+  command.add_flag("--check-views", options.check_views,
+                   "draw the plan's heights at 720, 1080 and 2160 rows through 30 and 90 degrees too");
+  add_count("--prove", options.prove, 0, 1000, "hold the plan against its promise on so many unseen seeds; 0: not");
+  add_count("--prove-figures", options.prove_figures, 1, 100'000, "unseen figures that are scored for it");
+  command.add_option("--prove-on", options.prove_on, "the same on a crowd of another character")->type_name("C");
 }
 
 }  // namespace
@@ -221,12 +362,16 @@ void add_tune(Command& app, Run& run) {
       "of\n"
       "its bootstrap interval. A change from one to another must keep the pop threshold where it happens. Of all that "
       "is\n"
-      "allowed the cheapest is taken, for the scenario's agents and camera. Exit status 1: nothing is allowed "
-      "somewhere.\n\n"
+      "allowed the cheapest is taken, for the scenario's agents and camera; with --budget-ms, of all sets that take "
+      "no\n"
+      "longer, the one that loses least, whatever the threshold. Several characters get a rule each and one for all.\n"
+      "Exit status 1: nothing is allowed somewhere, nothing fits, or a proof fails.\n\n"
       "Examples:\n"
       "  crowdbench tune --representation flat,relief\n"
       "  crowdbench tune street.toml --character knight.glb --threshold ssim=0.9 --pop-threshold ssim=0.8 --fade 8 "
-      "--json");
+      "--json\n"
+      "  crowdbench tune --budget-ms 8 --agents 5000\n"
+      "  crowdbench tune --representation flat --prove 20 --check-views");
   auto options = std::make_shared<Options>();
   options->error = default_threshold(metrics::scores());
   add_scene_options(*command, options->scene);
@@ -239,7 +384,13 @@ void add_tune(Command& app, Run& run) {
       ->capture_default_str();
   command->add_option("--pop-threshold", options->pop, "the same for a switch; without it as --threshold")
       ->type_name("SCORE=VALUE");
+  command->add_option("--budget-ms", options->budget_ms, "what a frame may take: then the least visible set within it")
+      ->type_name("MS")
+      ->number(0, 1e6);
+  command->add_option("--also-character", options->also, "a further character of the crowd, as --character; repeated")
+      ->type_name("C");
   add_view_options(*command, *options);
+  add_proof_options(*command, *options);
   add_display_option(*command, options->scene.display);
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_json_option(*command, options->json);

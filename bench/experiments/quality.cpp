@@ -22,7 +22,7 @@
 namespace crowdbench::bench {
 namespace {
 
-constexpr double kFieldOfView = 30 * std::numbers::pi / 180;
+double field_of_view(const QualityView& view) { return view.fov_y_deg * std::numbers::pi / 180; }
 
 scene::Cast cast_of(const std::shared_ptr<const scene::Character>& character, scene::PoseBank bank) {
   scene::Cast cast;
@@ -166,7 +166,7 @@ class Comparison {
           first_poses_.emplace(view.clip, extent.outer_points(scene::shown_positions(setup_.character->mesh, palette)))
               .first;
     }
-    const std::tuple key(view.clip, view.azimuth_deg, view.height_px);
+    const std::tuple key(view.clip, view.azimuth_deg, view.height_px, view.fov_y_deg);
     const auto [found, fresh] = distances_.try_emplace(key);
     if (fresh) found->second = distance_of_figure(view, centre(view), posed->second, rows);
     return found->second;
@@ -296,8 +296,8 @@ class Comparison {
   std::map<int, Side> banked_mesh_;                           // by clip
   std::map<std::pair<std::string, int>, StoredWhat> stored_;  // by representation and clip
   std::map<int, scene::PoseBank> banks_;
-  std::map<int, std::vector<glm::dvec3>> first_poses_;           // by clip
-  std::map<std::tuple<int, double, double>, double> distances_;  // by clip, azimuth and height in pixels
+  std::map<int, std::vector<glm::dvec3>> first_poses_;                   // by clip
+  std::map<std::tuple<int, double, double, double>, double> distances_;  // by clip, azimuth, height and lens
   std::vector<renderers::Capture> references_;  // by view; the reference does not depend on the representation
   std::vector<QualityRow> rows_;
   std::optional<Error> refused_;  // the first
@@ -312,7 +312,7 @@ QualitySize quality_size(const QualitySetup& setup, double height_px) {
 }
 
 double distance_of_height(const QualityView& view, double height, int rows) {
-  return height * rows / (view.height_px * 2 * std::tan(kFieldOfView / 2));
+  return height * rows / (view.height_px * 2 * std::tan(field_of_view(view) / 2));
 }
 
 double distance_of_figure(const QualityView& view, const glm::dvec3& centre, std::span<const glm::dvec3> positions,
@@ -337,7 +337,7 @@ double distance_of_figure(const QualityView& view, const glm::dvec3& centre, std
       bottom = std::min(bottom, tangent);
       top = std::max(top, tangent);
     }
-    return (top - bottom) * rows / (view.height_px * 2 * std::tan(kFieldOfView / 2));
+    return (top - bottom) * rows / (view.height_px * 2 * std::tan(field_of_view(view) / 2));
   };
   // The eye stays before the figure.
   double distance = distance_of_height(view, high - low, rows);
@@ -363,7 +363,7 @@ scene::Camera quality_camera(const QualityView& view, const glm::dvec3& centre, 
   camera.eye = centre + distance * glm::dvec3(sa * ce, se, ca * ce);
   // The direction in which elevation grows: upright, and defined straight above too.
   camera.up = {-sa * se, ce, -ca * se};
-  camera.fov_y = kFieldOfView;
+  camera.fov_y = field_of_view(view);
   camera.near = std::min(0.1, distance / 100);
   return camera;
 }

@@ -16,13 +16,14 @@
 namespace crowdbench::bench {
 
 // Where the camera stands. The agent's capture centre (the middle of the clip's posed bounds) is in the middle of the
-// picture. Vertical field of view 30 degrees, light and background the frame's defaults (background sRGB 128).
+// picture. Light and background are the frame's defaults (background sRGB 128).
 struct QualityView {
   double height_px = 120;    // rows that the clip's first pose covers, seen level from that azimuth
   double azimuth_deg = 0;    // 0 = from the front, positive turns the camera towards the character's left
   double elevation_deg = 0;  // positive = from above, -90..90
   int clip = -1;             // into Character::clips; -1: the bind pose
   double time = 0;           // the file's own seconds
+  double fov_y_deg = 30;     // vertical field of view; the same height is seen from another distance
 };
 
 // What each kind of wrong pixel costs: metrics::score_by_cause() had the pixels of that kind been the mesh's own.

@@ -5,249 +5,119 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
-#include "bench/experiments/pop_map.h"
-#include "bench/experiments/score_rows.h"
+#include "bench/experiments/tune_measure.h"
 #include "core/error.h"
-#include "core/progress.h"
-#include "core/random.h"
-#include "scene/pose/pose.h"
 
 namespace crowdbench::bench {
 namespace {
 
-enum Purpose : uint64_t { kDrawBlock = 1, kDrawRound };
-constexpr double kBeyond = 1e30;  // for infinite values: quantiles need numbers
-
-// Turned so that more is worse.
-double badness(const metrics::Score& score, double value) {
-  const double turned = score.direction == metrics::Direction::higher_is_better ? -value : value;
-  return std::clamp(turned, -kBeyond, kBeyond);
-}
-double value_of(const metrics::Score& score, double badness) {
-  return score.direction == metrics::Direction::higher_is_better ? -badness : badness;
-}
-
-double tail_of(std::span<const double> badnesses) { return quantile(badnesses, 0.95); }
-
-std::vector<double> badnesses_of(const metrics::Score& score, const std::vector<double>& values) {
-  std::vector<double> out;
-  for (const double value : values) out.push_back(badness(score, value));
-  return out;
-}
-
-// Blocks by resample: the same ones for every candidate and height, which were seen from the same directions.
-std::vector<size_t> drawn_blocks(uint64_t seed, size_t resample, size_t blocks) {
-  std::vector<size_t> out;
-  for (size_t i = 0; i < blocks; ++i) out.push_back(random_below(seed, resample * blocks + i, kDrawBlock, blocks));
-  return out;
-}
-
-class Tuning {
- public:
-  Tuning(gl::Context& context, const TuneRequest& request) : context_(context), request_(request) {
-    const TuneRequest& r = request;
-    for (const double elevation : r.elevations_deg)
-      for (const double azimuth : r.azimuths_deg)
-        for (size_t m = 0; m < r.moments; ++m) blocks_.push_back({0, azimuth, elevation, r.clip, time_of(m)});
+// One table for several characters: costs and losses are means over the agents of the bin, of which each character has
+// its part; where none is expected all count alike.
+SwitchTable table_for_all(const std::vector<SwitchTable>& tables) {
+  if (tables.size() == 1) return tables[0];
+  SwitchTable out = tables[0];
+  for (size_t b = 0; b < out.bins(); ++b) {
+    double sum = 0;
+    for (const SwitchTable& table : tables) sum += table.agents[b];
+    out.agents[b] = sum;
+    for (size_t c = 0; c < out.candidates(); ++c) {
+      double cost = 0;
+      double error = 0;
+      char allowed = 1;
+      for (const SwitchTable& table : tables) {
+        const double part = sum > 0 ? table.agents[b] / sum : 1.0 / static_cast<double>(tables.size());
+        cost += part * table.cost[c][b];
+        error += part * table.error[c][b];
+        allowed = allowed && table.allowed[c][b];
+      }
+      out.cost[c][b] = cost;
+      out.error[c][b] = error;
+      out.allowed[c][b] = allowed;
+    }
   }
+  return out;
+}
 
-  TuneResult run() {
-    measure_errors();
-    measure_costs();
-    fill_table();
-    const auto change_allowed = [&](size_t from, size_t to, size_t bin) { return pop(from, to, bin).allowed; };
-    result_.plan = cheapest_plan(result_.table, change_allowed);
-    resample(change_allowed);
-    if (result_.plan) describe_switches();
-    return std::move(result_);
+// What is sought of the measurements of some characters: one plan.
+class Answering {
+ public:
+  Answering(const TuneRequest& request, std::vector<TuneMeasurement*> measured)
+      : request_(request), measured_(std::move(measured)) {}
+
+  TuneAnswer run() {
+    std::vector<SwitchTable> tables;
+    for (const TuneMeasurement* one : measured_) tables.push_back(one->measured().table);
+    answer_.table = table_for_all(tables);
+    for (const TuneMeasurement* one : measured_) answer_.base_ns = std::max(answer_.base_ns, one->measured().base_ns);
+    answer_.plan = plan_of(answer_.table);
+    if (request_.budget_ns > 0) describe_budget();
+    if (request_.budget_ns > 0 && request_.frame_ns) keep_budget_in_scenario();
+    resample();
+    if (answer_.plan) describe_switches();
+    return std::move(answer_);
   }
 
  private:
-  double time_of(size_t moment) const {
-    if (request_.clip < 0) return 0;
-    const scene::Clip& clip = request_.character->clips[static_cast<size_t>(request_.clip)];
-    return clip.start + clip.duration() * static_cast<double>(moment) / static_cast<double>(request_.moments);
-  }
-
-  QualitySetup setup_of(const std::vector<size_t>& candidates, const std::vector<double>& heights,
-                        metrics::ScoreTable table) const {
-    QualitySetup setup;
-    setup.character = request_.character;
-    for (const size_t c : candidates) setup.representations.push_back(request_.candidates[c].text());
-    for (const double height : heights)
-      for (QualityView view : blocks_) {
-        view.height_px = height;
-        setup.views.push_back(view);
-      }
-    setup.antialiasing = request_.cost.antialiasing;
-    setup.bake_budget = request_.cost.bake_budget;
-    setup.use_cache = request_.cost.use_cache;
-    setup.display = request_.display;
-    setup.table = table;
-    return setup;
-  }
-
-  void measure_errors() {
-    std::vector<size_t> all(request_.candidates.size());
-    for (size_t c = 0; c < all.size(); ++c) all[c] = c;
-    const metrics::Score* score = request_.error.score;
-    const QualitySetup setup = setup_of(all, request_.heights_px, {&score, 1});
-    result_.refused.resize(all.size());
-    result_.errors.assign(all.size(), std::vector<TuneError>(request_.heights_px.size()));
-    Progress progress("scoring pictures", all.size() * setup.views.size());
-    const std::vector<QualityRow> rows =
-        compute_quality(context_, setup, [&](const QualityRow&, const QualityPictures&) { progress.advance(); });
-    progress.end();
-    for (size_t i = 0; i < rows.size(); ++i) {
-      const size_t bin = i % setup.views.size() / blocks_.size();
-      if (!rows[i].refused.empty()) result_.refused[rows[i].index] = rows[i].refused;
-      if (const auto value = rows[i].scores.value(score->name))
-        result_.errors[rows[i].index][bin].values.push_back(*value);
-    }
-    for (auto& row : result_.errors)
-      for (TuneError& error : row) judge(error);
-  }
-
-  // Only where every block has a value: a missing one is a picture that shows nothing.
-  void judge(TuneError& error) const {
-    if (error.values.size() != blocks_.size()) {
-      error.values.clear();
-      return;
-    }
-    const metrics::Score& score = *request_.error.score;
-    const std::vector<double> bad = badnesses_of(score, error.values);
-    double sum = 0;
-    for (const double b : bad) sum += b;
-    error.mean = value_of(score, sum / static_cast<double>(bad.size()));
-    error.tail = value_of(score, tail_of(bad));
-    std::vector<double> tails;
-    for (size_t i = 0; i < kTuneResamples; ++i) tails.push_back(resampled_tail(bad, i));
-    const double low = quantile(tails, 0.025);
-    const double high = quantile(tails, 0.975);
-    error.allowed = high <= badness(score, request_.error.value);
-    error.interval = {std::min(value_of(score, low), value_of(score, high)),
-                      std::max(value_of(score, low), value_of(score, high))};
-  }
-  double resampled_tail(const std::vector<double>& bad, size_t resample) const {
-    std::vector<double> drawn;
-    for (const size_t block : drawn_blocks(request_.seed, resample, bad.size())) drawn.push_back(bad[block]);
-    return tail_of(drawn);
-  }
-
-  void measure_costs() {
-    const std::vector<double>& all = request_.heights_px;
-    const size_t count = std::min(request_.cost_heights, all.size());
-    for (size_t i = 0; i < count; ++i)
-      result_.cost_heights_px.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
-    SwitchCostRequest cost = request_.cost;
-    for (size_t c = 0; c < request_.candidates.size(); ++c)
-      if (result_.refused[c].empty()) {
-        cost.representations.push_back(request_.candidates[c]);
-        timed_.push_back(c);
-      }
-    cost.heights_px = result_.cost_heights_px;
-    scene::Cast cast;
-    cast.characters = {request_.character};
-    cast.banks = {std::make_shared<const scene::PoseBank>(*request_.character, std::vector<int>{request_.clip}, 30)};
-    cast.shares = {1.0};
-    SwitchCosts measured = measure_switch_costs(context_, cast, cost);
-    result_.costs.clock = measured.clock;
-    result_.costs.agents = measured.agents;
-    result_.costs.costs.resize(request_.candidates.size());
-    result_.costs.frame_ns.resize(request_.candidates.size());
-    for (size_t i = 0; i < timed_.size(); ++i) {
-      result_.costs.costs[timed_[i]] = std::move(measured.costs[i]);
-      result_.costs.frame_ns[timed_[i]] = std::move(measured.frame_ns[i]);
-    }
-  }
-
-  void fill_table() {
-    SwitchTable& table = result_.table;
-    table.agents = request_.agents;
-    const size_t bins = request_.heights_px.size();
-    for (size_t c = 0; c < request_.candidates.size(); ++c) {
-      const bool measured = result_.refused[c].empty();
-      table.cost.push_back(measured ? costs_at(result_.cost_heights_px, result_.costs.costs[c], request_.heights_px)
-                                    : std::vector<double>(bins, kBeyond));
-      table.allowed.emplace_back();
-      for (const TuneError& error : result_.errors[c])
-        table.allowed.back().push_back(measured && !error.values.empty() && error.allowed);
-    }
-  }
-
-  // What changing from one candidate to the other shows at a height, measured once.
-  const TunePop& pop(size_t from, size_t to, size_t bin) {
-    const auto [entry, fresh] = pops_.try_emplace({from, to, bin});
-    if (fresh) entry->second = measured_pop(from, to, request_.heights_px[bin]);
-    return entry->second;
-  }
-  TunePop measured_pop(size_t from, size_t to, double height) const {
-    const metrics::Score* score = request_.pop.score;
-    std::vector<renderers::Capture> before;
-    std::vector<double> bad;
-    const QualitySetup setup = setup_of({from, to}, {height}, {&score, 1});
-    compute_quality(context_, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
-      if (row.index == 0)
-        before.push_back(pictures.test);
-      else
-        bad.push_back(worst_step(before[bad.size()], pictures.test));
+  // The character of which the switch shows most says whether it is allowed.
+  TunePop pop(size_t from, size_t to, size_t bin) const {
+    std::vector<TunePop> pops;
+    for (TuneMeasurement* one : measured_) pops.push_back(one->pop(from, to, bin));
+    return *std::min_element(pops.begin(), pops.end(), [&](const TunePop& a, const TunePop& b) {
+      return std::pair(a.allowed, -badness_of(*request_.pop.score, a.tail)) <
+             std::pair(b.allowed, -badness_of(*request_.pop.score, b.tail));
     });
-    TunePop out;
-    const double tail = tail_of(bad);
-    out.tail = value_of(*score, tail);
-    out.allowed = tail <= badness(*score, request_.pop.value);
-    return out;
   }
-  // Of a cut, or of the cross-fade.
-  double worst_step(const renderers::Capture& a, const renderers::Capture& b) const {
-    const metrics::Score* score = request_.pop.score;
-    std::vector<Image8> pictures{a.colour, b.colour};
-    if (request_.fade > 0) pictures = fade_pictures(a.colour, b.colour, request_.fade);
-    double worst = badness(*score, metrics::best_value(*score));
-    for (size_t i = 1; i < pictures.size(); ++i) {
-      metrics::Buffers first = buffers_of(a);
-      metrics::Buffers second = buffers_of(b);
-      first.codes = &pictures[i - 1];
-      second.codes = &pictures[i];
-      const auto value = metrics::score_figure({&score, 1}, first, second, {&request_.display}).value(score->name);
-      if (value) worst = std::max(worst, badness(*score, *value));
+
+  bool change_allowed(size_t from, size_t to, size_t bin) const { return pop(from, to, bin).allowed; }
+  double budget_of_agents() const { return request_.budget_ns / factor_ - answer_.base_ns; }
+
+  std::optional<SwitchPlan> plan_of(const SwitchTable& table) {
+    const auto changes = [&](size_t from, size_t to, size_t bin) { return change_allowed(from, to, bin); };
+    if (request_.budget_ns <= 0) return cheapest_plan(table, changes);
+    const std::optional<BudgetPlan> within = plan_within_budget(table, budget_of_agents(), changes);
+    bound_ = within ? within->bound : 0;
+    return within ? std::optional(within->plan) : std::nullopt;
+  }
+
+  void describe_budget() {
+    TuneBudgetAnswer budget{answer_.base_ns, std::numeric_limits<double>::infinity(), bound_, std::nullopt, 1};
+    SwitchTable any = answer_.table;
+    for (auto& row : any.allowed) std::fill(row.begin(), row.end(), 1);
+    const auto changes = [&](size_t from, size_t to, size_t bin) { return change_allowed(from, to, bin); };
+    if (const auto cheapest = cheapest_plan(any, changes)) budget.cheapest_ns = answer_.base_ns + cheapest->cost;
+    answer_.budget = budget;
+  }
+
+  // The table's costs are corrected by what the plan itself takes, until it fits or none does.
+  void keep_budget_in_scenario() {
+    constexpr int kTries = 4;
+    for (int i = 0; i < kTries && answer_.plan; ++i) {
+      describe_switches();
+      const double measured = request_.frame_ns(tuned_representation(request_, answer_));
+      answer_.budget->measured_ns = measured;
+      if (measured <= request_.budget_ns) return;
+      factor_ = measured / (answer_.base_ns + answer_.plan->cost);
+      answer_.budget->factor = factor_;
+      answer_.plan = plan_of(answer_.table);
+      answer_.budget->bound = bound_;
     }
-    return worst;
+    answer_.plan = std::nullopt;
   }
 
   // Errors by blocks drawn anew, costs by rounds drawn anew; changes as they were measured.
-  void resample(const ChangeAllowed& change_allowed) {
-    const metrics::Score& score = *request_.error.score;
+  void resample() {
     std::vector<double> savings;
     for (size_t i = 0; i < kTuneResamples; ++i) {
-      SwitchTable table = result_.table;
-      for (const size_t c : timed_) {
-        for (size_t b = 0; b < table.bins(); ++b) {
-          const TuneError& error = result_.errors[c][b];
-          table.allowed[c][b] = !error.values.empty() && resampled_tail(badnesses_of(score, error.values), i) <=
-                                                             badness(score, request_.error.value);
-        }
-        table.cost[c] =
-            costs_at(result_.cost_heights_px, resampled_costs(result_.costs.costs[c], i), request_.heights_px);
-      }
-      result_.again.push_back(cheapest_plan(table, change_allowed));
-      if (result_.plan) savings.push_back(cost_of_reference(table) / cost_of(table, result_.plan->candidate));
+      std::vector<SwitchTable> tables;
+      for (const TuneMeasurement* one : measured_) tables.push_back(one->resampled(i));
+      const SwitchTable table = table_for_all(tables);
+      answer_.again.push_back(plan_of(table));
+      if (answer_.plan) savings.push_back(cost_of_reference(table) / cost_of(table, answer_.plan->candidate));
     }
-    result_.reference_cost = cost_of_reference(result_.table);
-    if (!savings.empty()) result_.saving = {quantile(savings, 0.025), quantile(savings, 0.975)};
-  }
-  std::vector<AgentCost> resampled_costs(std::vector<AgentCost> costs, size_t resample) const {
-    for (AgentCost& cost : costs) {
-      if (!cost.resolved) continue;
-      std::vector<double> drawn;
-      const size_t n = cost.differences.size();
-      for (size_t k = 0; k < n; ++k)
-        drawn.push_back(cost.differences[random_below(request_.seed, resample * n + k, kDrawRound, n)]);
-      const double again = median(drawn);
-      if (again > 0) cost.ns = again;
-    }
-    return costs;
+    answer_.reference_cost = cost_of_reference(answer_.table);
+    if (!savings.empty()) answer_.saving = {quantile(savings, 0.025), quantile(savings, 0.975)};
   }
   static double cost_of(const SwitchTable& table, const std::vector<size_t>& path) {
     double sum = 0;
@@ -262,25 +132,26 @@ class Tuning {
     return 0;
   }
 
+  // The certainty is known once the resamples are.
   void describe_switches() {
-    for (const PlannedSwitch& change : switches_of(*result_.plan)) {
+    answer_.switches.clear();
+    for (const PlannedSwitch& change : switches_of(*answer_.plan)) {
       TuneSwitch one;
       one.change = change;
       one.height_px = request_.heights_px[change.bin];
-      one.certainty = certainty_of(change, result_.again, request_.heights_px);
+      one.certainty = certainty_of(change, answer_.again, request_.heights_px);
       one.pop = pop(change.from, change.to, change.bin);
       if (one.certainty.decided())
         one.hysteresis = std::sqrt(one.certainty.height_px->high / one.certainty.height_px->low) - 1;
-      result_.switches.push_back(one);
+      answer_.switches.push_back(one);
     }
   }
 
-  gl::Context& context_;
   const TuneRequest& request_;
-  std::vector<QualityView> blocks_;  // at no height yet
-  std::vector<size_t> timed_;        // candidates that were not refused
-  std::map<std::tuple<size_t, size_t, size_t>, TunePop> pops_;
-  TuneResult result_;
+  std::vector<TuneMeasurement*> measured_;
+  double factor_ = 1;  // of the table's costs
+  double bound_ = 0;   // of the latest plan within the budget
+  TuneAnswer answer_;
 };
 
 // The representation made of two, switched by height.
@@ -293,13 +164,26 @@ const renderers::RepresentationType& switching_type() {
 
 }  // namespace
 
-TuneResult tune(gl::Context& context, const TuneRequest& request) { return Tuning(context, request).run(); }
+TuneResult tune(gl::Context& context, const TuneRequest& request) {
+  std::vector<std::unique_ptr<TuneMeasurement>> measured;
+  std::vector<TuneMeasurement*> all;
+  for (size_t i = 0; i < request.subjects.size(); ++i) {
+    measured.push_back(std::make_unique<TuneMeasurement>(context, request, i));
+    all.push_back(measured.back().get());
+  }
+  TuneResult result;
+  result.together = Answering(request, all).run();
+  if (all.size() > 1)
+    for (TuneMeasurement* one : all) result.alone.push_back(Answering(request, {one}).run());
+  for (const TuneMeasurement* one : all) result.subjects.push_back(one->measured());
+  return result;
+}
 
-renderers::Spec tuned_representation(const TuneRequest& request, const TuneResult& result) {
-  assert(result.plan);
-  renderers::Spec spec = request.candidates[result.plan->candidate.back()];
-  for (size_t i = result.switches.size(); i-- > 0;) {
-    const TuneSwitch& change = result.switches[i];
+renderers::Spec tuned_representation(const TuneRequest& request, const TuneAnswer& answer) {
+  assert(answer.plan);
+  renderers::Spec spec = request.candidates[answer.plan->candidate.back()];
+  for (size_t i = answer.switches.size(); i-- > 0;) {
+    const TuneSwitch& change = answer.switches[i];
     renderers::Spec outer;
     outer.name = switching_type().name;
     outer.components = {request.candidates[change.change.from], spec};
@@ -309,6 +193,16 @@ renderers::Spec tuned_representation(const TuneRequest& request, const TuneResul
     spec = outer;
   }
   return spec;
+}
+
+size_t bin_of_height(const std::vector<double>& heights_px, double height_px) {
+  size_t bin = 0;
+  while (bin + 1 < heights_px.size() && heights_px[bin + 1] >= height_px) ++bin;
+  return bin;
+}
+
+double loss_of(const metrics::Score& score, double value) {
+  return std::max(0.0, badness_of(score, value) - badness_of(score, metrics::best_value(score)));
 }
 
 double depth_of_height(double height, double height_px, int rows, double fov_y) {

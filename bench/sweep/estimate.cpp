@@ -85,7 +85,8 @@ std::string dry_run_text(const Plan& plan, const Shard& shard, const Estimate& e
       out += fmt::format("condition {}: {}representation = {}\n", c + 1, settings, point.representation);
     }
   }
-  out += fmt::format("{}: {} points in {} conditions", plan.name, estimate.points, estimate.conditions);
+  out += fmt::format("{}: {} {} in {} {}", plan.name, estimate.points, estimate.points == 1 ? "point" : "points",
+                     estimate.conditions, estimate.conditions == 1 ? "condition" : "conditions");
   if (estimate.repetitions > 1) out += fmt::format(", {} times each", estimate.repetitions);
   if (estimate.held > 0) out += fmt::format("; {} done already", estimate.held);
   const bool nothing = estimate.held >= estimate.conditions * estimate.repetitions;

@@ -7,7 +7,9 @@
 #include <set>
 
 #include "bench/sweep/axes.h"
+#include "bench/sweep/character_files.h"
 #include "bench/sweep/expression.h"
+#include "bench/sweep/option_values.h"
 #include "bench/sweep/sweep_table.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -125,8 +127,8 @@ PointsTable read_points(const TomlNode* node, const std::string& where, const st
 // From combinations of values to conditions.
 class Grouping {
  public:
-  Grouping(const scene::Scenario& base, const PointsTable& points, std::string where)
-      : base_(base), points_(points), where_(std::move(where)) {}
+  Grouping(const scene::Scenario& base, const PointsTable& points, std::string where, std::filesystem::path folder)
+      : base_(base), points_(points), where_(std::move(where)), files_(std::move(folder)) {}
 
   void add(const std::vector<AxisValue>& values) {
     scene::Scenario scenario = base_;
@@ -135,6 +137,9 @@ class Grouping {
         if (value.change && value.named == named) value.change(scenario);
     PlannedPoint point = point_of(scenario, values);
     if (!wanted(point)) return;
+    if (const std::string wrong = wrong_option_value(point.spec); !wrong.empty())
+      throw Error(where_, fmt::format("the point {}: {}", describe(point), wrong),
+                  "`crowdbench info --representations` lists the options");
     try {
       check_scenario(scenario, [&](const char*) { return where_; });
     } catch (const Error& error) {
@@ -144,7 +149,10 @@ class Grouping {
     scenario.representation = "reference";
     const std::string text = scene::to_toml(scenario);
     const auto [found, fresh] = by_scenario_.emplace(text, conditions_.size());
-    if (fresh) conditions_.push_back({std::move(scenario), text, sha256_hex(text), {}});
+    if (fresh) {
+      std::string files = files_.fingerprint(scenario);
+      conditions_.push_back({std::move(scenario), text, sha256_hex(text), {}, std::move(files)});
+    }
     std::vector<PlannedPoint>& here = conditions_[found->second].points;
     if (std::none_of(here.begin(), here.end(), [&](const auto& p) { return p.representation == point.representation; }))
       here.push_back(std::move(point));
@@ -218,6 +226,7 @@ class Grouping {
   const scene::Scenario& base_;
   const PointsTable& points_;
   std::string where_;
+  CharacterFiles files_;
   std::vector<Condition> conditions_;
   std::map<std::string, size_t> by_scenario_;
 };
@@ -260,6 +269,7 @@ size_t Plan::points() const {
 
 std::string Plan::key(const Condition& condition, const PlannedPoint& point, int repetition) const {
   Sha256 digest;
+  if (!condition.character_files.empty()) digest.text(condition.character_files);
   digest.text(condition.scenario_text)
       .text(point.representation)
       .text(fingerprint(measures))
@@ -292,7 +302,7 @@ Plan parse_plan(const std::string& toml, const std::string& where, const std::fi
     throw Error(where, "nothing varies: there are no axes", "add [axes] with crowd.agents = [1, 10, 100]");
   plan.repetitions = points.repetitions;
 
-  Grouping grouping(base, points, top.place("axes"));
+  Grouping grouping(base, points, top.place("axes"), folder);
   if (!axes.empty())
     for (const auto& values : combine(axes, points.sampling, top.place("axes"))) grouping.add(values);
   for (const auto& values : points.also) {

@@ -34,8 +34,8 @@
 //
 // A point is one representation at one place of the grid. Points whose scenarios are equal but for what is drawn make a
 // condition: they are drawn in turns, in the same rounds, beside the reference and its A/A twin; a shard holds whole
-// conditions. A point's key is a hash of all that decides what it shows, so that a comment or another order of the axes
-// changes no key; a plan's hash is one over its points in order.
+// conditions. A point's key is a hash of all that decides what it shows, the contents of the characters' files among
+// it, so that a comment or another order of the axes changes no key; a plan's hash is one over its points in order.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -69,6 +69,7 @@ struct Condition {
   scene::Scenario scenario;  // its representation is the reference
   std::string scenario_text, scenario_hash;
   std::vector<PlannedPoint> points;  // by their canonical text unique
+  std::string character_files;       // CharacterFiles::fingerprint
 };
 
 struct Measures {

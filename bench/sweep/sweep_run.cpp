@@ -204,7 +204,7 @@ int PointStates::status() const {
 }
 
 std::string PointStates::text() const {
-  std::string text = fmt::format("{} points done", done);
+  std::string text = fmt::format("{} {} done", done, done == 1 ? "point" : "points");
   const auto add = [&](size_t count, const char* what) {
     if (count > 0) text += fmt::format(", {} {}", count, what);
   };

@@ -16,6 +16,29 @@
     }).then(function () { document.body.dataset.drawn = Number(document.body.dataset.drawn || 0) + 1; },
             function (error) { target.textContent = "This chart could not be drawn: " + error.message; target.className += " bad"; });
   });
+  // The first two pictures of a group, one over the other: a slider between them, and a button that shows them in turns.
+  document.querySelectorAll("[data-pair]").forEach(function (group) {
+    var pictures = group.querySelectorAll("figure img");
+    if (pictures.length < 2) return;
+    var pair = document.createElement("div");
+    pair.className = "pair";
+    pair.innerHTML = '<div class="lay"></div><div class="bar"><button type="button">flip</button>' +
+      '<input type="range" min="0" max="100" value="50" aria-label="how much of the second picture is laid over the first"></div>';
+    var under = pictures[0].cloneNode(), over = pictures[1].cloneNode();
+    over.className = "over";
+    pair.firstChild.append(under, over);
+    var slider = pair.querySelector("input"), timer = null;
+    function cut() { over.style.clipPath = "inset(0 0 0 " + slider.value + "%)"; }
+    function still() { clearInterval(timer); timer = null; over.classList.remove("hide"); cut(); }
+    slider.addEventListener("input", still);
+    pair.querySelector("button").addEventListener("click", function () {
+      if (timer) return still();
+      over.style.clipPath = "none";
+      timer = setInterval(function () { over.classList.toggle("hide"); }, 500);
+    });
+    cut();
+    group.after(pair);
+  });
   document.addEventListener("click", function (event) {
     if (event.target.matches("figure img")) event.target.classList.toggle("open");
   });

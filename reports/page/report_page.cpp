@@ -8,6 +8,7 @@
 #include "reports/page/blocks.h"
 #include "reports/page/distance_page.h"
 #include "reports/page/findings_section.h"
+#include "reports/page/lead_section.h"
 #include "reports/page/page_files.h"
 #include "reports/page/page_frame.h"
 #include "reports/page/sections.h"
@@ -54,7 +55,9 @@ TemplateValues scene_values(const Scene& scene, const FloorTexts& floors, bool s
   sections.push_back(pictures_section(page));
   sections.push_back(cost_section(page));
   sections.push_back(difference_section(page));
+  sections.push_back(model_section(page));
   sections.push_back(memory_section(page));
+  sections.push_back(samples_section(page));
   sections.push_back(floors_section(page, floors));
   sections.push_back(work_section(page));
   sections.push_back(untimed_section(page));
@@ -160,6 +163,7 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
        {"renderer", run.gl_renderer},
        {"version", run.version},
        {"revision", run.revision},
+       {"lead", lead_section(lead_of(contents, scenes, options.scores))},
        {"answer", html_rows(std::move(answers))},
        {"software", std::any_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return scene.run->software; })},
        {"scenes", std::move(on_page)},

@@ -34,6 +34,10 @@ Html answer_section(const Scene& scene);
 Html pictures_section(const SceneOnPage& page);
 Html cost_section(SceneOnPage& page);
 Html difference_section(SceneOnPage& page);
+// The cost model, where representations break even, and the front over time, bytes and error.
+Html model_section(SceneOnPage& page);
+// The raw frame times, where the rows were read with them.
+Html samples_section(SceneOnPage& page);
 Html memory_section(const SceneOnPage& page);
 Html floors_section(const SceneOnPage& page, const FloorTexts& floors);
 Html work_section(const SceneOnPage& page);

@@ -245,11 +245,19 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
        [&] {
          const json j = facts(
              "tune --representation mesh:triangles=100 --agents 9 --size 160x120 --heights 3 --moments 1 " +
-             std::string("--azimuth-deg 0,90 --elevation-deg 0 --rounds 4 --threshold mae=255 --json") + character);
-         EXPECT_EQ(j.at("candidates").size(), 2U);
-         EXPECT_EQ(j.at("candidates")[0].at("heights").size(), 3U);
+             std::string(
+                 "--azimuth-deg 0,90 --elevation-deg 0 --rounds 4 --threshold mae=255 --promise-seeds 3 --prove 1 "
+                 "--prove-figures 8 --budget-ms 100000 --json") +
+             character);
+         EXPECT_EQ(j.at("characters")[0].at("candidates").size(), 2U);
+         EXPECT_EQ(j.at("characters")[0].at("candidates")[0].at("heights").size(), 3U);
          EXPECT_EQ(j.at("chosen").size(), 3U);
          EXPECT_TRUE(j.at("representation").is_string());
+         EXPECT_TRUE(j.at("budget").at("fits").get<bool>());
+         EXPECT_GT(j.at("budget").at("measured_frame_ms").get<double>(), 0);
+         EXPECT_EQ(j.at("promise").at("seeds").size(), 3U);
+         EXPECT_EQ(j.at("proof").at("errors")[0].at("figures"), 8);
+         EXPECT_EQ(j.at("proof").at("speed").at("seeds").size(), 1U);
        }},
       {"ratio",
        [&] {
@@ -338,6 +346,18 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_TRUE(j.at("series")[0].at("changes").empty());
          EXPECT_NE(text("h.html").find("Nothing changed"), std::string::npos);
          EXPECT_NE(run("history r.sqlite").text.find("no point was measured twice"), std::string::npos);
+       }},
+      {"model",
+       [&] {
+         const json j = facts("model r.sqlite --markdown model.md --json");
+         ASSERT_EQ(j.at("scenes").size(), 1U);
+         const json& scene = j.at("scenes")[0].at("scene");
+         EXPECT_EQ(scene.at("models").size(), 2U);
+         EXPECT_NE(scene.at("models")[0].at("absent").get<std::string>().find("a model takes 5 at least"),
+                   std::string::npos);
+         EXPECT_EQ(scene.at("pareto")[0].at("entries").size(), 2U);
+         EXPECT_NE(text("model.md").find("## Cost model"), std::string::npos);
+         EXPECT_NE(run("model q.sqlite").text.find("no point was timed"), std::string::npos);
        }},
       {"export",
        [&] {

@@ -193,6 +193,8 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"regress", "r.sqlite r.sqlite --json"},
       {"history", "f.sqlite f.sqlite"},
       {"history", "f.sqlite f.sqlite --json"},
+      {"model", "r.sqlite"},
+      {"model", "r.sqlite --json"},
       {"export", "r.sqlite --csv r.csv"},
       {"study serve", "out --port 0"},
       {"study answers", "saved.json --study out"},
@@ -393,7 +395,8 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
   for (const auto& [command, options] : by_command)
     if (command != "schema" && command != "inspect" && command != "pose" && command != "report" &&
         command != "regress" && command != "history" && command != "export" && command != "correlate" &&
-        command != "compare" && command != "cache" && command != "merge" && !command.starts_with("study ")) {
+        command != "model" && command != "compare" && command != "cache" && command != "merge" &&
+        !command.starts_with("study ")) {
       EXPECT_TRUE(options.count("device")) << command;
     }
 }

@@ -196,6 +196,50 @@ TEST(SweepPlan, KeysSayWhatIsShownAndNothingElse) {
 }
 
 // What is wrong, where, and what would be right.
+// A character's file that has changed, or a buffer that it names, is another character.
+TEST(SweepPlan, KeysHoldWhatTheCharactersFilesHold) {
+  const support::ScratchFolder scratch;
+  const std::filesystem::path folder = scratch.path();
+  const auto key = [&](const std::string& source) {
+    const Plan plan = plan_of("[axes]\nseed = [1]\n[[scenario.character]]\nsource = \"" + source + "\"\n", folder);
+    return plan.key(plan.conditions[0], plan.conditions[0].points[0], 0);
+  };
+  write_file(folder / "a.gltf", std::string_view(R"({"buffers": [{"uri": "a.bin"}]})"));
+  write_file(folder / "a.bin", std::string_view("one"));
+  const std::string first = key("a.gltf");
+  EXPECT_EQ(key("a.gltf"), first);
+  write_file(folder / "a.bin", std::string_view("two"));
+  const std::string second = key("a.gltf");
+  EXPECT_NE(second, first);
+  write_file(folder / "a.gltf", std::string_view(R"({"buffers": [{"uri": "a.bin"}] })"));
+  EXPECT_NE(key("a.gltf"), second);
+  std::filesystem::remove(folder / "a.gltf");
+  EXPECT_EQ(key("a.gltf"), key("a.gltf")) << "what is missing is said when it is loaded";
+}
+
+TEST(SweepPlan, ValuesOfOptionsAreCheckedWhenThePlanIsRead) {
+  const auto with = [](const std::string& representation) {
+    return fault_of("[axes]\nrepresentation = [\"" + representation + "\"]\n");
+  };
+  EXPECT_NE(with("relief:depth=12").find("option depth=12 of relief is not one of 8|16"), std::string::npos)
+      << with("relief:depth=12");
+  EXPECT_NE(with("hybrid(mesh,(flat:texels=4),distance=5)").find("option texels=4 of flat is not one of 16..1024"),
+            std::string::npos);
+  EXPECT_NE(with("relief:merge=17").find("is not one of auto|0..16"), std::string::npos);
+  for (const char* fine : {"relief:merge=auto", "relief:merge=3", "relief:steps=64+5", "flat:texels=64"})
+    EXPECT_EQ(with(fine), "it is taken");
+  EXPECT_EQ(fault_of("[axes]\nrepresentation = [\"relief:depth=12\", \"flat\"]\n[points]\n"
+                     "where = [\"representation == 'flat'\"]\n"),
+            "it is taken")
+      << "what is left out is not checked";
+}
+
+// Rows and labels of one hybrid at several distances tell them apart, the default one too.
+TEST(SweepPlan, AHybridKeepsTheDistanceThatItWasGiven) {
+  const Plan plan = plan_of("[axes]\nrepresentation = [\"hybrid(mesh,flat)\"]\nhybrid.distance = [10, 20]\n");
+  EXPECT_EQ(points_of(plan), (Strings{"100=hybrid(mesh,flat,distance=10)", "100=hybrid(mesh,flat,distance=20)"}));
+}
+
 TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
   const std::vector<std::pair<std::string, std::string>> faults = {
       {"", "p.toml: nothing varies"},

@@ -201,7 +201,7 @@ TEST_F(SweepsGl, DryRunListsThePointsAndItsFileIsAboutAsLarge) {
       << dry.text;
   EXPECT_NE(dry.text.find("p: 10 points in 5 conditions; about "), std::string::npos) << dry.text;
   EXPECT_FALSE(fs::exists(work_ / "p.sqlite"));
-  EXPECT_NE(run("sweep p.toml --dry-run --shard 5/5", false).text.find("p: 2 points in 1 conditions"),
+  EXPECT_NE(run("sweep p.toml --dry-run --shard 5/5", false).text.find("p: 2 points in 1 condition;"),
             std::string::npos);
   EXPECT_EQ(run("sweep p.toml --shard 6/5").status, 2);
   EXPECT_NE(run("sweep p.toml --shard 2").text.find("--shard: '2' is not a shard"), std::string::npos);

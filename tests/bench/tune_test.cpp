@@ -7,22 +7,36 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <set>
 
+#include "bench/experiments/switch_distance.h"
+#include "bench/experiments/tune_measure.h"
+#include "bench/experiments/tune_proof.h"
+#include "bench/experiments/tune_views.h"
+#include "core/probability.h"
+#include "core/random.h"
 #include "renderers/gl/context.h"
 #include "scene/mannequin/mannequin.h"
 
 namespace crowdbench::bench {
 namespace {
 
+TuneSubject mannequin_of(int triangles, std::vector<double> agents_px) {
+  TuneSubject subject;
+  subject.character = std::make_shared<const scene::Character>(scene::make_mannequin({.triangles = triangles}));
+  subject.clip = subject.character->placement.default_clip;
+  subject.agents_px = std::move(agents_px);
+  return subject;
+}
+
 TuneRequest request_of(const char* score, double value) {
   TuneRequest request;
-  request.character = std::make_shared<const scene::Character>(scene::make_mannequin({.triangles = 500}));
+  request.subjects = {mannequin_of(500, {60, 20, 20, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9})};
   request.candidates = {renderers::reference_spec(), renderers::parse_spec("mesh:triangles=100")};
   request.heights_px = {60, 24, 10};
-  request.agents = {1, 2, 30};
-  request.azimuths_deg = {0, 90};
-  request.elevations_deg = {10};
-  request.clip = request.character->placement.default_clip;
+  request.blocks.azimuths_deg = {0, 90};
+  request.blocks.elevations_deg = {10};
+  request.blocks.moments = 2;
   for (const metrics::Score* one : metrics::scores())
     if (one->name == score) request.error = request.pop = {one, value};
   request.cost.width = 160;
@@ -40,51 +54,184 @@ class TuneGl : public ::testing::Test {
 TEST_F(TuneGl, WhatMayErrIsDrawnByTheCheaperOneAndWhatMayNotByTheReference) {
   const TuneRequest lax = request_of("mae", 255);
   const TuneResult all = tune(context_, lax);
-  ASSERT_TRUE(all.plan);
-  ASSERT_EQ(all.errors.size(), 2U);
+  ASSERT_TRUE(all.together.plan);
+  EXPECT_TRUE(all.alone.empty());
+  EXPECT_EQ(all.together.table.agents, (std::vector<double>{1, 2, 10})) << "each in the next bin that is not below it";
+  const auto& errors = all.subjects[0].errors;
+  ASSERT_EQ(errors.size(), 2U);
   for (size_t bin = 0; bin < 3; ++bin) {
-    EXPECT_EQ(all.errors[0][bin].tail, 0) << "the reference against itself";
-    EXPECT_GT(all.errors[1][bin].tail, 0);
-    EXPECT_GE(all.errors[1][bin].interval.high, all.errors[1][bin].tail);
-    EXPECT_LE(all.errors[1][bin].interval.low, all.errors[1][bin].tail);
-    EXPECT_EQ(all.errors[1][bin].values.size(), 4U) << "two directions, two moments";
-    const auto& cost = all.table.cost;
-    EXPECT_EQ(all.plan->candidate[bin], cost[1][bin] < cost[0][bin] ? 1U : 0U) << bin;
+    EXPECT_EQ(errors[0][bin].tail, 0) << "the reference against itself";
+    EXPECT_GT(errors[1][bin].tail, 0);
+    EXPECT_GE(errors[1][bin].interval.high, errors[1][bin].tail);
+    EXPECT_LE(errors[1][bin].interval.low, errors[1][bin].tail);
+    EXPECT_EQ(errors[1][bin].promised, errors[1][bin].interval.high);
+    EXPECT_EQ(errors[1][bin].values.size(), 4U) << "two directions, two moments";
+    const auto& cost = all.together.table.cost;
+    EXPECT_EQ(all.together.plan->candidate[bin], cost[1][bin] < cost[0][bin] ? 1U : 0U) << bin;
   }
 
   const TuneResult none = tune(context_, request_of("mae", 0));
-  ASSERT_TRUE(none.plan);
-  EXPECT_EQ(none.plan->candidate, (std::vector<size_t>{0, 0, 0}));
-  EXPECT_EQ(none.saving.low, 1);
-  EXPECT_EQ(none.saving.high, 1);
-  EXPECT_EQ(tuned_representation(lax, none).text(), renderers::reference_spec().text());
+  ASSERT_TRUE(none.together.plan);
+  EXPECT_EQ(none.together.plan->candidate, (std::vector<size_t>{0, 0, 0}));
+  EXPECT_EQ(none.together.saving.low, 1);
+  EXPECT_EQ(none.together.saving.high, 1);
+  EXPECT_EQ(tuned_representation(lax, none.together).text(), renderers::reference_spec().text());
 }
 
 TEST_F(TuneGl, AThresholdBetweenTheErrorsOfTwoHeightsSwitchesThere) {
   TuneRequest request = request_of("mae", 255);
   const TuneResult errors = tune(context_, request);
   // Errors over the whole crop grow or fall with the height; whichever it is, one height of the two is allowed.
-  const double near = errors.errors[1][0].interval.high;
-  const double far = errors.errors[1][2].interval.high;
+  const double near = errors.subjects[0].errors[1][0].interval.high;
+  const double far = errors.subjects[0].errors[1][2].interval.high;
   ASSERT_NE(near, far);
   request.error.value = 0.5 * (near + far);
   request.pop.value = 255;
   const TuneResult result = tune(context_, request);
-  ASSERT_TRUE(result.plan);
-  EXPECT_EQ(result.errors[1][0].allowed, near < far);
-  EXPECT_EQ(result.errors[1][2].allowed, far < near);
+  ASSERT_TRUE(result.together.plan);
+  EXPECT_EQ(result.subjects[0].errors[1][0].allowed, near < far);
+  EXPECT_EQ(result.subjects[0].errors[1][2].allowed, far < near);
   // A pop of nothing forbids the change where the pictures differ.
   request.pop.value = 0;
   const TuneResult still = tune(context_, request);
-  ASSERT_TRUE(still.plan);
-  EXPECT_TRUE(still.switches.empty());
+  ASSERT_TRUE(still.together.plan);
+  EXPECT_TRUE(still.together.switches.empty());
+}
+
+TEST_F(TuneGl, ABudgetTakesTheLeastVisibleSetThatKeepsItInTheScenarioToo) {
+  TuneRequest request = request_of("mae", 0);  // a threshold that nothing but the reference keeps
+  request.pop.value = 255;
+  request.budget_ns = 1e12;
+  const TuneResult rich = tune(context_, request);
+  ASSERT_TRUE(rich.together.plan);
+  EXPECT_EQ(rich.together.plan->candidate, (std::vector<size_t>{0, 0, 0})) << "time enough for no loss at all";
+  EXPECT_EQ(rich.together.plan->error, 0);
+  EXPECT_FALSE(rich.together.budget->measured_ns);
+
+  request.budget_ns = 1;
+  const TuneResult poor = tune(context_, request);
+  EXPECT_FALSE(poor.together.plan);
+  ASSERT_TRUE(poor.together.budget);
+  EXPECT_GT(poor.together.budget->cheapest_ns, 1);
+
+  // The first plan takes ten times the budget in the scenario, so that costs are ten times the table's: what is
+  // found then, if anything, is cheaper by the table than a tenth.
+  request.budget_ns = 1e9;
+  std::vector<std::string> asked;
+  request.frame_ns = [&](const renderers::Spec& spec) {
+    asked.push_back(spec.text());
+    return asked.size() == 1 ? 1e10 : 5e8;
+  };
+  const TuneResult corrected = tune(context_, request);
+  ASSERT_FALSE(asked.empty());
+  EXPECT_EQ(asked[0], renderers::reference_spec().text());
+  EXPECT_GT(corrected.together.budget->factor, 1);
+  if (corrected.together.plan) {
+    EXPECT_EQ(asked.size(), 2U);
+    EXPECT_EQ(*corrected.together.budget->measured_ns, 5e8);
+  }
+}
+
+TEST_F(TuneGl, SeveralCharactersGetARuleEachAndOneThatHoldsForAll) {
+  TuneRequest request = request_of("mae", 255);
+  request.subjects.push_back(mannequin_of(120, {50, 8}));
+  const TuneResult lax = tune(context_, request);
+  ASSERT_EQ(lax.subjects.size(), 2U);
+  ASSERT_EQ(lax.alone.size(), 2U);
+  EXPECT_EQ(lax.together.table.agents, (std::vector<double>{2, 2, 11}));
+  const auto& first = lax.alone[0].table.cost[0];
+  const auto& second = lax.alone[1].table.cost[0];
+  EXPECT_NEAR(lax.together.table.cost[0][2], (10 * first[2] + second[2]) / 11, 1e-6 * first[2]);
+  // Between the characters' own worst: what one of them may, all together may not.
+  const double a = lax.subjects[0].errors[1][0].promised;
+  const double b = lax.subjects[1].errors[1][0].promised;
+  ASSERT_NE(a, b);
+  request.error.value = 0.5 * (a + b);
+  const TuneResult result = tune(context_, request);
+  EXPECT_NE(result.alone[0].table.allowed[1][0], result.alone[1].table.allowed[1][0]);
+  EXPECT_FALSE(result.together.table.allowed[1][0]);
+  EXPECT_TRUE(result.together.table.allowed[0][0]);
+}
+
+// The rule in pixels, and the promise of errors, on pictures that were not measured. Everything here is drawn by the
+// one other candidate, so that its errors are what is judged.
+TEST_F(TuneGl, WhatWasPromisedHoldsThroughOtherLensesAndOnUnseenFigures) {
+  TuneRequest request = request_of("mae", 255);
+  request.blocks = {.lowest_deg = 0, .highest_deg = 20, .views = 48, .moments = 3};
+  request.heights_px = {48, 12};
+  request.pop.value = 255;
+  TuneResult result = tune(context_, request);
+  result.together.plan = SwitchPlan{{1, 1}, 0, 0};
+  result.together.switches.clear();
+  const std::vector<TuneLensCheck> checks = check_lenses(context_, request, result, {{240, 30}, {240, 90}}, 12);
+  ASSERT_EQ(checks.size(), 2U) << "one bin from which another than the reference draws on, two lenses";
+  for (const TuneLensCheck& check : checks) {
+    EXPECT_TRUE(check.holds) << check.lens.rows << " rows, " << check.lens.fov_y_deg << " degrees";
+    EXPECT_EQ(check.views, 12U);
+  }
+
+  const renderers::Spec spec = tuned_representation(request, result.together);
+  EXPECT_EQ(spec.text(), request.candidates[1].text());
+  const auto prove = [&] { return prove_errors(context_, request, result, request.subjects[0], 0, spec, 40, 5); };
+  const ErrorProof proof = prove();
+  EXPECT_TRUE(proof.holds) << proof.worse << " of " << proof.views;
+  EXPECT_EQ(proof.over_threshold, 0U);
+  // A promise that nothing keeps is found out, by both.
+  for (TuneError& error : result.subjects[0].errors[1]) error.promised = 0;
+  EXPECT_FALSE(prove().holds);
+  EXPECT_FALSE(check_lenses(context_, request, result, {{240, 30}}, 12)[0].holds);
+}
+
+TEST(TuneProof, SpeedIsPromisedForTheNextSeedAndHeldAgainstIt) {
+  std::vector<SeedTimes> seeds(5);
+  const double ratios[] = {1.9, 2.0, 2.1, 2.0, 2.0};
+  for (size_t i = 0; i < 5; ++i) seeds[i] = {i, ratios[i], {}, 2e6, 1e6};
+  const SpeedPromise promise = promised_speed(seeds);
+  EXPECT_NEAR(promise.ratio, 2.0, 0.01);
+  EXPECT_EQ(promise.plan_ns, 1e6);
+  // By hand: the deviation of the logarithms is 0.0354, t(0.975, 4) is 2.776.
+  EXPECT_NEAR(promise.on_another_seed.low, promise.ratio * std::exp(-2.776 * 0.0354 * std::sqrt(1.2)), 0.01);
+  EXPECT_NEAR(promise.on_another_seed.high, promise.ratio * std::exp(2.776 * 0.0354 * std::sqrt(1.2)), 0.01);
+
+  std::vector<SeedTimes> unseen(20, SeedTimes{9, 2.0, {}, 2e6, 1e6});
+  for (size_t i = 0; i < 3; ++i) unseen[i].ratio = 1.2;
+  EXPECT_TRUE(prove_speed(promise, unseen).holds) << "three of twenty outside come up in 8 % of true promises";
+  unseen[3].ratio = 3;
+  const SpeedProof broken = prove_speed(promise, unseen);
+  EXPECT_EQ(broken.within, 16U);
+  EXPECT_FALSE(broken.holds);
+
+  std::vector<uint64_t> all = derived_seeds(1, SeedsFor::promise, 50);
+  const std::vector<uint64_t> proof = derived_seeds(1, SeedsFor::proof, 50);
+  all.insert(all.end(), proof.begin(), proof.end());
+  EXPECT_EQ(std::set<uint64_t>(all.begin(), all.end()).size(), 100U);
+}
+
+// Over many samples of a known distribution the interval's upper end is below its 95th percentile in 2.5 % at most.
+TEST(TailInterval, BoundsThePercentileAsOftenAsItSays) {
+  constexpr int kTrials = 2000;
+  int above = 0;
+  int below = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<double> values;
+    for (size_t i = 0; i < kTailValues; ++i)
+      values.push_back(random_unit(7, static_cast<uint64_t>(trial) * kTailValues + i, 3));
+    const Interval interval = tail_interval(values);
+    above += interval.low > 0.95;
+    below += interval.high < 0.95;
+  }
+  EXPECT_LE(below, binomial_limits(kTrials, 0.025).high);
+  EXPECT_LE(above, binomial_limits(kTrials, 0.025).high);
+  EXPECT_GE(below, binomial_limits(kTrials, 0.02).low) << "and is no wider than it needs to be";
+  const Interval few = tail_interval({1, 5, 3});
+  EXPECT_EQ(few.high, 5) << "the largest stands for what so few do not bound";
 }
 
 TEST(TunedRepresentation, NestsSwitchesByHeight) {
   TuneRequest request = request_of("mae", 1);
   request.candidates.push_back(renderers::parse_spec("rigid"));
   request.fade = 4;
-  TuneResult result;
+  TuneAnswer result;
   result.plan = SwitchPlan{{0, 1, 2}, 0, 0};
   result.switches = {{.change = {0, 1, 1}, .height_px = 24},
                      {.change = {1, 2, 2}, .height_px = 10, .hysteresis = 0.25}};

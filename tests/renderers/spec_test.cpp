@@ -30,6 +30,7 @@ TEST(Spec, CanonicalText) {
       {"relief:steps=4+3,floor=1", "relief:steps=4+3,floor=1"},
       {"hybrid(mesh,relief)", "hybrid(mesh,relief)"},
       {"hybrid(mesh,relief,distance=12.5)", "hybrid(mesh,relief,distance=12.5)"},
+      {"hybrid(mesh,relief,distance=20)", "hybrid(mesh,relief,distance=20)"},
       // The key is known to the component before it, so it is that one's.
       {"hybrid(mesh,relief:search=cone,steps=8+5,distance=9)",
        "hybrid(mesh,(relief:search=cone,steps=8+5),distance=9)"},

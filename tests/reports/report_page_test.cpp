@@ -73,8 +73,8 @@ TEST_F(ReportPage, ScriptTagsAreBalancedWhateverTheDataSay) {
   for (size_t at = page_.find("<script"); at != std::string::npos; at = page_.find("<script", at + 1)) ++opened;
   for (size_t at = page_.find("</script"); at != std::string::npos; at = page_.find("</script", at + 1)) ++closed;
   EXPECT_EQ(opened, closed);
-  const size_t charts = 2 + 1 + 2;    // time at two occupancies, speed, two scores
-  EXPECT_EQ(opened, charts + 3 + 1);  // three libraries and the page's own
+  const size_t charts = 2 + 1 + 2 + 2 + 2 + 2;  // time at two occupancies, speed, two scores; models, fronts, frames
+  EXPECT_EQ(opened, charts + 3 + 1);            // three libraries and the page's own
   EXPECT_EQ(page_.find("<script>alert"), std::string::npos);
   EXPECT_NE(page_.find("plaza &lt;/script&gt;&lt;script&gt;alert(1)"), std::string::npos);
   EXPECT_NE(page_.find("# made up &amp; &lt;b&gt;bold&lt;/b&gt;"), std::string::npos);
@@ -93,7 +93,51 @@ TEST_F(ReportPage, EveryChartIsJsonWithItsDataInside) {
     EXPECT_FALSE(spec.at("data").at("values").empty());
     EXPECT_EQ(text.find("\"url\""), std::string::npos);
   }
-  EXPECT_EQ(charts, 5U);
+  EXPECT_EQ(charts, 11U);
+}
+
+TEST_F(ReportPage, BeginsWithWhichOneFromWhereOn) {
+  const size_t lead = page_.find("<h2>Which one, from where on</h2>");
+  ASSERT_NE(lead, std::string::npos);
+  EXPECT_LT(lead, page_.find("<h2>The same crowd, the same view</h2>"));
+  EXPECT_NE(page_.find("is not in this file"), std::string::npos) << "nothing was scored against distance";
+
+  StoreContents contents = made_up_contents();
+  CurveRow curve;
+  curve.id = 5;
+  curve.run = 1;
+  curve.representation = "flat";
+  curve.reference = "mesh";
+  curve.score = "ssim";
+  curve.against = "distance_m";
+  curve.display = "a screen";
+  curve.agents = 90;
+  curve.bins = {{0, 5, 10, 7, 0.8, 0.75, 0.85, 90, 90}};
+  contents.curves = {curve};
+  ThresholdRow threshold;
+  threshold.run = 1;
+  threshold.curve = 5;
+  threshold.value = 0.9;
+  threshold.status = "reached";
+  threshold.at = 12.5;
+  threshold.low = 11;
+  contents.thresholds = {threshold};
+  const std::string page = report_page(contents, {"made-up.sqlite", made_up_scores()});
+  const size_t row = page.find("SSIM 0.9");
+  ASSERT_NE(row, std::string::npos);
+  EXPECT_NE(page.find("from 12.5 m on (95 %: 11 to farther than any)", row), std::string::npos);
+  EXPECT_NE(page.find("of mesh’s time (", row), std::string::npos) << "its cost, of the largest crowd";
+  EXPECT_EQ(page.find("is not in this file"), std::string::npos);
+}
+
+TEST_F(ReportPage, ShowsTheRawFramesWhereTheRowsHoldThem) {
+  const size_t frames = page_.find("<h2>The frames themselves</h2>");
+  ASSERT_NE(frames, std::string::npos);
+  EXPECT_NE(page_.find("\"ms\":2.002", frames), std::string::npos) << "flat's second frame of 1,000 agents";
+  StoreContents contents = made_up_contents();
+  for (MeasurementRow& row : contents.measurements) row.samples.clear();
+  EXPECT_EQ(report_page(contents, {"made-up.sqlite", made_up_scores()}).find("The frames themselves"),
+            std::string::npos);
 }
 
 TEST_F(ReportPage, SaysWhatAStrangerMustKnow) {

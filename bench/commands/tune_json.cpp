@@ -1,0 +1,183 @@
+#include <cmath>
+
+#include "bench/commands/score_json.h"
+#include "bench/commands/tune_output.h"
+
+namespace crowdbench::bench {
+namespace {
+
+Json interval_json(const Interval& interval) { return {{"low", interval.low}, {"high", interval.high}}; }
+
+Json candidate_json(const TuneReport& report, const TuneMeasured& measured, size_t c) {
+  Json out = {{"representation", candidate_name(report, c)},
+              {"refused", measured.refused[c].empty() ? Json(nullptr) : Json(measured.refused[c])},
+              {"heights", Json::array()}};
+  for (size_t b = 0; b < report.request.heights_px.size(); ++b) {
+    const TuneError& error = measured.errors[c][b];
+    const bool none = error.values.empty();
+    Json row = {{"height_px", report.request.heights_px[b]}, {"allowed", error.allowed}};
+    row["mean"] = none ? Json(nullptr) : json_number(error.mean);
+    row["worst_5_percent"] = none ? Json(nullptr) : json_number(error.tail);
+    row["interval"] = none ? Json(nullptr) : interval_json(error.interval);
+    row["promised"] = none ? Json(nullptr) : json_number(error.promised);
+    row["agent_ns"] = measured.refused[c].empty() ? Json(measured.table.cost[c][b]) : Json(nullptr);
+    out["heights"].push_back(row);
+  }
+  out["costs"] = Json::array();
+  for (size_t h = 0; h < measured.costs.costs[c].size(); ++h) {
+    const AgentCost& cost = measured.costs.costs[c][h];
+    out["costs"].push_back({{"height_px", measured.cost_heights_px[h]},
+                            {"agents", measured.costs.agents[h]},
+                            {"agent_ns", cost.ns},
+                            {"interval", cost.resolved ? interval_json(cost.interval) : Json(nullptr)},
+                            {"resolved", cost.resolved}});
+  }
+  return out;
+}
+
+Json switch_json(const TuneReport& report, size_t subject, const TuneSwitch& one) {
+  const EngineSizes engines = engines_in_report(report, subject, one.height_px);
+  return {{"from", candidate_name(report, one.change.from)},
+          {"to", candidate_name(report, one.change.to)},
+          {"height_px", one.height_px},
+          {"interval_px", one.certainty.height_px ? interval_json(*one.certainty.height_px) : Json(nullptr)},
+          {"share_of_resamples", one.certainty.share},
+          {"decided", one.certainty.decided()},
+          {"depth_m", depth_in_report(report, subject, one.height_px)},
+          {"pop", json_number(one.pop.tail)},
+          {"hysteresis", one.hysteresis},
+          {"unity_screen_relative_height", engines.unity_height},
+          {"unreal_screen_size", engines.unreal_size},
+          {"godot_visibility_range_m", engines.godot_metres}};
+}
+
+Json budget_json(const TuneReport& report, const TuneAnswer& answer) {
+  if (!answer.budget) return nullptr;
+  const TuneBudgetAnswer& budget = *answer.budget;
+  const auto ms = [](double ns) { return std::isfinite(ns) ? Json(1e-6 * ns) : Json(nullptr); };
+  Json out = {{"budget_ms", 1e-6 * report.request.budget_ns},
+              {"frame_without_agents_ms", ms(budget.base_ns)},
+              {"cheapest_frame_ms", ms(budget.cheapest_ns)},
+              {"fits", answer.plan.has_value()}};
+  out["plan_frame_ms"] = answer.plan ? ms(budget.base_ns + answer.plan->cost) : Json(nullptr);
+  out["measured_frame_ms"] = budget.measured_ns ? ms(*budget.measured_ns) : Json(nullptr);
+  out["correction"] = budget.factor;
+  out["loss"] = answer.plan ? Json(answer.plan->error) : Json(nullptr);
+  out["loss_bound"] = answer.plan ? Json(budget.bound) : Json(nullptr);
+  return out;
+}
+
+// The members that an answer has, whether of all characters or of one.
+Json answer_json(const TuneReport& report, size_t subject, const TuneAnswer& answer) {
+  Json out = {{"agents", Json::array()}, {"chosen", Json::array()}, {"switches", Json::array()}};
+  double agents = 0;
+  for (const double in_bin : answer.table.agents) {
+    out["agents"].push_back(in_bin);
+    agents += in_bin;
+  }
+  if (answer.plan)
+    for (const size_t c : answer.plan->candidate) out["chosen"].push_back(candidate_name(report, c));
+  for (const TuneSwitch& one : answer.switches) out["switches"].push_back(switch_json(report, subject, one));
+  out["representation"] = answer.plan ? Json(tuned_representation(report.request, answer).text()) : Json(nullptr);
+  out["no_plan"] = answer.plan ? Json(nullptr) : Json(no_plan_text(report, answer));
+  out["budget"] = budget_json(report, answer);
+  out["reference_over_plan"] = nullptr;
+  if (answer.plan && agents > 0)
+    out["reference_over_plan"] = {{"value", answer.reference_cost / std::max(answer.plan->cost, 1e-9)},
+                                  {"low", answer.saving.low},
+                                  {"high", answer.saving.high}};
+  return out;
+}
+
+Json seeds_json(const std::vector<SeedTimes>& seeds) {
+  Json out = Json::array();
+  for (const SeedTimes& one : seeds)
+    out.push_back({{"seed", one.seed},
+                   {"reference_over_plan", one.ratio},
+                   {"interval", interval_json(one.interval)},
+                   {"reference_ms", 1e-6 * one.reference_ns},
+                   {"plan_ms", 1e-6 * one.plan_ns}});
+  return out;
+}
+
+Json promise_json(const TuneReport& report) {
+  if (!report.promise) return nullptr;
+  return {{"reference_over_plan", report.promise->ratio},
+          {"on_another_seed", interval_json(report.promise->on_another_seed)},
+          {"plan_ms", 1e-6 * report.promise->plan_ns},
+          {"seeds", seeds_json(report.promise->seeds)}};
+}
+
+Json proof_json(const TuneReport& report) {
+  if (!report.proof) return nullptr;
+  const TuneProof& proof = *report.proof;
+  Json errors = Json::array();
+  for (const ErrorProof& one : proof.errors)
+    errors.push_back({{"subject", one.subject},
+                      {"figures", one.views},
+                      {"worse_than_promised", one.worse},
+                      {"over_threshold", one.over_threshold},
+                      {"worst_5_percent", json_number(one.tail)},
+                      {"worst", json_number(one.worst)},
+                      {"worst_height_px", one.worst_height_px},
+                      {"holds", one.holds}});
+  return {{"character", proof.character.empty() ? Json(nullptr) : Json(proof.character)},
+          {"holds", proof.holds()},
+          {"speed",
+           {{"within", proof.speed.within}, {"holds", proof.speed.holds}, {"seeds", seeds_json(proof.speed.seeds)}}},
+          {"errors", errors}};
+}
+
+Json lenses_json(const TuneReport& report) {
+  if (!report.lenses) return nullptr;
+  Json out = Json::array();
+  for (const TuneLensCheck& one : *report.lenses)
+    out.push_back({{"subject", one.subject},
+                   {"rows", one.lens.rows},
+                   {"fov_y_deg", one.lens.fov_y_deg},
+                   {"representation", candidate_name(report, one.candidate)},
+                   {"height_px", report.request.heights_px[one.bin]},
+                   {"views", one.views},
+                   {"worst_5_percent", json_number(one.tail)},
+                   {"mean_difference", json_number(one.mean_difference)},
+                   {"largest_difference", json_number(one.largest_difference)},
+                   {"worse_than_promised", one.worse},
+                   {"holds", one.holds}});
+  return out;
+}
+
+}  // namespace
+
+Json tune_json(const TuneReport& report) {
+  const TuneResult& result = report.result;
+  const TuneRequest& request = report.request;
+  Json out = {{"score", request.error.score->name},
+              {"threshold", request.error.value},
+              {"pop_score", request.pop.score->name},
+              {"pop_threshold", request.pop.value},
+              {"width", request.cost.width},
+              {"height", request.cost.height},
+              {"fov_y_deg", glm::degrees(request.cost.fov_y)},
+              {"clock", result.subjects[0].costs.clock},
+              {"renderer", report.renderer},
+              {"crowd", report.crowd},
+              {"characters", Json::array()}};
+  for (size_t s = 0; s < result.subjects.size(); ++s) {
+    Json one = {{"character", request.subjects[s].character->name}, {"candidates", Json::array()}};
+    for (size_t c = 0; c < request.candidates.size(); ++c)
+      one["candidates"].push_back(candidate_json(report, result.subjects[s], c));
+    one["alone"] = result.alone.empty() ? Json(nullptr) : answer_json(report, s, result.alone[s]);
+    out["characters"].push_back(one);
+  }
+  const Json together = answer_json(report, 0, result.together);
+  for (const char* key : {"agents", "chosen", "switches", "representation", "no_plan", "budget", "reference_over_plan"})
+    out[key] = together.at(key);
+  out["one_texel_a_pixel_px"] = Json::array();
+  for (const auto& predicted : report.predicted_px) out["one_texel_a_pixel_px"].push_back(json_number(predicted));
+  out["promise"] = promise_json(report);
+  out["lenses"] = lenses_json(report);
+  out["proof"] = proof_json(report);
+  return out;
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,171 @@
+#include "bench/experiments/tune_proof.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <memory>
+
+#include "bench/experiments/tune_measure.h"
+#include "bench/stage/stage.h"
+#include "bench/timing/timed_representation.h"
+#include "bench/timing/timing_method.h"
+#include "core/error.h"
+#include "core/probability.h"
+#include "core/progress.h"
+#include "core/random.h"
+
+namespace crowdbench::bench {
+namespace {
+
+enum ProofPurpose : uint64_t { kPromiseSeed = 101, kProofSeed, kAzimuth, kElevation, kMoment, kTime };
+
+// Unseen figures: everything drawn at random, heights in even steps so that every bin has its part.
+std::vector<QualityView> unseen_views(const TuneRequest& request, const TuneSubject& subject, size_t views,
+                                      uint64_t seed) {
+  const TuneBlocks& blocks = request.blocks;
+  double low = blocks.lowest_deg;
+  double high = blocks.highest_deg;
+  if (!blocks.elevations_deg.empty()) {
+    low = *std::min_element(blocks.elevations_deg.begin(), blocks.elevations_deg.end());
+    high = *std::max_element(blocks.elevations_deg.begin(), blocks.elevations_deg.end());
+  }
+  const double nearest = request.heights_px.front();
+  const double farthest = request.heights_px.back();
+  const Moments moments(subject);
+  std::vector<QualityView> out;
+  for (size_t i = 0; i < views; ++i) {
+    QualityView view;
+    const double along = (static_cast<double>(i) + 0.5) / static_cast<double>(views);
+    view.height_px = nearest * std::pow(farthest / nearest, along);
+    view.azimuth_deg = 360 * random_unit(seed, i, kAzimuth);
+    view.elevation_deg = low + (high - low) * random_unit(seed, i, kElevation);
+    view.clip = subject.clip;
+    // Few moments: the mesh at each exact one is a mesh of its own.
+    constexpr uint64_t kMoments = 16;
+    const uint64_t slot = random_below(seed, i, kMoment, kMoments);
+    view.time = moments.time(random_unit(seed, slot, kTime));
+    out.push_back(view);
+  }
+  return out;
+}
+
+SeedTimes times_of(gl::Context& context, const TuneProofRequest& request, uint64_t seed, const TimingMethod& method) {
+  scene::Scenario scenario = request.scenario;
+  scenario.seed = seed;
+  const Staged staged = stage_scenario(scenario, *request.cast, context);
+  Stage stage(context, *request.cast);
+  stage.show(staged);
+  TimedRepresentation reference(stage, renderers::reference_spec(), staged.scenario, request.bake_budget);
+  TimedRepresentation plan(stage, request.representation, staged.scenario, request.bake_budget);
+  TimingPlan timing;
+  timing.rounds = timing.least_rounds = request.rounds;
+  timing.metric = method.headline;
+  timing.order_seed = seed;
+  const std::vector<Variant> variants{reference.variant(), plan.variant()};
+  const std::vector<VariantTimes> times = time_interleaved(
+      variants, timing, system_clocks(), gpu_timer_of(context, method), [] { throw_if_interrupted(); });
+  SeedTimes out;
+  out.seed = seed;
+  out.reference_ns = median(values_of(times[0].samples, method.headline));
+  out.plan_ns = median(values_of(times[1].samples, method.headline));
+  if (const auto ratio = paired_ratio(times[0].samples, times[1].samples, method.headline, kBootstrapSeed)) {
+    out.ratio = ratio->median;
+    out.interval = ratio->interval;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<uint64_t> derived_seeds(uint64_t seed, SeedsFor purpose, size_t count) {
+  std::vector<uint64_t> out;
+  const uint64_t which = purpose == SeedsFor::promise ? kPromiseSeed : kProofSeed;
+  // Below 2^53, so that any program can write and read them.
+  for (size_t i = 0; i < count; ++i) out.push_back(random_below(seed, i, which, uint64_t{1} << 53));
+  return out;
+}
+
+std::vector<SeedTimes> time_seeds(gl::Context& context, const TuneProofRequest& request,
+                                  const std::vector<uint64_t>& seeds) {
+  assert(!request.scenario.occupancy);
+  const TimingMethod method = choose_timing_method(context);
+  std::vector<SeedTimes> out;
+  Progress progress("timing crowds", seeds.size());
+  for (const uint64_t seed : seeds) {
+    out.push_back(times_of(context, request, seed, method));
+    progress.advance();
+  }
+  return out;
+}
+
+SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
+  assert(seeds.size() >= 2);
+  const auto n = static_cast<double>(seeds.size());
+  double sum = 0;
+  for (const SeedTimes& one : seeds) sum += std::log(one.ratio);
+  const double mean = sum / n;
+  double squares = 0;
+  std::vector<double> plans;
+  for (const SeedTimes& one : seeds) {
+    squares += (std::log(one.ratio) - mean) * (std::log(one.ratio) - mean);
+    plans.push_back(one.plan_ns);
+  }
+  const double half = student_t_quantile(0.975, n - 1) * std::sqrt(squares / (n - 1) * (1 + 1 / n));
+  SpeedPromise out;
+  out.seeds = std::move(seeds);
+  out.ratio = std::exp(mean);
+  out.on_another_seed = {std::exp(mean - half), std::exp(mean + half)};
+  out.plan_ns = median(plans);
+  return out;
+}
+
+SpeedProof prove_speed(const SpeedPromise& promise, std::vector<SeedTimes> unseen) {
+  SpeedProof out;
+  out.seeds = std::move(unseen);
+  for (const SeedTimes& one : out.seeds)
+    if (one.ratio >= promise.on_another_seed.low && one.ratio <= promise.on_another_seed.high) ++out.within;
+  out.holds = binomial_at_most(out.within, out.seeds.size(), 0.95) >= 0.025;
+  return out;
+}
+
+ErrorProof prove_errors(gl::Context& context, const TuneRequest& request, const TuneResult& result,
+                        const TuneSubject& subject, size_t index, const renderers::Spec& representation, size_t views,
+                        uint64_t seed) {
+  assert(result.together.plan);
+  const metrics::Score* score = request.error.score;
+  QualitySetup setup;
+  setup.character = subject.character;
+  setup.representations = {representation.text()};
+  setup.views = unseen_views(request, subject, views, seed);
+  setup.antialiasing = request.cost.antialiasing;
+  setup.bake_budget = request.cost.bake_budget;
+  setup.use_cache = request.cost.use_cache;
+  setup.display = request.display;
+  setup.table = {&score, 1};
+  ErrorProof out;
+  out.subject = index;
+  std::vector<double> bad;
+  Progress progress("unseen figures", views);
+  for (const QualityRow& row : compute_quality(context, setup, [&](const auto&, const auto&) { progress.advance(); })) {
+    if (!row.refused.empty()) throw Error("tune", row.refused, "");
+    const auto value = row.scores.value(score->name);
+    if (!value) continue;
+    const size_t bin = bin_of_height(request.heights_px, row.view.height_px);
+    const size_t candidate = result.together.plan->candidate[bin];
+    const double promised = badness_of(*score, result.subjects[index].errors[candidate][bin].promised);
+    bad.push_back(badness_of(*score, *value));
+    if (bad.back() > promised) ++out.worse;
+    if (bad.back() > badness_of(*score, request.error.value)) ++out.over_threshold;
+    if (bad.size() == 1 || bad.back() > badness_of(*score, out.worst)) {
+      out.worst = *value;
+      out.worst_height_px = row.view.height_px;
+    }
+  }
+  out.views = bad.size();
+  if (bad.empty()) return out;
+  out.tail = value_of_badness(*score, badness_tail(bad));
+  out.holds = binomial_at_least(out.worse, out.views, 0.05) >= 0.025;
+  return out;
+}
+
+}  // namespace crowdbench::bench

@@ -1,0 +1,192 @@
+#include "reports/model/break_even.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/probability.h"
+#include "reports/model/number_text.h"
+
+namespace crowdbench::reports {
+namespace {
+
+constexpr size_t kAgentSteps = 60;  // of a contour
+constexpr size_t kCellSteps = 13;   // of the map
+constexpr size_t kOccupancySteps = 7;
+
+// The ranges that were measured.
+struct Measured {
+  double least_agents = 1, most_agents = 1;
+  std::vector<double> occupancies;
+};
+Measured measured_range(const Scene& scene) {
+  Measured out;
+  for (const uint32_t agents : scene.agents)
+    if (agents > 0) {
+      out.least_agents = agents;
+      break;
+    }
+  out.most_agents = std::max<double>(out.least_agents, scene.agents.empty() ? 1 : scene.agents.back());
+  if (scene.occupancies.size() < 2) {
+    out.occupancies = scene.occupancies;
+    return out;
+  }
+  const double low = scene.occupancies.front();
+  const double high = scene.occupancies.back();
+  for (size_t i = 0; i < kOccupancySteps; ++i)
+    out.occupancies.push_back(low + (high - low) * static_cast<double>(i) / (kOccupancySteps - 1));
+  return out;
+}
+
+std::vector<double> even_in_log(double low, double high, size_t steps) {
+  if (!(high > low)) return {low};
+  std::vector<double> out;
+  for (size_t i = 0; i < steps; ++i)
+    out.push_back(low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(steps - 1)));
+  return out;
+}
+
+// The covered pixels of an occupancy; where the camera is the scenario's own (0) what was covered there, by agents.
+double covered_px(const Scene& scene, const CostModel& model, double agents, double occupancy) {
+  if (occupancy > 0) return occupancy * scene.width * scene.height;
+  double nearest = 0;
+  double distance = INFINITY;
+  for (const CostPrediction& one : model.held_out) {
+    const auto& covered = one.point.counts[static_cast<size_t>(CostTerm::covered)];
+    const double away = std::abs(std::log(std::max<double>(one.point.agents, 1) / agents));
+    if (covered && one.point.occupancy == occupancy && away < distance) {
+      distance = away;
+      nearest = *covered;
+    }
+  }
+  return nearest;
+}
+
+double time_at(const Scene& scene, const CostModel& model, double agents, double occupancy) {
+  CostPoint point;
+  point.counts = {1.0, agents, covered_px(scene, model, agents, occupancy), {}, {}, {}, {}};
+  return predicted_ns(model.fit, point);
+}
+
+// Half the width of the interval of a predicted ratio's logarithm, and its bias.
+struct Spread {
+  double bias = 0, half = INFINITY;
+};
+Spread spread_of(const CostModel& first, const CostModel& second) {
+  std::vector<double> errors;
+  for (const CostPrediction& a : first.held_out)
+    for (const CostPrediction& b : second.held_out)
+      if (a.point.agents == b.point.agents && a.point.occupancy == b.point.occupancy)
+        errors.push_back(std::log(a.point.time_ns / b.point.time_ns) - std::log(a.predicted_ns / b.predicted_ns));
+  if (errors.size() < 3) return {};
+  const auto n = static_cast<double>(errors.size());
+  double sum = 0;
+  for (const double e : errors) sum += e;
+  double squares = 0;
+  for (const double e : errors) squares += (e - sum / n) * (e - sum / n);
+  return {sum / n, student_t_quantile(0.975, n - 1) * std::sqrt(squares / (n - 1) * (1 + 1 / n))};
+}
+
+// Where the logarithm of the ratio, straight between the steps, is first at `level`; nothing where it is not.
+std::optional<double> first_at(const std::vector<double>& agents, const std::vector<double>& logs, double level) {
+  for (size_t i = 1; i < logs.size(); ++i) {
+    const double a = logs[i - 1] - level;
+    const double b = logs[i] - level;
+    if ((a < 0) == (b < 0)) continue;
+    return std::exp(std::log(agents[i - 1]) + a / (a - b) * std::log(agents[i] / agents[i - 1]));
+  }
+  return std::nullopt;
+}
+
+BreakEvenPoint contour_point(const Scene& scene, const CostModel& first, const CostModel& second, const Spread& spread,
+                             const Measured& range, double occupancy) {
+  BreakEvenPoint out;
+  out.occupancy = occupancy;
+  const std::vector<double> agents = even_in_log(range.least_agents, range.most_agents, kAgentSteps);
+  std::vector<double> logs;  // above 0: the second is cheaper
+  for (const double n : agents)
+    logs.push_back(std::log(time_at(scene, first, n, occupancy) / time_at(scene, second, n, occupancy)) + spread.bias);
+  const auto cheaper = [&](double log) -> std::string {
+    return log > spread.half ? second.representation : log < -spread.half ? first.representation : std::string();
+  };
+  out.cheaper_below = cheaper(logs.front());
+  out.cheaper_beyond = cheaper(logs.back());
+  out.agents = first_at(agents, logs, 0);
+  if (!out.agents) return out;
+  const double side = logs.back() > logs.front() ? 1 : -1;
+  const auto low = first_at(agents, logs, -side * spread.half);
+  const auto high = first_at(agents, logs, side * spread.half);
+  out.low_open = !low || *low > *out.agents;
+  out.high_open = !high || *high < *out.agents;
+  out.low = out.low_open ? agents.front() : *low;
+  out.high = out.high_open ? agents.back() : *high;
+  return out;
+}
+
+}  // namespace
+
+BreakEvenMap break_even_map(const Scene& scene) {
+  BreakEvenMap map;
+  for (const std::string& name : scene.representations) map.models.push_back(cost_model(scene, name, kTermsBeforehand));
+  std::vector<const CostModel*> known;
+  for (const CostModel& model : map.models)
+    if (model.absent.empty()) known.push_back(&model);
+  const Measured range = measured_range(scene);
+  std::vector<std::vector<Spread>> spreads(known.size(), std::vector<Spread>(known.size()));
+  for (size_t i = 0; i < known.size(); ++i)
+    for (size_t j = 0; j < known.size(); ++j)
+      if (i != j) spreads[i][j] = spread_of(*known[i], *known[j]);
+  for (size_t i = 0; i < known.size(); ++i)
+    for (size_t j = i + 1; j < known.size(); ++j) {
+      if (!std::isfinite(spreads[i][j].half)) continue;
+      BreakEven pair{known[i]->representation, known[j]->representation, std::exp(spreads[i][j].half), {}};
+      for (const double occupancy : range.occupancies)
+        pair.contour.push_back(contour_point(scene, *known[i], *known[j], spreads[i][j], range, occupancy));
+      map.pairs.push_back(std::move(pair));
+    }
+  if (known.size() < 2) return map;
+  for (const double occupancy : range.occupancies)
+    for (const double agents : even_in_log(range.least_agents, range.most_agents, kCellSteps)) {
+      const auto time = [&](size_t k) { return time_at(scene, *known[k], agents, occupancy); };
+      size_t best = 0;
+      for (size_t k = 1; k < known.size(); ++k)
+        if (time(k) < time(best)) best = k;
+      CheapestCell cell{agents, occupancy, known[best]->representation, {}};
+      for (size_t k = 0; k < known.size(); ++k) {
+        if (k == best) continue;
+        const Spread& spread = spreads[k][best];
+        if (!(std::log(time(k) / time(best)) + spread.bias > spread.half))
+          cell.not_told_apart.push_back(known[k]->representation);
+      }
+      map.cells.push_back(std::move(cell));
+    }
+  return map;
+}
+
+std::string break_even_text(const BreakEven& pair, const BreakEvenPoint& point, uint32_t from, uint32_t to) {
+  const std::string at = point.occupancy > 0 ? " at " + percent_text(point.occupancy) + " occupancy"
+                                             : std::string(" in the scenario's own view");
+  const auto count = [](double agents) { return count_text(static_cast<uint64_t>(std::llround(agents))); };
+  if (!point.agents) {
+    const std::string& cheaper = point.cheaper_below.empty() ? point.cheaper_beyond : point.cheaper_below;
+    if (cheaper.empty() || (!point.cheaper_beyond.empty() && point.cheaper_beyond != cheaper))
+      return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, count_text(from),
+                         agents_text(to), at);
+    const bool everywhere = point.cheaper_below == point.cheaper_beyond;
+    return fmt::format("{} is cheaper than {} {}from {} to {}{}", cheaper,
+                       cheaper == pair.first ? pair.second : pair.first,
+                       everywhere ? "" : "wherever they can be told apart ", count_text(from), agents_text(to), at);
+  }
+  if (point.low_open && point.high_open)
+    return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, count_text(from),
+                       agents_text(to), at);
+  const std::string beyond = !point.cheaper_beyond.empty()       ? point.cheaper_beyond
+                             : point.cheaper_below == pair.first ? pair.second
+                                                                 : pair.first;
+  return fmt::format("{} is the cheaper one from about {} agents on ({} to {}){}", beyond, count(*point.agents),
+                     point.low_open ? "fewer than " + count(*point.low) : count(*point.low),
+                     point.high_open ? "more than " + count(*point.high) : count(*point.high), at);
+}
+
+}  // namespace crowdbench::reports

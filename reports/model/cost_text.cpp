@@ -1,0 +1,54 @@
+#include "reports/model/cost_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "reports/model/number_text.h"
+
+namespace crowdbench::reports {
+
+std::string formula_text(const CostFit& fit) {
+  std::string out;
+  for (const CostCoefficient& term : fit.terms) {
+    const std::string each = term.ns >= 1e3 ? time_text(term.ns) : fmt::format("{:.3g} ns", term.ns);
+    out += fmt::format("{}{} {}", out.empty() ? "" : " + ", each, cost_term_text(term.term));
+  }
+  return out;
+}
+
+std::string accuracy_text(const CostModel& model) {
+  return fmt::format("{} of {} within 15 % (95 % interval of the share {} to {}); error {:.1f} %", model.within_15,
+                     model.held_out.size(), percent_text(model.within_share.low), percent_text(model.within_share.high),
+                     100 * model.fit.held_out);
+}
+
+std::string verdict_text(const CostModel& model) {
+  if (!model.absent.empty()) return fmt::format("{}: no model, {}", model.representation, model.absent);
+  const bool all = model.within_15 == model.held_out.size();
+  return fmt::format("{}: {}{}", model.representation, accuracy_text(model),
+                     all ? "" : "; where it is off, do not read it for more than its trend");
+}
+
+std::vector<std::string> break_even_sentences(const Scene& scene, const BreakEvenMap& map) {
+  std::vector<std::string> out;
+  uint32_t from = 0;
+  for (const uint32_t agents : scene.agents)
+    if (from == 0 && agents > 0) from = agents;
+  for (const BreakEven& pair : map.pairs)
+    if (pair.first == scene.reference)
+      for (const BreakEvenPoint& point : pair.contour)
+        out.push_back(break_even_text(pair, point, from, scene.agents.back()));
+  return out;
+}
+
+std::string time_ratio_text(const ParetoEntry& entry) {
+  if (entry.low == entry.high) return "1";
+  return fmt::format("{:.3g} ({:.3g} to {:.3g})", entry.time, entry.low, entry.high);
+}
+
+std::string front_text(const ParetoEntry& entry) {
+  return entry.beaten_by.empty() ? std::string("on the front") : "beaten by " + entry.beaten_by;
+}
+
+}  // namespace crowdbench::reports

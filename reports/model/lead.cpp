@@ -1,0 +1,52 @@
+#include "reports/model/lead.h"
+
+#include <fmt/format.h>
+
+#include "reports/model/distance_series.h"
+#include "reports/model/number_text.h"
+
+namespace crowdbench::reports {
+namespace {
+
+// Time over the reference's at the largest crowd that the file has a ratio of.
+std::string cost_of(const std::vector<Scene>& scenes, const std::string& name) {
+  const RatioRow* best = nullptr;
+  const Scene* where = nullptr;
+  for (const Scene& scene : scenes)
+    for (const double occupancy : scene.occupancies)
+      for (const uint32_t agents : scene.agents) {
+        const RatioRow* ratio = scene.ratio("speed", name, agents, occupancy, scene.run->headline);
+        if (ratio == nullptr || !(ratio->low > 0) || (best != nullptr && best->of.agents >= agents)) continue;
+        best = ratio;
+        where = &scene;
+      }
+  if (best == nullptr) return "not timed in this file";
+  return fmt::format("{:.3g} of {}’s time ({:.3g} to {:.3g}), {}", 1 / best->ratio, where->reference, 1 / best->high,
+                     1 / best->low, agents_text(best->of.agents));
+}
+
+}  // namespace
+
+Lead lead_of(const StoreContents& contents, const std::vector<Scene>& scenes, const std::vector<ScoreDoc>& docs) {
+  Lead out;
+  for (const CurveRow& curve : contents.curves) {
+    if (curve.against != "distance_m") continue;
+    for (const ThresholdRow& row : contents.thresholds) {
+      if (row.curve != curve.id) continue;
+      const ScoreDoc doc = doc_of(docs, curve.score);
+      out.rows.push_back({curve.representation, doc.title + " " + score_text(doc, row.value),
+                          threshold_text(row, curve), cost_of(scenes, curve.representation)});
+    }
+  }
+  if (out.rows.empty())
+    out.silent =
+        "From which distance on another representation may be drawn is not in this file: nothing in it was scored "
+        "against distance. The command “distance” with --db adds that; “tune” answers it whole.";
+  else
+    out.basis =
+        "Read from what each agent of a crowd scored against how far away it was, and from paired times. What a switch "
+        "itself shows is not in these rows: the command “tune” weighs it too.";
+  return out;
+}
+
+}  // namespace crowdbench::reports

@@ -1,0 +1,165 @@
+// Cost models, break-even and fronts on rows that follow a known law.
+#include "reports/model/cost_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "reports/exports/cost_export.h"
+#include "reports/model/break_even.h"
+#include "reports/model/cost_text.h"
+#include "reports/model/pareto.h"
+
+namespace crowdbench::reports {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+
+// Rows of "mesh" (50,000 ns and 9,000 an agent) and of "flat" (400,000 ns, 1,000 an agent and 0.5 a covered pixel),
+// with relative noise. The two cost the same where 8,000 agents are 350,000 and 0.5 a covered pixel.
+struct Law {
+  double frame, agent, pixel;
+  double at(double agents, double covered) const { return frame + agent * agents + pixel * covered; }
+};
+constexpr Law kMesh{50'000, 9'000, 0}, kFlat{400'000, 1'000, 0.5};
+
+StoreContents rows_of(double noise) {
+  StoreContents contents;
+  RunRow run;
+  run.id = 1;
+  run.headline = "cpu";
+  run.scenario_name = "law";
+  contents.runs.push_back(run);
+  uint64_t draw = 0;
+  int64_t id = 0;
+  for (const double occupancy : {0.15, 0.5, 0.9})
+    for (const uint32_t agents : {5U, 20U, 100U, 500U, 2000U}) {
+      double times[2] = {};
+      for (const bool flat : {false, true}) {
+        MeasurementRow row;
+        row.id = ++id;
+        row.run = 1;
+        row.key = {flat ? "flat" : "mesh", "walker", agents, kWidth, kHeight, occupancy};
+        row.reference = "mesh";
+        const double covered = occupancy * kWidth * kHeight;
+        row.reference_px = static_cast<uint64_t>(covered);
+        row.fragments = static_cast<uint64_t>(covered * (1 + random_unit(9, draw, 2)));
+        double& time = times[flat ? 1 : 0];
+        time = (flat ? kFlat : kMesh).at(agents, covered) * (1 + noise * (2 * random_unit(3, draw++, 1) - 1));
+        row.cpu_ns = row.frame_ns = TimeSummary{time, time, time, time, time, time};
+        row.texture_bytes = flat ? 1000 : 10;
+        row.buffer_bytes = 0;
+        row.rounds = 20;
+        contents.measurements.push_back(row);
+      }
+      RatioRow ratio;
+      ratio.id = id;
+      ratio.run = 1;
+      ratio.kind = "speed";
+      ratio.of = contents.measurements.back().key;
+      ratio.to = "mesh";
+      ratio.metric = "cpu";
+      ratio.ratio = times[0] / times[1];
+      ratio.low = 0.95 * ratio.ratio;
+      ratio.high = 1.05 * ratio.ratio;
+      ratio.pairs = 20;
+      contents.ratios.push_back(ratio);
+    }
+  return contents;
+}
+
+TEST(CostModel, FindsTheTermsOfALawAndLeavesTheOthersOut) {
+  const StoreContents contents = rows_of(0);
+  const std::vector<Scene> scenes = scenes_of(contents);
+  ASSERT_EQ(scenes.size(), 1U);
+  const CostModel flat = cost_model(scenes[0], "flat");
+  ASSERT_EQ(flat.absent, "");
+  ASSERT_EQ(flat.fit.terms.size(), 3U);
+  EXPECT_EQ(flat.fit.terms[0].term, CostTerm::frame);
+  EXPECT_NEAR(flat.fit.terms[0].ns, kFlat.frame, 1);
+  EXPECT_EQ(flat.fit.terms[1].term, CostTerm::agents);
+  EXPECT_NEAR(flat.fit.terms[1].ns, kFlat.agent, 1);
+  EXPECT_EQ(flat.fit.terms[2].term, CostTerm::covered) << "not the fragments, which only resemble them";
+  EXPECT_NEAR(flat.fit.terms[2].ns, kFlat.pixel, 1e-3);
+  EXPECT_EQ(flat.within_15, 15U);
+  EXPECT_NEAR(flat.within_share.low, 0.782, 0.001) << "Clopper and Pearson, 15 of 15";
+  EXPECT_EQ(flat.within_share.high, 1);
+  EXPECT_EQ(formula_text(flat.fit), "0.40 ms a frame + 1.0 µs an agent + 0.5 ns a covered pixel");
+}
+
+TEST(CostModel, SaysHowWellItPredictsWhatItWasNotFittedTo) {
+  const StoreContents quiet = rows_of(0.03);
+  const CostModel model = cost_model(scenes_of(quiet)[0], "mesh");
+  EXPECT_EQ(model.within_15, 15U);
+  EXPECT_GT(model.fit.held_out, 0.005);
+  EXPECT_LT(model.fit.held_out, 0.05);
+  // Times that follow no law: nothing predicts them, and the model says so.
+  StoreContents noise = rows_of(0);
+  for (size_t i = 0; i < noise.measurements.size(); ++i) {
+    const double time = 1e5 * std::pow(100.0, random_unit(4, i, 1));
+    noise.measurements[i].cpu_ns = TimeSummary{time, time, time, time, time, time};
+  }
+  const CostModel none = cost_model(scenes_of(noise)[0], "mesh");
+  EXPECT_LT(none.within_15, 8U);
+  EXPECT_NE(verdict_text(none).find("do not read it"), std::string::npos);
+}
+
+TEST(CostModel, IsAbsentWithTooFewPoints) {
+  StoreContents contents = rows_of(0);
+  contents.measurements.resize(8);
+  const CostModel model = cost_model(scenes_of(contents)[0], "mesh");
+  EXPECT_EQ(model.absent, "it was timed at 4 points, a model takes 5 at least");
+  EXPECT_TRUE(break_even_map(scenes_of(contents)[0]).pairs.empty());
+}
+
+TEST(BreakEven, ContoursCrossWhereTheLawsDo) {
+  const StoreContents contents = rows_of(0.02);
+  const Scene scene = scenes_of(contents)[0];
+  const BreakEvenMap map = break_even_map(scene);
+  ASSERT_EQ(map.pairs.size(), 1U);
+  ASSERT_EQ(map.pairs[0].contour.size(), 7U) << "between the occupancies that were measured";
+  for (const BreakEvenPoint& point : map.pairs[0].contour) {
+    const double covered = point.occupancy * kWidth * kHeight;
+    const double exact = (kFlat.frame - kMesh.frame + kFlat.pixel * covered) / (kMesh.agent - kFlat.agent);
+    ASSERT_TRUE(point.agents) << point.occupancy;
+    EXPECT_LE(*point.low, exact) << point.occupancy;
+    EXPECT_GE(*point.high, exact) << point.occupancy;
+    EXPECT_NEAR(*point.agents, exact, 0.1 * exact);
+    EXPECT_EQ(point.cheaper_below, "mesh");
+    EXPECT_EQ(point.cheaper_beyond, "flat");
+    EXPECT_NE(break_even_text(map.pairs[0], point, 5, 2000).find("flat is the cheaper one from about "),
+              std::string::npos);
+  }
+  for (const CheapestCell& cell : map.cells) {
+    const double covered = cell.occupancy * kWidth * kHeight;
+    const double ratio = kMesh.at(cell.agents, covered) / kFlat.at(cell.agents, covered);
+    if (!cell.not_told_apart.empty()) continue;
+    EXPECT_EQ(cell.cheapest, ratio > 1 ? "flat" : "mesh") << cell.agents << " " << cell.occupancy;
+  }
+  // The wilder the times, the less is said.
+  const StoreContents wild = rows_of(0.8);
+  size_t told = 0;
+  for (const CheapestCell& cell : break_even_map(scenes_of(wild)[0]).cells) told += cell.not_told_apart.empty();
+  EXPECT_LT(told, map.cells.size() / 2);
+}
+
+TEST(Pareto, IsBeatenOnlyByWhatIsSurelyFasterAndElseNoWorse) {
+  StoreContents contents = rows_of(0);
+  const auto front_of = [&] { return pareto_fronts(scenes_of(contents)[0])[0]; };
+  ASSERT_EQ(front_of().agents, 2000U);
+  for (const ParetoEntry& entry : front_of().entries) EXPECT_EQ(entry.beaten_by, "") << "faster, but of more bytes";
+  for (MeasurementRow& row : contents.measurements) row.texture_bytes = 10;
+  EXPECT_EQ(front_of().entries[0].beaten_by, "flat") << "nothing was scored: time and bytes decide";
+  for (RatioRow& ratio : contents.ratios) ratio.low = 0.9;
+  EXPECT_EQ(front_of().entries[0].beaten_by, "") << "not surely faster";
+
+  const Json told = cost_json(scenes_of(contents)[0]);
+  EXPECT_NE(told.at("pareto").dump().find("\"error\":null"), std::string::npos) << "no score, so no error";
+  const std::string markdown = cost_markdown(scenes_of(contents)[0]);
+  EXPECT_NE(markdown.find("## Break-even"), std::string::npos);
+  EXPECT_NE(markdown.find("| flat |"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace crowdbench::reports
