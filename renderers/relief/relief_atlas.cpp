@@ -14,10 +14,9 @@ namespace {
 // One level of one box's maps.
 struct Level {
   size_t n = 0;
-  std::vector<uint16_t> depth;  // [axis][v][u][2]
-  std::vector<uint8_t> colour;  // [axis][side][v][u][4]
-  std::vector<uint8_t> normal;
-  std::vector<uint8_t> emission;  // as colour; empty where nothing glows
+  std::vector<uint16_t> depth;    // [axis][v][u][2]
+  std::vector<uint8_t> normal;    // [axis][side][v][u][4]
+  std::vector<uint8_t> emission;  // the same; empty where nothing glows
 };
 
 double linear_of(uint8_t code) {
@@ -139,9 +138,8 @@ Level halved(const Level& from) {
   const size_t n = to.n = from.n / 2;
   const size_t m = from.n;
   to.depth.resize(3 * n * n * 2);
-  to.colour.resize(6 * n * n * 4);
-  to.normal.resize(to.colour.size());
-  if (!from.emission.empty()) to.emission.resize(to.colour.size());
+  to.normal.resize(6 * n * n * 4);
+  if (!from.emission.empty()) to.emission.resize(to.normal.size());
   std::vector<std::array<uint16_t, 2>> reach(n * n);  // least and greatest of each texel's children
   for (size_t map = 0; map < 3; ++map) {
     for (size_t v = 0; v < n; ++v) {
@@ -168,7 +166,6 @@ Level halved(const Level& from) {
         if (covered < 2) continue;
         for (size_t side = 0; side < 2; ++side) {
           const size_t face = map * 2 + side;
-          uint8_t* colour = to.colour.data() + (face * n * n + v * n + u) * 4;
           uint8_t* normal = to.normal.data() + (face * n * n + v * n + u) * 4;
           glm::vec3 direction(0.0F);
           for (int k = 0; k < covered; ++k) {
@@ -181,16 +178,12 @@ Level halved(const Level& from) {
               sum += linear_of(codes[(face * m * m + child[static_cast<size_t>(k)]) * 4 + c]);
             return linear_to_srgb8(sum / covered);
           };
-          for (size_t c = 0; c < 3; ++c) colour[c] = mean(from.colour, c);
           for (size_t c = 0; c < 3 && !from.emission.empty(); ++c)
             to.emission[(face * n * n + v * n + u) * 4 + c] = mean(from.emission, c);
           const float length = glm::length(direction);
           direction = length > 1e-6F ? direction / length : glm::vec3(0, 1, 0);
           for (int c = 0; c < 3; ++c) normal[c] = static_cast<uint8_t>(direction[c] * 127.5F + 128.0F);
-          // The first covered child's.
-          const size_t first = (face * m * m + child[0]) * 4;
-          colour[3] = from.colour[first + 3];
-          normal[3] = from.normal[first + 3];
+          normal[3] = from.normal[(face * m * m + child[0]) * 4 + 3];  // the first covered child's
         }
       }
     }
@@ -260,11 +253,13 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
       const auto begin = all.begin() + static_cast<std::ptrdiff_t>(box.first * per_texel);
       return std::vector(begin, begin + static_cast<std::ptrdiff_t>(n * n * per_texel));
     };
-    Level level{n, slice(model.depth, 6), slice(model.colour, 24), slice(model.normal, 24), {}};
+    Level level{n, slice(model.depth, 6), slice(model.normal, 24), {}};
     if (!model.emission.empty()) level.emission = slice(model.emission, 24);
     for (uint32_t l = 0; l < atlas_levels(box.texels); ++l) {
       if (l > 0) level = halved(level);
-      std::vector<uint8_t> colour = level.colour;
+      const auto first =
+          model.colour.begin() + static_cast<std::ptrdiff_t>(4 * (l == 0 ? 6 * box.first : model.colour_texel(i, l)));
+      std::vector<uint8_t> colour(first, first + static_cast<std::ptrdiff_t>(24 * level.n * level.n));
       spread_colours(level, colour);
       std::vector<uint8_t> emission = level.emission;
       if (!emission.empty()) spread_colours(level, emission);
