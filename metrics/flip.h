@@ -6,15 +6,14 @@
 // modelled: the luminance of the screen, masking by texture, motion. Alpha is ignored; grey counts as R = G = B.
 //
 // Both pictures go to YCxCz (D65) and through the eye's contrast sensitivity at that resolution (sums of Gaussians, by
-// channel), to RGB held within 0 and 1, and to L*a*b* with Hunt's adjustment. Colour: HyAB distance to the power 0.7, of
-// which 0.4 of the greatest one (green to blue) is spread over 0 .. 0.95 and the rest over 0.95 .. 1. Structure: F =
-// sqrt(max(|edge difference|, |point difference|) / sqrt 2), edges and points of Y by derivatives of a Gaussian of 0.041
-// degrees. FLIP = colour^(1 - F).
-// Based on: P. Andersson, J. Nilsson, T. Akenine-Moeller, M. Oskarsson, K. Astroem, M. D. Fairchild, "FLIP: A
-// difference evaluator for alternating images", Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020; constants of its
-// version 1.6. Pooled figures agree with that tool's within 1e-4 (tests/metrics/flip_ground_truth_test.cpp).
-// Differs from it: separable filters over tiles, taps that no float sum notices left out, roots and powers by
-// metrics/fast_math.h, sums of the pooled figures in double.
+// channel), to RGB held within 0 and 1, and to L*a*b* with Hunt's adjustment. Colour: HyAB distance to the power 0.7,
+// of which 0.4 of the greatest one (green to blue) is spread over 0 .. 0.95 and the rest over 0.95 .. 1. Structure: F =
+// sqrt(max(|edge difference|, |point difference|) / sqrt 2), edges and points of Y by derivatives of a Gaussian of
+// 0.041 degrees. FLIP = colour^(1 - F). Based on: P. Andersson, J. Nilsson, T. Akenine-Moeller, M. Oskarsson, K.
+// Astroem, M. D. Fairchild, "FLIP: A difference evaluator for alternating images", Proc. ACM Comput. Graph. Interact.
+// Tech. 3(2), 2020; constants of its version 1.6. Pooled figures agree with that tool's within 1e-4
+// (tests/metrics/flip_ground_truth_test.cpp). Differs from it: separable filters over tiles, taps that no float sum
+// notices left out, roots and powers by metrics/fast_math.h, sums of the pooled figures in double.
 //
 // Every function throws Error when sizes differ. Results are the same bytes whatever the number of threads.
 #pragma once

@@ -17,7 +17,8 @@ struct HeatPanel {
 
 // Panels row by row (rows of panels may differ in length), each cell in error_colours() of value / high (held within 0
 // and 1) with its number in it, and below all the colour bar from 0 to `high` with `caption`. RGB, white around, wide
-// enough for every title and the caption. high > 0. Throws nothing; a panel whose values do not fill its table is a bug and asserts.
+// enough for every title and the caption. high > 0. Throws nothing; a panel whose values do not fill its table is a bug
+// and asserts.
 Image8 heat_map(const std::vector<std::vector<HeatPanel>>& panels, double high, const std::string& caption);
 
 // The colour that heat_map gives a value.

@@ -5,10 +5,11 @@
 // what is texture, is concluded, not known.
 //
 // What cannot be told apart: a grey repainting from a change of the light (it counts as shading); a shift by less than
-// about 0.1 pixel from nothing; a shift of the colours alone, under ids that stayed, from another texture; an agent nearer and one drawn larger, without depths; an agent that is a frame late
-// from a wrong outline, without that frame (PicturesWithIds::posed), and then its wrong surfaces from its texture,
-// since that frame's depths are not given. An agent that moved by a fraction of a pixel and was recoloured shows
-// colours of which nobody knows where between two samples they lie: that much of its place is counted as texture.
+// about 0.1 pixel from nothing; a shift of the colours alone, under ids that stayed, from another texture; an agent
+// nearer and one drawn larger, without depths; an agent that is a frame late from a wrong outline, without that frame
+// (PicturesWithIds::posed), and then its wrong surfaces from its texture, since that frame's depths are not given. An
+// agent that moved by a fraction of a pixel and was recoloured shows colours of which nobody knows where between two
+// samples they lie: that much of its place is counted as texture.
 #pragma once
 #include <optional>
 #include <vector>

@@ -107,8 +107,8 @@ void write_pops(StoreWriter& store, const PoppingReport& report, const RunRow& r
   store.begin();
   const int64_t id = store.write(run);
   for (const PoppingRun& one : report.runs)
-    for (const PopRow& row : pop_rows(id, one.representation.text(), report.cast,
-                                      metrics::display_text(report.display), one.result))
+    for (const PopRow& row :
+         pop_rows(id, one.representation.text(), report.cast, metrics::display_text(report.display), one.result))
       store.write(row);
   store.commit();
 }

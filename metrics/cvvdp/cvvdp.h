@@ -5,16 +5,16 @@
 //
 // Each frame becomes light at the display, opponent channels (achromatic sustained and transient, red-green,
 // yellow-violet; temporal_filter.h, opponent.h) and bands of a contrast pyramid (pyramid.h). In each band the contrasts
-// of both, times the sensitivity at its frequency, luminance and channel (sensitivity.h), are compared: the difference's
-// power over one plus what masks it (band.h). The differences are pooled as power means over pixels, bands, channels and
-// frames into Q, and JOD = 10 - kJodA Q^kJodExponent (parameters.h), for small Q along the straight line to 10.
-// Based on: R. K. Mantiuk, P. Hanji, M. Ashraf, Y. Asano, A. Chapiro, "ColorVideoVDP: A visual difference predictor for
-// image, video and display distortions", ACM TOG 43(4), 2024, doi 10.1145/3658144, in the version 0.5.6 of its authors'
-// program (github.com/gfxdisp/ColorVideoVDP, commit 7ca201a), base model.
-// Colour space and viewing conditions: the display's (metrics/display.h). Pictures are never scaled to it.
-// Agrees with that program, which works in single precision too, within 1.5e-5 JOD on each of 147 pictures and clips
-// (tests/metrics/cvvdp_test.cpp, which asks for 1e-4). Sums are in double precision and in one order: the bits depend
-// neither on the number of threads nor on the processor.
+// of both, times the sensitivity at its frequency, luminance and channel (sensitivity.h), are compared: the
+// difference's power over one plus what masks it (band.h). The differences are pooled as power means over pixels,
+// bands, channels and frames into Q, and JOD = 10 - kJodA Q^kJodExponent (parameters.h), for small Q along the straight
+// line to 10. Based on: R. K. Mantiuk, P. Hanji, M. Ashraf, Y. Asano, A. Chapiro, "ColorVideoVDP: A visual difference
+// predictor for image, video and display distortions", ACM TOG 43(4), 2024, doi 10.1145/3658144, in the version 0.5.6
+// of its authors' program (github.com/gfxdisp/ColorVideoVDP, commit 7ca201a), base model. Colour space and viewing
+// conditions: the display's (metrics/display.h). Pictures are never scaled to it. Agrees with that program, which works
+// in single precision too, within 1.5e-5 JOD on each of 147 pictures and clips (tests/metrics/cvvdp_test.cpp, which
+// asks for 1e-4). Sums are in double precision and in one order: the bits depend neither on the number of threads nor
+// on the processor.
 //
 // Differs from the source: contrast sensitivity from formulas in place of a table (sensitivity.h); a picture of one
 // channel is grey, not three copies of a luminance; values that are not finite are refused. Limits, which are the

@@ -125,8 +125,8 @@ void main() {
   float wanted = log2(max(pixel * float(maps.z) / longest, 1e-6));
   float most = float(maps.w - 1u);
   float level = clamp(floor(wanted + LEVEL_BIAS), 0.0, most);
-  // Colours are filtered as the mesh's texture is, at one texel a pixel.
-  uint colour_level = uint(clamp(floor(wanted), 0.0, most));
+  // Levels of colours, in sixteenths.
+  uint colour_level = uint(clamp(wanted * 16.0, 0.0, 127.0));
 
   mat3 turned = mat3(world_from_bind);
   vec3 lengths = vec3(dot(turned[0], turned[0]), dot(turned[1], turned[1]), dot(turned[2], turned[2]));
@@ -158,7 +158,7 @@ void main() {
   posed[item].view = vec4(view * inversesqrt(max(dot(view, view), 1e-30)), a_texel);
   posed[item].maps = uvec4(pack_maps(maps.x, maps.y, maps.z, uint(level)),
                            packUnorm4x8(vec4(edges / longest, 0.0)) | (angles_kept ? 0u : 1u << 24u) | colour_level << 25u,
-                           pack_maps(0u, maps.y, maps.z, colour_level).x >> 16u);
+                           maps.y);
   for (int k = 0; k < 3; ++k) posed[item].turn[k] = vec4(rows_of_bind[k].xyz, 0.0);
   for (int k = 0; k < 4; ++k) posed[item].lights[k] = vec4(lights[k], 0.0);
 }

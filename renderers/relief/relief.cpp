@@ -69,6 +69,7 @@ struct Tier {
   size_t boxes = 0;
   int joints = 0;
   int corners = 8;
+  bool textured = false;
   bool carve = true;  // the nearest tier, and patches: candidates are checked against the other axes
   gl::Texture depth;
   gl::Texture colour;
@@ -294,6 +295,8 @@ class Relief final : public Representation {
     Tier tier;
     tier.boxes = model.boxes.size();
     tier.joints = static_cast<int>(character.skeleton.joints.size());
+    tier.textured = !character.mesh.uvs.empty() &&
+                    std::ranges::any_of(character.materials, [](const auto& m) { return m.base_colour_image >= 0; });
     tier.carve = index == 0 || model.patches;
     tier.corners = tier.carve ? 8 : 4;
     tier.depth =
@@ -364,6 +367,7 @@ class Relief final : public Representation {
                     {"SEARCH", std::to_string(options_.search)},
                     {"STEPS", std::to_string(options_.linear_steps)},
                     {"BINARY", std::to_string(options_.binary_steps)},
+                    {"COLOUR_FINER", std::to_string(tier.textured ? RELIEF_FINER : RELIEF_FINER_PLAIN)},
                     // Half a depth step: a surface stored exactly on a face must not be missed by rounding.
                     {"SLACK", options_.bake.depth_bits == 8 ? "0.002" : "0.00001"}};
     if (options_.hull) {

@@ -77,14 +77,19 @@ float lambert_of(vec3 stored, vec3 point) {
   return max(lambert, 0.0);
 }
 
-// Where the colour of a point on a face lies in the colour picture: at the level of about one texel a pixel, filtered, as the
-// mesh's texture is.
+// Where the colour of a point on a face lies in the colour picture: at the level whose texture is filtered over a pixel, as
+// the mesh's is; it is COLOUR_FINER finer than a texel a pixel, so that borders stay sharp. A surface that stands aslant is seen by wider pixels, by the
+// mesh's filter in all directions: half of that (by logarithm) comes nearest to it.
 vec2 colour_place(Map map, Face face, vec3 point) {
-  int level = int(v_maps.z >> 25u);
+  vec3 n = face.normal.xyz * 2.0 - 1.0;
+  float toward = dot(n, v_view);
+  float square = toward * toward / max(dot(n, n) * dot(v_view, v_view), 1e-12);
+  float wanted = float(v_maps.z >> 25u) / 16.0 - 0.25 * log2(max(square, 1.0 / 64.0));
+  int level = clamp(int(wanted + 0.5) - COLOUR_FINER, 0, findMSB(map.texels) - 2);
   int size = map.texels >> level;
   vec2 low = vec2(ivec2(map.left * 2 + (2 * face.axis + face.side) * map.texels +
                             (level == 0 ? 0 : map.texels - (map.texels >> (level - 1))),
-                        int(v_identity.w)));
+                        int(v_identity.w) + (level == 0 ? 0 : map.texels)));
   vec3 place = along_axis(point, face.axis);
   return (low + clamp(place.xy * float(size), 0.5, float(size) - 0.5)) / vec2(textureSize(colour_map, 0));
 }

@@ -22,6 +22,11 @@
 #define RELIEF_LOCATION_FIRST 0   // uint: position in LIST of the first instance
 #define RELIEF_LOCATION_PEAK 3    // float: of the light given off
 
+// How many levels finer than one texel a pixel colours are read: as the levels' textures are filtered for, and of a
+// character without textures, which has nothing to filter.
+#define RELIEF_FINER 1
+#define RELIEF_FINER_PLAIN 3
+
 // Search methods.
 #define RELIEF_SEARCH_ADAPTIVE 0  // one step a texel crossed, each tested as an interval
 #define RELIEF_SEARCH_LINEAR 1    // fixed steps, then binary refinement: the source's

@@ -13,7 +13,7 @@ layout(location = 0) out vec3 v_anchor;  // an outline has w = 1: linear on the 
 layout(location = 1) flat out vec4 v_eye_depth;
 layout(location = 2) flat out vec4 v_light;
 layout(location = 3) flat out uvec4 v_maps;
-layout(location = 4) flat out uvec4 v_identity;  // outfit, id, box, top row of its colours
+layout(location = 4) flat out uvec4 v_identity;  // outfit, id, box, top row of its maps
 #ifdef CARVE
 layout(std430, binding = RELIEF_STORAGE_BOXES) readonly restrict buffer Boxes { BoxRecord boxes[]; };
 layout(location = 5) out vec3 v_view;

@@ -14,10 +14,9 @@ namespace {
 // One level of one box's maps.
 struct Level {
   size_t n = 0;
-  std::vector<uint16_t> depth;  // [axis][v][u][2]
-  std::vector<uint8_t> colour;  // [axis][side][v][u][4]
-  std::vector<uint8_t> normal;
-  std::vector<uint8_t> emission;  // as colour; empty where nothing glows
+  std::vector<uint16_t> depth;    // [axis][v][u][2]
+  std::vector<uint8_t> normal;    // [axis][side][v][u][4]
+  std::vector<uint8_t> emission;  // the same; empty where nothing glows
 };
 
 double linear_of(uint8_t code) {
@@ -188,13 +187,13 @@ Level halved(const Level& from) {
   Level to;
   const size_t n = to.n = from.n / 2;
   to.depth.resize(3 * n * n * 2);
-  to.colour.resize(6 * n * n * 4);
-  to.normal.resize(to.colour.size());
-  if (!from.emission.empty()) to.emission.resize(to.colour.size());
+  to.normal.resize(6 * n * n * 4);
+  if (!from.emission.empty()) to.emission.resize(to.normal.size());
   std::vector<std::array<uint16_t, 2>> reach(n * n);  // least and greatest of each texel's children
   for (size_t map = 0; map < 3; ++map) {
     for (size_t v = 0; v < n; ++v) {
       for (size_t u = 0; u < n; ++u) {
+<<<<<<< HEAD
         const size_t at = v * n + u;
         const Children children = children_of(from, map, u, v);
         const int count = children.count;
@@ -204,6 +203,49 @@ Level halved(const Level& from) {
         d[0] = count >= 2 ? mean(children.depth_sums[0]) : 65535;
         d[1] = count >= 2 ? mean(children.depth_sums[1]) : 0;
         for (size_t side = 0; side < 2 && count >= 2; ++side) halve_face(from, children, map * 2 + side, at, to);
+=======
+        std::array<size_t, 4> child{};
+        int covered = 0;
+        uint16_t least = 65535;
+        uint16_t greatest = 0;
+        std::array<int, 2> depths{};
+        for (size_t k = 0; k < 4; ++k) {
+          const size_t texel = (2 * v + k / 2) * m + 2 * u + k % 2;
+          const uint16_t* d = from.depth.data() + (map * m * m + texel) * 2;
+          if (d[0] > d[1]) continue;
+          child[static_cast<size_t>(covered++)] = texel;
+          least = std::min(least, d[0]);
+          greatest = std::max(greatest, d[1]);
+          depths[0] += d[0];
+          depths[1] += d[1];
+        }
+        reach[v * n + u] = {least, greatest};
+        uint16_t* d = to.depth.data() + (map * n * n + v * n + u) * 2;
+        d[0] = covered >= 2 ? static_cast<uint16_t>((depths[0] + covered / 2) / covered) : 65535;
+        d[1] = covered >= 2 ? static_cast<uint16_t>((depths[1] + covered / 2) / covered) : 0;
+        if (covered < 2) continue;
+        for (size_t side = 0; side < 2; ++side) {
+          const size_t face = map * 2 + side;
+          uint8_t* normal = to.normal.data() + (face * n * n + v * n + u) * 4;
+          glm::vec3 direction(0.0F);
+          for (int k = 0; k < covered; ++k) {
+            const size_t texel = (face * m * m + child[static_cast<size_t>(k)]) * 4;
+            direction += glm::vec3(from.normal[texel], from.normal[texel + 1], from.normal[texel + 2]) / 127.5F - 1.0F;
+          }
+          const auto mean = [&](const std::vector<uint8_t>& codes, size_t c) {
+            double sum = 0;
+            for (int k = 0; k < covered; ++k)
+              sum += linear_of(codes[(face * m * m + child[static_cast<size_t>(k)]) * 4 + c]);
+            return linear_to_srgb8(sum / covered);
+          };
+          for (size_t c = 0; c < 3 && !from.emission.empty(); ++c)
+            to.emission[(face * n * n + v * n + u) * 4 + c] = mean(from.emission, c);
+          const float length = glm::length(direction);
+          direction = length > 1e-6F ? direction / length : glm::vec3(0, 1, 0);
+          for (int c = 0; c < 3; ++c) normal[c] = static_cast<uint8_t>(direction[c] * 127.5F + 128.0F);
+          normal[3] = from.normal[(face * m * m + child[0]) * 4 + 3];  // the first covered child's
+        }
+>>>>>>> a365401b2fbeb241e32f558ff97d8b2e5d8dfbd2
       }
     }
     meet_again(reach, n, to.depth.data() + map * n * n * 2);
@@ -272,11 +314,13 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
       const auto begin = all.begin() + static_cast<std::ptrdiff_t>(box.first * per_texel);
       return std::vector(begin, begin + static_cast<std::ptrdiff_t>(n * n * per_texel));
     };
-    Level level{n, slice(model.depth, 6), slice(model.colour, 24), slice(model.normal, 24), {}};
+    Level level{n, slice(model.depth, 6), slice(model.normal, 24), {}};
     if (!model.emission.empty()) level.emission = slice(model.emission, 24);
     for (uint32_t l = 0; l < atlas_levels(box.texels); ++l) {
       if (l > 0) level = halved(level);
-      std::vector<uint8_t> colour = level.colour;
+      const auto first =
+          model.colour.begin() + static_cast<std::ptrdiff_t>(4 * (l == 0 ? 6 * box.first : model.colour_texel(i, l)));
+      std::vector<uint8_t> colour(first, first + static_cast<std::ptrdiff_t>(24 * level.n * level.n));
       spread_colours(level, colour);
       std::vector<uint8_t> emission = level.emission;
       if (!emission.empty()) spread_colours(level, emission);

@@ -40,8 +40,8 @@ struct Atlas {
 };
 // Halved levels. A texel is covered when at least two of its four children are: the silhouette keeps its area on
 // average, and only depths of covered children are joined (least and greatest), so that no surface appears between a
-// limb and nothing. Ids are not mixed. Colours and emission are averaged in linear light, and spread beyond the
-// silhouette by two texels so that they can be filtered.
+// limb and nothing. Ids are not mixed, emission is averaged in linear light; colours are the model's own of each level.
+// Both are spread beyond the silhouette by two texels so that they can be filtered.
 Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan);
 
 }  // namespace crowdbench::renderers

@@ -152,11 +152,12 @@ std::array<glm::vec3, kHullPoints> hull_within(const CaptureSource& source, cons
 }
 
 // Fills in the model's box, and its part of the maps.
-void capture_box(const CaptureSource& source, const Capture& capture, ReliefBox& box, ReliefModel& model) {
+void capture_box(const CaptureSource& source, const Capture& capture, size_t index, ReliefModel& model) {
+  ReliefBox& box = model.boxes[index];
   const BoxSpace space = place_box(source, capture, box);
   box.hull = hull_within(source, space, capture.piece, box);
   const std::vector<Skirt> all = held(capture.piece);
-  for (int axis = 0; axis < 3; ++axis) capture_axis(source, space, all, capture.piece.texel > 0, box, axis, model);
+  for (int axis = 0; axis < 3; ++axis) capture_axis(source, space, all, capture.piece.texel > 0, index, axis, model);
 }
 
 // A cut piece's box has half as many texels from where these are at most this much of what it makes do with.
@@ -255,12 +256,12 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
   }
   model.depth.resize(plan.texels * 3 * 2);
   model.extent.resize(plan.texels * 3 * 2);
-  model.colour.resize(plan.texels * 6 * 4);
+  model.colour.resize((plan.texels + model.coarse_texels()) * 6 * 4);
   model.normal.resize(plan.texels * 6 * 4);
   if (model.emission_peak > 0) model.emission.resize(plan.texels * 6 * 4);
 
   parallel_for(
-      model.boxes.size(), 0, [&](size_t i) { capture_box(source, plan.captures[i], model.boxes[i], model); },
+      model.boxes.size(), 0, [&](size_t i) { capture_box(source, plan.captures[i], i, model); },
       [](size_t) { throw_if_interrupted(); });
   return model;
 }

@@ -68,17 +68,28 @@ struct ReliefModel {
   // telling what is certainly air. Never narrower than `depth`.
   std::vector<uint16_t> extent;
   // From texel 6 `first` on, [axis][side][v][u], four bytes each: sRGB colour; the fourth is 255 where the material is
-  // unlit. side 0 is the surface seen from the low face.
+  // unlit. side 0 is the surface seen from the low face. Behind all boxes,
+  // from colour_texel() on, their coarser levels: each texel is one place of the surface, with its texture filtered as
+  // the mesh's is where the level is RELIEF_FINER finer than one texel a pixel. So what the mesh filters is filtered,
+  // and where one material ends no colour is mixed with the next, which the mesh does not do either.
   std::vector<uint8_t> colour;
-  // The same for the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n; the fourth is the slot.
+  // As `colour` without its coarser levels: the unit normal in bind space, turned toward the face, as 127.5 + 127.5 n;
+  // the fourth is the slot.
   std::vector<uint8_t> normal;
-  // The same for the light given off (renderers/bake/emission.h), the fourth unused; empty where the peak is 0.
+  // As `normal`, the light given off (renderers/bake/emission.h), the fourth unused; empty where the peak is 0.
   std::vector<uint8_t> emission;
   float emission_peak = 0;
   bool patches = false;  // some boxes hold cut skin, open and thin
   std::vector<int> triangles_of_box;
   size_t texels() const { return boxes.empty() ? 0 : boxes.back().first + box_texels(boxes.back()); }
   static size_t box_texels(const ReliefBox& b) { return static_cast<size_t>(b.texels) * static_cast<size_t>(b.texels); }
+  // Of the coarser levels of a box of n texels a side, n/2, n/4, ..., 4 (atlas_levels), one map has (n^2 - 16) / 3.
+  size_t coarse_texels() const { return (texels() - 16 * boxes.size()) / 3; }
+  // Where a box's level 1 or coarser begins in `colour`, in texels.
+  size_t colour_texel(size_t box, uint32_t level) const {
+    const size_t n2 = box_texels(boxes[box]);
+    return 6 * (texels() + (boxes[box].first - 16 * box + n2 - (n2 >> (2 * (level - 1)))) / 3);
+  }
   const uint16_t* depth_map(size_t box, int axis) const {
     return depth.data() + (boxes[box].first * 3 + static_cast<size_t>(axis) * box_texels(boxes[box])) * 2;
   }

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "core/colour.h"
+#include "renderers/relief/relief.shared.h"
+#include "renderers/relief/relief_atlas.h"
 #include "renderers/relief/relief_clip.h"
 #include "scene/character/alpha_coverage.h"
 
@@ -51,20 +53,28 @@ struct SurfacePoint {
   }
 };
 
-// An image at a point, filtered over what one texel of the map covers of it: the ratio of the triangle's areas in the
-// two planes. corners: of the triangle, in texels of the map.
-glm::dvec4 sampled(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
-                   const std::array<glm::dvec3, 3>& corners) {
+// What a texel spans of the surface around it.
+struct Footprint {
+  std::array<glm::dvec3, 3>
+      corners;        // of the triangle, in texels; over the picture plane alone, or as they lie in space
+  double texels = 1;  // that the span is wide
+};
+
+// Texels of an image that a texel's span covers, along a side: by the areas of the triangle in both.
+double image_texels(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
+                    const Footprint& of) {
   const glm::dvec2 t0(uvs[point.v[0]]);
   const glm::dvec2 size(image.width(), image.height());
   const glm::dvec2 e1 = (glm::dvec2(uvs[point.v[1]]) - t0) * size;
   const glm::dvec2 e2 = (glm::dvec2(uvs[point.v[2]]) - t0) * size;
   const double skin_area = std::abs(e1.x * e2.y - e1.y * e2.x);
-  const glm::dvec3 p1 = corners[1] - corners[0];
-  const glm::dvec3 p2 = corners[2] - corners[0];
-  const double map_area = std::abs(p1.x * p2.y - p1.y * p2.x);
-  const double footprint = std::sqrt(skin_area / std::max(map_area, 1e-9));
-  return glm::dvec4(image.sample(point.mixed<glm::dvec2>(uvs), std::min(footprint, 64.0)));
+  const double map_area = glm::length(glm::cross(of.corners[1] - of.corners[0], of.corners[2] - of.corners[0]));
+  return of.texels * std::min(std::sqrt(skin_area / std::max(map_area, 1e-9)), 64.0);
+}
+
+glm::dvec3 sampled(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
+                   const Footprint& of) {
+  return {image.colour(point.mixed<glm::dvec2>(uvs), image_texels(image, uvs, point, of))};
 }
 
 const scene::Material& material_of(const CaptureSource& source, uint32_t triangle) {
@@ -116,24 +126,31 @@ glm::dvec3 normal_toward(const CaptureSource& source, const BoxSpace& space, con
   return double_sided && ((face.side == 0 && along > 0) || (face.side == 1 && along < 0)) ? -n : n;
 }
 
-// What a face stores of a point. corners: of its triangle, in texels of the map.
-void shade(const CaptureSource& source, const BoxSpace& space, const Winner& winner, const Face& face,
-           const std::array<glm::dvec3, 3>& corners, const FaceTexel& texel) {
+// sRGB, and whether it is unlit.
+void store_colour(const CaptureSource& source, const Winner& winner, const Footprint& of, uint8_t* texel) {
   const scene::Mesh& mesh = source.character.mesh;
   const SurfacePoint point(mesh, winner);
   const scene::Material& material = material_of(source, winner.triangle);
-  const auto image = [&](int index, const std::vector<glm::vec2>& uvs) {
-    return glm::dvec3(sampled(source.pyramids[static_cast<size_t>(index)], uvs, point, corners));
-  };
   glm::dvec3 albedo = glm::dvec3(material.base_colour);
   if (!mesh.colours.empty()) albedo *= point.mixed<glm::dvec3>(mesh.colours);
-  if (material.base_colour_image >= 0 && !mesh.uvs.empty()) albedo *= image(material.base_colour_image, mesh.uvs);
-  for (int c = 0; c < 3; ++c) texel.colour[c] = linear_to_srgb8(albedo[c]);
-  texel.colour[3] = material.unlit ? 255 : 0;
+  if (material.base_colour_image >= 0 && !mesh.uvs.empty())
+    albedo *= sampled(source.pyramids[static_cast<size_t>(material.base_colour_image)], mesh.uvs, point, of);
+  for (int c = 0; c < 3; ++c) texel[c] = linear_to_srgb8(albedo[c]);
+  texel[3] = material.unlit ? 255 : 0;
+}
+
+// What a face stores of a point.
+void shade(const CaptureSource& source, const BoxSpace& space, const Winner& winner, const Face& face,
+           const Footprint& of, const FaceTexel& texel) {
+  const scene::Mesh& mesh = source.character.mesh;
+  const SurfacePoint point(mesh, winner);
+  const scene::Material& material = material_of(source, winner.triangle);
+  store_colour(source, winner, of, texel.colour);
   if (texel.emission != nullptr && !material.unlit) {
     glm::dvec3 glow(material.emissive / source.emission_peak);
     if (material.emissive_image >= 0)
-      glow *= image(material.emissive_image, mesh.emissive_uvs.empty() ? mesh.uvs : mesh.emissive_uvs);
+      glow *= sampled(source.pyramids[static_cast<size_t>(material.emissive_image)],
+                      mesh.emissive_uvs.empty() ? mesh.uvs : mesh.emissive_uvs, point, of);
     for (int c = 0; c < 3; ++c) texel.emission[c] = linear_to_srgb8(glow[c]);
   }
   const glm::dvec3 n = normal_toward(source, space, point, face, material.double_sided);
@@ -418,6 +435,10 @@ void store_depths(const AxisMaps& maps, const ReliefBox& box, int axis, ReliefMo
 // The colours, normals and glow of one axis's two faces.
 void store_faces(const CaptureSource& source, const BoxSpace& space, const AxisMaps& maps, const ReliefBox& box,
                  int axis, ReliefModel& model) {
+  const auto flat = [](std::array<glm::dvec3, 3> corners) {
+    for (glm::dvec3& corner : corners) corner.z = 0;
+    return corners;
+  };
   const size_t texels = maps.n * maps.n;
   for (int side = 0; side < 2; ++side) {
     const size_t face = box.first * 6 + static_cast<size_t>(axis * 2 + side) * texels;
@@ -425,17 +446,61 @@ void store_faces(const CaptureSource& source, const BoxSpace& space, const AxisM
       if (!maps.covered(texel)) continue;
       const Winner& winner = maps.winners[static_cast<size_t>(side)][texel];
       const size_t byte = (face + texel) * 4;
-      shade(source, space, winner, {axis, side}, in_texels(source, space, axis, maps.n, winner.triangle),
+      shade(source, space, winner, {axis, side}, {flat(in_texels(source, space, axis, maps.n, winner.triangle))},
             {model.colour.data() + byte, model.normal.data() + byte,
              model.emission.empty() ? nullptr : model.emission.data() + byte});
     }
   }
 }
 
+// Of a square of `side` texels the covered one nearest to its middle; none: n * n.
+size_t middle_of(const AxisMaps& maps, size_t u, size_t v, size_t side) {
+  size_t found = maps.n * maps.n;
+  size_t nearest = 2 * side * side;
+  const auto from = [side](size_t x) { return 2 * x + 1 > side ? 2 * x + 1 - side : side - 2 * x - 1; };
+  for (size_t y = 0; y < side; ++y)
+    for (size_t x = 0; x < side; ++x) {
+      const size_t texel = (v * side + y) * maps.n + u * side + x;
+      const size_t off = from(x) * from(x) + from(y) * from(y);
+      if (off >= nearest || !maps.covered(texel)) continue;
+      found = texel;
+      nearest = off;
+    }
+  return found;
+}
+
+// The colours of the levels above the finest, of one axis's two faces.
+void store_levels(const CaptureSource& source, const BoxSpace& space, const AxisMaps& maps, size_t index, int axis,
+                  ReliefModel& model) {
+  const ReliefBox& box = model.boxes[index];
+  const auto at = [](int k) { return k % 3; };
+  const glm::dvec3 edges = glm::dvec3(box.size[at(axis + 1)], box.size[at(axis + 2)], box.size[axis]) /
+                           std::max({box.size.x, box.size.y, box.size.z, 1e-30});
+  const glm::dvec3 scale = edges * glm::dvec3(1.0, 1.0, static_cast<double>(maps.n));
+  for (uint32_t level = 1; level < atlas_levels(box.texels); ++level) {
+    const size_t side = size_t{1} << level;
+    const size_t m = maps.n >> level;
+    uint8_t* const begin = model.colour.data() + 4 * model.colour_texel(index, level);
+    for (size_t v = 0; v < m; ++v)
+      for (size_t u = 0; u < m; ++u) {
+        const size_t texel = middle_of(maps, u, v, side);
+        if (texel == maps.n * maps.n) continue;
+        for (size_t face = 0; face < 2; ++face) {
+          const Winner& winner = maps.winners[face][texel];
+          Footprint of{in_texels(source, space, axis, maps.n, winner.triangle),
+                       static_cast<double>(side << RELIEF_FINER)};
+          for (glm::dvec3& corner : of.corners) corner *= scale;
+          store_colour(source, winner, of, begin + 4 * (((static_cast<size_t>(axis) * 2 + face) * m + v) * m + u));
+        }
+      }
+  }
+}
+
 }  // namespace
 
 void capture_axis(const CaptureSource& source, const BoxSpace& space, const std::vector<Skirt>& all, bool patch,
-                  const ReliefBox& box, int axis, ReliefModel& model) {
+                  size_t index, int axis, ReliefModel& model) {
+  const ReliefBox& box = model.boxes[index];
   AxisMaps maps(static_cast<size_t>(box.texels));
   for (const Skirt& skirt : all) {
     const std::array<glm::dvec3, 3> p = in_texels(source, space, axis, maps.n, skirt.triangle);
@@ -447,6 +512,7 @@ void capture_axis(const CaptureSource& source, const BoxSpace& space, const std:
   close_gaps(maps);
   store_depths(maps, box, axis, model);
   store_faces(source, space, maps, box, axis, model);
+  store_levels(source, space, maps, index, axis, model);
 }
 
 }  // namespace crowdbench::renderers

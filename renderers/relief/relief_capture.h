@@ -31,6 +31,6 @@ struct BoxSpace {
 // The box's part of the model's maps along an axis: depths and extents, and the colours, normals and glow of its two
 // faces. all: what the box's piece captures. patch: it is a patch of skin, which bends.
 void capture_axis(const CaptureSource& source, const BoxSpace& space, const std::vector<Skirt>& all, bool patch,
-                  const ReliefBox& box, int axis, ReliefModel& model);
+                  size_t box, int axis, ReliefModel& model);
 
 }  // namespace crowdbench::renderers

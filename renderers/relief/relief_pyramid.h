@@ -42,6 +42,15 @@ class LinearPyramid {
     if (level >= alpha_levels_) texel.a = sample_level(levels_[alpha_levels_ - 1], uv).a;
     return texel;
   }
+  // The colour alone, between the two levels next to the footprint, as the mesh's trilinear filter is.
+  glm::vec3 colour(const glm::dvec2& uv, double footprint) const {
+    const double wanted =
+        std::min(footprint > 1.0 ? std::log2(footprint) : 0.0, static_cast<double>(levels_.size() - 1));
+    const auto level = static_cast<size_t>(wanted);
+    const glm::vec3 finer(sample_level(levels_[level], uv));
+    const auto beyond = static_cast<float>(wanted - static_cast<double>(level));
+    return beyond > 0 ? glm::mix(finer, glm::vec3(sample_level(levels_[level + 1], uv)), beyond) : finer;
+  }
   int width() const { return levels_[0].width; }
   int height() const { return levels_[0].height; }
 

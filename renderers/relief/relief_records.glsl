@@ -14,7 +14,7 @@ struct BoxRecord {
 struct PosedBox {
   vec4 eye_depth;  // the eye in unit coordinates; hull: depth of the plane of the outline. Below zero: draws nothing
   vec4 light;      // the light's direction in bind space; w: 1 where the box's matrix does not keep angles, below 0: mirrored
-  uvec4 maps;      // see pack_maps(); z: the edges, the longest 1; w: top row of its colours
+  uvec4 maps;      // see pack_maps(); z: the edges, the longest 1; w: top row of its maps
   vec4 view;       // direction from the box's middle to the eye in bind space, unit; steps of the search to a texel
   vec4 turn[3];    // rows of world directions from bind space
   vec4 lights[4];  // the light's direction in bind space at the box's origin (3), and what each unit of the box adds (0 to 2)

@@ -22,7 +22,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 14;
+constexpr uint32_t kBakeVersion = 15;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -306,8 +306,8 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
       texels += ReliefModel::box_texels(box);
     }
     if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
-        m.extent.size() != texels * 6 || m.colour.size() != texels * 24 || m.normal.size() != texels * 24 ||
-        m.emission.size() != (m.emission_peak > 0 ? texels * 24 : 0))
+        m.extent.size() != texels * 6 || m.colour.size() != (texels + m.coarse_texels()) * 24 ||
+        m.normal.size() != texels * 24 || m.emission.size() != (m.emission_peak > 0 ? texels * 24 : 0))
       return std::nullopt;
   }
   for (uint32_t i = 0; cones && i < count && in.ok(); ++i) {

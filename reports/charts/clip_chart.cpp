@@ -41,12 +41,9 @@ std::string clip_chart(const ClipSeries& series, double fps) {
   };
   // The worst frame is an end of the curve: its label stands beyond it, towards the middle of the chart.
   const bool late = series.worst_frame && 2 * *series.worst_frame > series.by_frame.size();
-  const Json label = {{"type", "text"},
-                      {"align", late ? "right" : "left"},
-                      {"dx", late ? 6 : -6},
-                      {"dy", series.doc.higher_is_better ? 15 : -13},
-                      {"fontSize", 12},
-                      {"color", "#d55e00"}};
+  const Json label = {{"type", "text"},      {"align", late ? "right" : "left"},
+                      {"dx", late ? 6 : -6}, {"dy", series.doc.higher_is_better ? 15 : -13},
+                      {"fontSize", 12},      {"color", "#d55e00"}};
   const std::string colour = "#0072b2";
   const std::string mark = "#d55e00";
   spec["data"] = {{"values", values}};

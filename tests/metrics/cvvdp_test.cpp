@@ -64,8 +64,8 @@ TEST(Cvvdp, EqualPicturesAndClipsScoreExactlyTen) {
   }
 }
 
-// Two conventions of rounding: the expected values of ColorVideoVDP are of pictures composited to the nearest code value,
-// those of all other scores of ImageMagick's, rounded down.
+// Two conventions of rounding: the expected values of ColorVideoVDP are of pictures composited to the nearest code
+// value, those of all other scores of ImageMagick's, rounded down.
 TEST(Cvvdp, CompositedPicturesMeetTheirExpectedValuesByTheirRounding) {
   const CvvdpCases cases;
   size_t seen = 0;

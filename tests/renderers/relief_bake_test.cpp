@@ -252,15 +252,54 @@ TEST(ReliefAtlas, BoundsLeaveAirBetweenSurfacesOut) {
   EXPECT_GT(atlas.bounds[at], atlas.bounds[at + 1]);
 }
 
-// Halving black and white gives linear 0.5, code 188; a mean of codes would give 128.
-TEST(ReliefAtlas, ColoursAreAveragedInLinearLight) {
-  ReliefModel m = bake_relief(box({1, 1, 1}), {.map_size = 16});
-  for (size_t i = 0; i < m.colour.size(); i += 4)
-    for (size_t c = 0; c < 3; ++c) m.colour[i + c] = (i / 4) % 2 == 0 ? 255 : 0;
+// The code in the middle of a face's map at level 1, in the picture.
+int code_at_level_1(const ReliefModel& m) {
   const AtlasPlan plan = plan_atlas(m);
   const Atlas atlas = fill_atlas(m, plan);
-  const size_t level1 = ((plan.top[0] + 16 + 4) * 2 * static_cast<size_t>(plan.width) + 2 * plan.left[0] + 4) * 4;
-  EXPECT_NEAR(atlas.colour[level1], 188, 1);
+  const auto n = static_cast<size_t>(m.boxes[0].texels);
+  const size_t middle = (plan.top[0] + n + n / 4) * 2 * static_cast<size_t>(plan.width) + 2 * plan.left[0] + n / 4;
+  return atlas.colour[middle * 4];
+}
+
+// A texture of black and white squares, as many as there are texels of the map, is linear 0.5 at the next level, code
+// 188; a mean of codes would be 128.
+TEST(ReliefAtlas, CoarserColoursFilterTexturesInLinearLight) {
+  Character checked = box({1, 1, 1});
+  scene::Texture& checks = checked.images.emplace_back();
+  checks.image = Image8(16, 16, 4);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x)
+      for (int c = 0; c < 4; ++c) checks.image.at(x, y)[c] = c == 3 || (x + y) % 2 == 0 ? 255 : 0;
+  checked.materials[0].base_colour = {1, 1, 1, 1};
+  checked.materials[0].base_colour_image = 0;
+  checked.mesh.uvs.clear();
+  for (const glm::vec3& p : checked.mesh.positions) checked.mesh.uvs.emplace_back(p.x + p.z, p.y + p.z);
+  EXPECT_NEAR(code_at_level_1(bake_relief(checked, {.map_size = 16})), 188, 1);
+}
+
+// Of two materials without textures every texel of every level shows one, as every pixel of the mesh does.
+TEST(ReliefAtlas, CoarserColoursMixNoMaterials) {
+  Character two = box({1, 1, 1});
+  two.materials.push_back(two.materials[0]);
+  two.materials[0].base_colour = {1, 1, 1, 1};
+  two.materials[1].base_colour = {0, 0, 0, 1};
+  const scene::Primitive whole = two.mesh.primitives[0];
+  two.mesh.primitives.clear();
+  for (uint32_t t = 0; t < whole.index_count / 3; ++t) {
+    scene::Primitive& one = two.mesh.primitives.emplace_back(whole);
+    one.first_index = whole.first_index + 3 * t;
+    one.index_count = 3;
+    one.material = static_cast<int>(t % 2);
+  }
+  const ReliefModel model = bake_relief(two, {.map_size = 16});
+  size_t black = 0;
+  size_t white = 0;
+  for (size_t i = 0; i < model.colour.size(); i += 4) {
+    black += model.colour[i] == 0 ? 1 : 0;
+    white += model.colour[i] == 255 ? 1 : 0;
+  }
+  EXPECT_EQ(black + white, model.colour.size() / 4);
+  EXPECT_GT(std::min(black, white), model.colour.size() / 16) << "every face has a triangle of each";
 }
 
 TEST(ReliefBake, NominalBytesAreThePublishedFigures) {
