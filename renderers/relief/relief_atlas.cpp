@@ -156,8 +156,8 @@ Children children_of(const Level& from, size_t map, size_t u, size_t v) {
   return out;
 }
 
-// Colour, normal and what glows on one face of a texel, `at` of its face in the coarser level: means, but for what the
-// fourth channels hold, which is the first child's. At least one child.
+// Normal and what glows on one face of a texel, `at` of its face in the coarser level: means, but for what the normal's
+// fourth channel holds, which is the first child's. At least one child.
 void halve_face(const Level& from, const Children& children, size_t face, size_t at, Level& to) {
   const size_t first_texel = face * from.n * from.n;
   const size_t target = (face * to.n * to.n + at) * 4;
@@ -172,14 +172,11 @@ void halve_face(const Level& from, const Children& children, size_t face, size_t
     for (int k = 0; k < children.count; ++k) sum += linear_of(codes[child(k) + c]);
     return linear_to_srgb8(sum / children.count);
   };
-  uint8_t* colour = to.colour.data() + target;
   uint8_t* normal = to.normal.data() + target;
-  for (size_t c = 0; c < 3; ++c) colour[c] = mean(from.colour, c);
   for (size_t c = 0; c < 3 && !from.emission.empty(); ++c) to.emission[target + c] = mean(from.emission, c);
   const float length = glm::length(direction);
   direction = length > 1e-6F ? direction / length : glm::vec3(0, 1, 0);
   for (int c = 0; c < 3; ++c) normal[c] = static_cast<uint8_t>(direction[c] * 127.5F + 128.0F);
-  colour[3] = from.colour[child(0) + 3];
   normal[3] = from.normal[child(0) + 3];
 }
 
@@ -193,7 +190,6 @@ Level halved(const Level& from) {
   for (size_t map = 0; map < 3; ++map) {
     for (size_t v = 0; v < n; ++v) {
       for (size_t u = 0; u < n; ++u) {
-<<<<<<< HEAD
         const size_t at = v * n + u;
         const Children children = children_of(from, map, u, v);
         const int count = children.count;
@@ -203,49 +199,6 @@ Level halved(const Level& from) {
         d[0] = count >= 2 ? mean(children.depth_sums[0]) : 65535;
         d[1] = count >= 2 ? mean(children.depth_sums[1]) : 0;
         for (size_t side = 0; side < 2 && count >= 2; ++side) halve_face(from, children, map * 2 + side, at, to);
-=======
-        std::array<size_t, 4> child{};
-        int covered = 0;
-        uint16_t least = 65535;
-        uint16_t greatest = 0;
-        std::array<int, 2> depths{};
-        for (size_t k = 0; k < 4; ++k) {
-          const size_t texel = (2 * v + k / 2) * m + 2 * u + k % 2;
-          const uint16_t* d = from.depth.data() + (map * m * m + texel) * 2;
-          if (d[0] > d[1]) continue;
-          child[static_cast<size_t>(covered++)] = texel;
-          least = std::min(least, d[0]);
-          greatest = std::max(greatest, d[1]);
-          depths[0] += d[0];
-          depths[1] += d[1];
-        }
-        reach[v * n + u] = {least, greatest};
-        uint16_t* d = to.depth.data() + (map * n * n + v * n + u) * 2;
-        d[0] = covered >= 2 ? static_cast<uint16_t>((depths[0] + covered / 2) / covered) : 65535;
-        d[1] = covered >= 2 ? static_cast<uint16_t>((depths[1] + covered / 2) / covered) : 0;
-        if (covered < 2) continue;
-        for (size_t side = 0; side < 2; ++side) {
-          const size_t face = map * 2 + side;
-          uint8_t* normal = to.normal.data() + (face * n * n + v * n + u) * 4;
-          glm::vec3 direction(0.0F);
-          for (int k = 0; k < covered; ++k) {
-            const size_t texel = (face * m * m + child[static_cast<size_t>(k)]) * 4;
-            direction += glm::vec3(from.normal[texel], from.normal[texel + 1], from.normal[texel + 2]) / 127.5F - 1.0F;
-          }
-          const auto mean = [&](const std::vector<uint8_t>& codes, size_t c) {
-            double sum = 0;
-            for (int k = 0; k < covered; ++k)
-              sum += linear_of(codes[(face * m * m + child[static_cast<size_t>(k)]) * 4 + c]);
-            return linear_to_srgb8(sum / covered);
-          };
-          for (size_t c = 0; c < 3 && !from.emission.empty(); ++c)
-            to.emission[(face * n * n + v * n + u) * 4 + c] = mean(from.emission, c);
-          const float length = glm::length(direction);
-          direction = length > 1e-6F ? direction / length : glm::vec3(0, 1, 0);
-          for (int c = 0; c < 3; ++c) normal[c] = static_cast<uint8_t>(direction[c] * 127.5F + 128.0F);
-          normal[3] = from.normal[(face * m * m + child[0]) * 4 + 3];  // the first covered child's
-        }
->>>>>>> a365401b2fbeb241e32f558ff97d8b2e5d8dfbd2
       }
     }
     meet_again(reach, n, to.depth.data() + map * n * n * 2);
