@@ -10,7 +10,10 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/bake/cache_entries.h"
+#include "tests/renderers/gl_test_support.h"
+#include "tests/support/cache_folder.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::renderers {
@@ -18,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class BakeCacheTest : public testing::Test {
+class BakeCacheTest : public ::testing::Test {
  protected:
   void TearDown() override {
     std::error_code ignored;
@@ -89,9 +92,9 @@ TEST_F(BakeCacheTest, AnotherVersionsEntryIsAbsentAndNotCalledDamaged) {
   ASSERT_EQ(std::string(older.begin(), older.begin() + 8), "CBBAKE2\n");
   older[6] = '1';
   overwrite(file, older);
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   EXPECT_FALSE(cache.load("flat", "00ff"));
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
   EXPECT_GT(cache.store("flat", "00ff", payload_), 0U);
   EXPECT_EQ(cache.load("flat", "00ff"), payload_);
 }
@@ -164,9 +167,9 @@ TEST_F(BakeCacheLimit, WhatWasUnusedForLongestGoesFirst) {
 TEST_F(BakeCacheLimit, TheNewestStaysWhateverItTakes) {
   store("aa", 1, 1);
   ::setenv(kVariable, "1", 1);
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   store("bb", 2, 0);
-  EXPECT_NE(testing::internal::GetCapturedStderr().find("this bake alone takes 2 MiB of the 1"), std::string::npos);
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("this bake alone takes 2 MiB of the 1"), std::string::npos);
   EXPECT_EQ(keys(), (std::vector<std::string>{"bb"}));
   store("cc", 1, 0);
   EXPECT_EQ(keys(), (std::vector<std::string>{"cc"}));
@@ -195,6 +198,89 @@ TEST_F(BakeCacheLimit, IsReadFromTheEnvironment) {
   for (const char* wrong : {"-1", "4GiB", "1e3", "99999999999999999999", " 5", "1073741825"}) {
     ::setenv(kVariable, wrong, 1);
     EXPECT_THROW(cache_limit_bytes(), Error) << wrong;
+  }
+}
+
+// ---- a cast's bakes
+
+TEST(BakeRecords, AreOneKeyAndCachedOnlyTogether) {
+  EXPECT_FALSE(bake_info_of({}).cached);
+  const std::vector<BakeRecord> both = {{"a1", true, 10}, {"b2", false, 5}};
+  const std::span<const BakeRecord> one = std::span(both).first(1);
+  EXPECT_TRUE(bake_info_of(one).cached);
+  EXPECT_EQ(bake_info_of(one).cache_key, "a1");
+  EXPECT_FALSE(bake_info_of(both).cached);
+  EXPECT_EQ(bake_info_of(both).cache_key.size(), 64U) << "a hash over all of them";
+  EXPECT_NE(bake_info_of(both).cache_key, bake_info_of(std::vector{both[1], both[0]}).cache_key);
+  EXPECT_EQ(disk_bytes_of(both), 15U);
+  EXPECT_EQ(disk_bytes_of({}), 0U);
+}
+
+TEST(BakeBudget, SaysWhatWouldFit) {
+  constexpr uint64_t kMiB = 1 << 20;
+  EXPECT_EQ(budget_advice("texels=64", "lower texels", 3 * kMiB, kMiB),
+            "texels=64 would fit: lower texels, or raise --bake-budget by 2 MiB");
+  EXPECT_EQ(budget_advice("", "lower texels", kMiB + 1, kMiB), "lower texels, or raise --bake-budget by 1 MiB");
+  EXPECT_EQ(fitting_size(128, 16, 400, 100), 64) << "a quarter of the bytes, half the side";
+  EXPECT_EQ(fitting_size(128, 64, 400, 100), 64);
+  EXPECT_EQ(fitting_size(128, 65, 400, 100), 0);
+  EXPECT_EQ(fitting_size(128, 16, 400, 0), 0);
+}
+
+struct TenBytes {
+  std::vector<uint8_t> bytes = std::vector<uint8_t>(10, 7);
+  uint64_t texture_bytes() const { return bytes.size(); }
+};
+std::vector<uint8_t> serialise(const TenBytes& bake) { return bake.bytes; }
+std::optional<TenBytes> read_ten(std::span<const uint8_t> bytes) {
+  if (bytes.size() != 10) return std::nullopt;
+  return TenBytes{{bytes.begin(), bytes.end()}};
+}
+
+class BakeLoaderGl : public ::testing::Test {
+ protected:
+  MakeContext make_{renderers::testing::context(), renderers::testing::walker()};
+  int made_ = 0;
+  // Of "a" and of "b".
+  std::vector<BakeRecord> load_both() {
+    BakeLoader loader(make_, {"ten", "tens", "numbers", "buy memory"});
+    for (const char* name : {"a", "b"})
+      loader.load<TenBytes>(name, fmt::format("0{}", name), read_ten, [&](uint64_t budget, const BakeProgress&) {
+        EXPECT_EQ(budget, make_.bake_budget - 10 * loader.records().size());
+        ++made_;
+        return TenBytes{};
+      });
+    return loader.records();
+  }
+  support::CacheFolder cache_;
+};
+
+TEST_F(BakeLoaderGl, MakesOnceAndReadsAfterwards) {
+  const std::vector<BakeRecord> first = load_both();
+  EXPECT_EQ(made_, 2);
+  EXPECT_FALSE(first[0].cached);
+  EXPECT_GT(first[0].disk_bytes, 10U);
+  const std::vector<BakeRecord> second = load_both();
+  EXPECT_EQ(made_, 2);
+  EXPECT_TRUE(second[1].cached);
+  EXPECT_EQ(second[1].cache_key, "0b");
+  make_.rebake = true;
+  load_both();
+  EXPECT_EQ(made_, 4);
+}
+
+TEST_F(BakeLoaderGl, OneBudgetIsForAllOfThem) {
+  make_.use_cache = false;
+  make_.bake_budget = 20;
+  EXPECT_EQ(load_both()[1].disk_bytes, 0U);
+  make_.bake_budget = 19;
+  try {
+    load_both();
+    FAIL() << "twenty bytes are more than nineteen";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where, "ten bake of b");
+    EXPECT_EQ(error.wrong, "0 MiB of numbers are more than what is left of the budget, 0");
+    EXPECT_EQ(error.advice, "buy memory");
   }
 }
 

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
+#include "renderers/gl/per_sample.h"
 #include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {
@@ -92,6 +93,25 @@ TEST(SampleLimitGl, MoreThanTheDriverHasAreRefused) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("8 samples a pixel are more than this driver's"), std::string::npos);
+  }
+}
+
+class PerSampleGl : public testing::GlTest {};
+
+TEST_F(PerSampleGl, IsOnWhileAScopeOfSeveralSamplesLives) {
+  context();
+  for (const int samples : {1, 2, 8}) {
+    SCOPED_TRACE(samples);
+    {
+      const gl::PerSampleScope scope(samples);
+      EXPECT_EQ(glIsEnabled(GL_SAMPLE_SHADING) == GL_TRUE, samples > 1);
+      float share = 0;
+      glGetFloatv(GL_MIN_SAMPLE_SHADING_VALUE, &share);
+      if (samples > 1) {
+        EXPECT_EQ(share, 1.0F) << "every sample, not some of them";
+      }
+    }
+    EXPECT_EQ(glIsEnabled(GL_SAMPLE_SHADING), GL_FALSE);
   }
 }
 

@@ -1,3 +1,4 @@
+#include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -6,9 +7,13 @@
 
 #include "core/colour.h"
 #include "core/random.h"
+#include "renderers/impostor/tiles/half_plane.h"
+#include "renderers/impostor/tiles/level_order.h"
 #include "renderers/impostor/tiles/outline.h"
 #include "renderers/impostor/tiles/packing.h"
 #include "renderers/impostor/tiles/tile.h"
+#include "renderers/impostor/tiles/tile_textures.h"
+#include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -359,6 +364,95 @@ TEST(Outline, ADiscInEightCornersIsAnOctagon) {
   // The circumscribed octagon of radius r has 8 tan(22.5 degrees) r^2.
   const double octagon = 8 * std::tan(std::numbers::pi / 8) * 20 * 20;
   EXPECT_NEAR(strip_area(tile_outline(disc, 8)), octagon, 0.05 * octagon);
+}
+
+// ---- polygons cut by half-planes
+
+using Polygon = std::vector<glm::dvec2>;
+
+TEST(HalfPlane, CutsTheUnitSquare) {
+  const Polygon square = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  EXPECT_EQ(cut_by_half_plane(square, {1, 0}, 0.25), (Polygon{{0, 0}, {0.25, 0}, {0.25, 1}, {0, 1}}));
+  EXPECT_EQ(cut_by_half_plane(square, {4, 0}, 1), (Polygon{{0, 0}, {0.25, 0}, {0.25, 1}, {0, 1}}))
+      << "outward need not be of unit length";
+  EXPECT_EQ(cut_by_half_plane(square, {1, 1}, 0.5), (Polygon{{0, 0}, {0.5, 0}, {0, 0.5}}));
+  EXPECT_EQ(cut_by_half_plane(square, {1, 0}, 1), square) << "what lies on the line is kept";
+  EXPECT_EQ(cut_by_half_plane(square, {1, 0}, 0), (Polygon{{0, 0}, {0, 1}}));
+  EXPECT_TRUE(cut_by_half_plane(square, {1, 0}, -0.5).empty());
+  EXPECT_TRUE(cut_by_half_plane({}, {1, 0}, 1).empty());
+}
+
+// ---- levels of tiles, and the order of drawing
+
+// An eye at the origin that looks along -z, through which a texel of level 0 spans a pixel at a depth of 1 m.
+scene::Frame frame_of_depths(const std::vector<float>& depths) {
+  scene::Frame frame;
+  frame.camera.eye = {0, 0, 0};
+  frame.camera.target = {0, 0, -1};
+  frame.camera.fov_y = std::numbers::pi / 2;
+  frame.height = 512;
+  frame.agents.resize(1);
+  for (const float depth : depths) frame.agents[0].emplace_back().position = {0, 0, -depth};
+  return frame;
+}
+constexpr double kTexel = 2.0 / 512;
+
+using Indices = std::vector<uint32_t>;
+Indices listed(std::span<const uint32_t> agents) { return {agents.begin(), agents.end()}; }
+
+TEST(LevelOrder, ALevelCoversAtMostRootTwoPixelsAndTheNearestGoFirst) {
+  // Level l fits where 2^l is at most root 2 times the depth: from 1.42 m on level 1, from 2.83 m on level 2.
+  const scene::Frame frame = frame_of_depths({3, 1, 100, 1.5F, 0.5F, -2});
+  LevelOrder order;
+  order.sort(frame, frame.agents[0], Indices{0, 1, 2, 3, 4, 5}, {}, kTexel, 3);
+  EXPECT_EQ(order.agents(), 6U);
+  EXPECT_EQ(listed(order.at_level(0)), (Indices{5, 4, 1})) << "behind the eye is as near as can be";
+  EXPECT_EQ(listed(order.at_level(1)), Indices{3});
+  EXPECT_EQ(listed(order.at_level(2)), (Indices{0, 2})) << "the coarsest there is";
+  EXPECT_EQ(listed(order.all()), (Indices{5, 4, 1, 3, 0, 2}));
+  order.sort(frame, frame.agents[0], Indices{2, 0}, {}, kTexel, 1);
+  EXPECT_EQ(listed(order.at_level(0)), (Indices{0, 2}));
+  order.sort(frame, frame.agents[0], {}, {}, kTexel, 2);
+  EXPECT_EQ(order.agents(), 0U);
+  EXPECT_TRUE(order.at_level(1).empty());
+}
+
+TEST(LevelOrder, TheDepthIsThatOfTheCaptureCentreAtTheAgentsScaleAndHeading) {
+  scene::Frame frame = frame_of_depths({3, 3, 3});
+  frame.agents[0][1].heading = {0, -1};  // turned round: its centre, 1 m before it, lies farther away
+  frame.agents[0][2].scale = 0.5F;       // half as large: a texel of half a pixel, 2.5 m away
+  LevelOrder order;
+  order.sort(frame, frame.agents[0], Indices{0, 1, 2}, {0, 0, 1}, kTexel, 4);
+  EXPECT_EQ(listed(order.at_level(1)), Indices{0}) << "2 m: root 2 times 2 is below 4";
+  EXPECT_EQ(listed(order.at_level(2)), (Indices{2, 1})) << "5 and 4 m of full size: below 8; the nearer one first";
+}
+
+// ---- pages on the GPU
+
+class TileTexturesGl : public testing::GlTest {};
+
+TEST_F(TileTexturesGl, LayersFollowEachOtherAndAreReadWithoutWrapping) {
+  std::vector<uint8_t> texels(2 * 3 * 4 * 2);
+  for (size_t i = 0; i < texels.size(); ++i) texels[i] = static_cast<uint8_t>(5 * i);
+  const gl::Texture pages = upload_layers(testing::context(), GL_RGBA8, GL_RGBA, 3, 2, 2, texels);
+  EXPECT_EQ(pages.levels(), 1);
+  EXPECT_EQ(pages.layers(), 2);
+  EXPECT_EQ(pages.bytes(), texels.size());
+  std::vector<uint8_t> read(texels.size());
+  pages.read(0, GL_RGBA, GL_UNSIGNED_BYTE, read.data(), read.size());
+  EXPECT_EQ(read, texels);
+  for (const unsigned filter : {GL_LINEAR, GL_NEAREST}) {
+    const gl::Sampler sampler = page_sampler(testing::context(), filter);
+    const auto is = [&](unsigned parameter) {
+      int value = 0;
+      glGetSamplerParameteriv(sampler.name(), parameter, &value);
+      return static_cast<unsigned>(value);
+    };
+    EXPECT_EQ(is(GL_TEXTURE_MIN_FILTER), filter);
+    EXPECT_EQ(is(GL_TEXTURE_MAG_FILTER), filter);
+    EXPECT_EQ(is(GL_TEXTURE_WRAP_S), static_cast<unsigned>(GL_CLAMP_TO_EDGE));
+    EXPECT_EQ(is(GL_TEXTURE_WRAP_T), static_cast<unsigned>(GL_CLAMP_TO_EDGE));
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "renderers/impostor/views/view_grid.h"
+#include "renderers/impostor/views/view_options.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -237,6 +238,42 @@ TEST(ViewGrid, ZeroVectorPicksSomeView) {
     EXPECT_GE(view, 0);
     EXPECT_LT(view, g.size());
   }
+}
+
+// ---- the grid as options
+
+ViewGrid grid_of(const std::string& spec) {
+  const RepresentationType stores{"stores", "", {views_option(), el_min_option()}, {}};
+  return read_view_grid(OptionReader(stores, parse_spec(spec, {stores})));
+}
+
+TEST(ViewOptions, AreReadIntoTheGrid) {
+  EXPECT_EQ(grid_of("stores").text(), "sphere-17x8");
+  EXPECT_EQ(grid_of("stores").el_min, 0);
+  const ViewGrid cube = grid_of("stores:views=cube-4,el_min=-30");
+  EXPECT_EQ(cube.text(), "cube-4");
+  EXPECT_NEAR(cube.el_min, -30 * kDegrees, 1e-15);
+  EXPECT_NEAR(grid_of("stores:el_min=89").el_min, 89 * kDegrees, 1e-15);
+  for (const char* spec : {"stores:el_min=89.5", "stores:el_min=-90", "stores:views=octa-4"})
+    EXPECT_THROW((void)grid_of(spec), Error) << spec;
+}
+
+TEST(ViewOptions, AnotherGridTakesThePlaceOfTheFirst) {
+  Spec spec;
+  spec.name = "stores";
+  spec.options = {{"views", "cube-4"}, {"el_min", "5"}};
+  const std::vector<std::pair<std::string, std::string>> wanted = {{"el_min", "5"}, {"views", "hemi-12"}};
+  EXPECT_EQ(with_view_grid(spec, grid("hemi-12")).options, wanted);
+}
+
+TEST(ViewOptions, ErrorsAreInDegrees) {
+  // One view, from the front: directions all round and above are a right angle away on average, and up to half a turn.
+  const auto facts = view_error_facts(grid("sphere-1x1"));
+  ASSERT_EQ(facts.size(), 2U);
+  EXPECT_EQ(facts[0].first, "view_error_deg_mean");
+  EXPECT_NEAR(facts[0].second, 90, 0.5);
+  EXPECT_EQ(facts[1].first, "view_error_deg_max");
+  EXPECT_NEAR(facts[1].second, 180, 2);
 }
 
 }  // namespace

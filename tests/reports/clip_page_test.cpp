@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "reports/charts/clip_chart.h"
+#include "reports/model/clip_series.h"
 #include "reports/page/libraries.h"
 
 namespace crowdbench::reports {

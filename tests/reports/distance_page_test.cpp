@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "reports/charts/distance_chart.h"
+#include "reports/model/distance_series.h"
 #include "reports/page/libraries.h"
 
 namespace crowdbench::reports {
@@ -97,6 +98,74 @@ TEST(DistancePage, SaysWhatCountsAndWhereThresholdsAreReached) {
   EXPECT_EQ(html.find("squared error"), std::string::npos);
   page.causes = {{"<a>", "below 60 pixels: the stored view"}};
   EXPECT_NE(distance_page(page).find("<li>&lt;a&gt;: below 60 pixels: the stored view</li>"), std::string::npos);
+}
+
+// ---- rows to series
+
+CurveRow curve_row(int64_t id, const std::string& against) {
+  CurveRow row;
+  row.id = id;
+  row.run = 1;
+  row.representation = "flat";
+  row.score = "s";
+  row.against = against;
+  row.agents = 12;
+  row.bins = {{0, 1, 4, 2.5, 10, 9, 11, 6, 6}, {1, 4, 9, 6.25, 20, 18, 22, 6, 6}};
+  return row;
+}
+
+TEST(DistanceSeries, AThresholdIsSaidByWhereItIsReached) {
+  const CurveRow curve = curve_row(1, "distance_m");
+  ThresholdRow row{0, 1, 1, 15, "reached", 4.25, 4, std::nullopt};
+  EXPECT_EQ(threshold_text(row, curve), "from 4.25 m on (95 %: 4 to farther than any)");
+  row.low = std::nullopt;
+  row.high = 5;
+  EXPECT_EQ(threshold_text(row, curve), "from 4.25 m on (95 %: nearer than any to 5)");
+  row.status = "everywhere";
+  EXPECT_EQ(threshold_text(row, curve), "already at the nearest, 2.5 m");
+  row.status = "not_reached";
+  EXPECT_EQ(threshold_text(row, curve), "not reached at the farthest, 6.25 m");
+  EXPECT_EQ(threshold_text(row, curve_row(1, "pixels_per_texel")), "not reached at the farthest, 6.25 pixels a texel");
+  row = {0, 1, 1, 15, "not_distinguishable", std::nullopt, std::nullopt, std::nullopt};
+  EXPECT_EQ(
+      threshold_text(row, curve),
+      "not distinguishable with 12 agents; by the medians not reached (95 %: nearer than any to farther than any)");
+}
+
+TEST(DistanceSeries, CurvesOfOneRunByScoreAndAxisWithTheirAgents) {
+  StoreContents contents;
+  contents.curves = {curve_row(1, "distance_m"), curve_row(2, "height_px"), curve_row(3, "distance_m")};
+  contents.curves[2].run = 2;
+  contents.thresholds = {{0, 1, 1, 15, "everywhere", std::nullopt, std::nullopt, std::nullopt}};
+  ComparisonRow agent;
+  agent.run = 1;
+  agent.kind = "agent_in_crowd";
+  agent.representation = "flat";
+  agent.state = "counted";
+  agent.distance = 3.5;
+  agent.agent = 7;
+  agent.scores = {{"s", 12.5, ""}, {"other", 1.0, ""}};
+  contents.comparisons = {agent, agent, agent};
+  contents.comparisons[1].state = "occluded";
+  contents.comparisons[2].scores[0].value = std::nullopt;
+  const std::vector<DistanceScore> scores = distance_scores(contents, 1, {doc()});
+  ASSERT_EQ(scores.size(), 1U);
+  EXPECT_EQ(scores[0].doc.title, "sharpness");
+  ASSERT_EQ(scores[0].graphs.size(), 2U) << "against pixels a texel there is no curve";
+  EXPECT_EQ(scores[0].graphs[0].against, "distance from the eye");
+  EXPECT_TRUE(scores[0].graphs[1].far_is_low) << "small figures are far away";
+  const DistanceSeries& series = scores[0].graphs[0].series.at(0);
+  ASSERT_EQ(series.points.size(), 1U) << "the agent that is seen and scored";
+  EXPECT_EQ(series.points[0].x, 3.5);
+  EXPECT_EQ(series.points[0].value, 12.5);
+  EXPECT_EQ(series.points[0].agent, 7U);
+  ASSERT_EQ(series.bins.size(), 2U);
+  EXPECT_EQ(series.bins[1].value, 20);
+  ASSERT_EQ(series.thresholds.size(), 1U);
+  EXPECT_EQ(series.thresholds[0].place, "already at the nearest, 2.5 m");
+  EXPECT_TRUE(scores[0].graphs[1].series.at(0).points.empty()) << "agents are drawn against distance alone";
+  EXPECT_TRUE(distance_scores(contents, 3, {doc()}).empty());
+  EXPECT_EQ(distance_axes().size(), 3U);
 }
 
 }  // namespace

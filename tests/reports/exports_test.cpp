@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "reports/exports/bencher.h"
 #include "reports/exports/frame_log.h"
+#include "reports/exports/markdown_cell.h"
 #include "tests/reports/rows.h"
 #include "tests/store/full_rows.h"
 
@@ -356,6 +357,13 @@ TEST(Exports, TheFrameLogHasALineAFrame) {
       << csv;
   all.measurements[0].samples[0].gpu_ns = std::nullopt;
   EXPECT_NE(frame_log_csv(all).find(",2.000000,,3,5,6,"), std::string::npos) << "not available is empty";
+}
+
+TEST(MarkdownCell, StaysOnItsLineAndInItsCell) {
+  EXPECT_EQ(markdown_cell(""), "");
+  EXPECT_EQ(markdown_cell("flat"), "flat");
+  EXPECT_EQ(markdown_cell("a|b\r\nc"), "a\\|b  c");
+  EXPECT_EQ(markdown_cell("<b> & |"), "&lt;b> & \\|");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "reports/charts/charts.h"
+#include "reports/model/pop_model.h"
 #include "reports/page/libraries.h"
 #include "tests/reports/rows.h"
 
@@ -114,6 +115,18 @@ TEST_F(PopPageTest, OpensWithoutANetworkAndEscapesItsTexts) {
   EXPECT_NE(page_.find("mesh &lt;own&gt;"), std::string::npos);
   EXPECT_EQ(count("<img"), count("src=\"data:image/png;base64,"));
   EXPECT_EQ(page_.find("<link"), std::string::npos);
+}
+
+TEST(PopModel, ASizeIsSaidInTexelsWhereThereAreAny) {
+  PopPoint point;
+  point.height_px = 113.6;
+  EXPECT_EQ(pop_size_text(point), "114 px tall");
+  point.ratio = 1;
+  EXPECT_EQ(pop_size_text(point), "1 px a texel, 114 px tall");
+  point.ratio = 0.12345;
+  EXPECT_EQ(pop_size_text(point), "0.123 px a texel, 114 px tall");
+  EXPECT_EQ(kPopSwitchTitles.size(), kPopSwitchKinds);
+  EXPECT_STREQ(kPopSwitchTitles[0], "own pose, cut") << "the order of the points' scores";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
+#include "reports/model/findings.h"
 #include "reports/model/number_text.h"
 #include "reports/model/scene.h"
 #include "reports/model/scores.h"
@@ -246,6 +247,91 @@ TEST(Summary, NumbersForPeople) {
   EXPECT_EQ(factor_text(1.234), "1.23");
   EXPECT_EQ(factor_text(12.34), "12.3");
   EXPECT_EQ(factor_text(123.4), "123");
+}
+
+// ---- causes and switches
+
+CauseRangeRow made_up_range(double from, std::optional<double> below, const std::string& words) {
+  CauseRangeRow row;
+  row.run = 1;
+  row.representation = "flat";
+  row.reference = "mesh";
+  row.character = "mannequin";
+  row.unit = "view";
+  row.from = from;
+  row.below = below;
+  row.words = words;
+  return row;
+}
+
+TEST(Findings, CausesAreOneSentenceARepresentation) {
+  StoreContents contents;
+  contents.cause_ranges = {made_up_range(0, 60, "below 60 pixels: the view"), made_up_range(60, {}, "more: unclear"),
+                           made_up_range(0, {}, "of another run")};
+  contents.cause_ranges[2].run = 2;
+  EXPECT_EQ(cause_sentences(contents, 1),
+            (std::vector<std::string>{"flat against mesh, views of one agent of mannequin: the error is dominated by: "
+                                      "below 60 pixels: the view; more: unclear."}));
+  EXPECT_TRUE(cause_sentences(contents, 3).empty());
+}
+
+TEST(Findings, TheTableHasAColumnForEachCauseOfAnyRange) {
+  StoreContents contents;
+  contents.cause_ranges = {made_up_range(0, 60, ""), made_up_range(60, {}, "")};
+  contents.cause_ranges[0].shares = {{"view", "the view", 0.624}, {"pose", "the pose", -0.004}};
+  contents.cause_ranges[0].residue = 0.38;
+  contents.cause_ranges[1].shares = {{"texture", "the texture", 1}};
+  const CauseTable table = cause_table(contents, 1);
+  EXPECT_EQ(table.titles, (std::vector<std::string>{"the view", "the pose", "the texture", "no cause"}));
+  ASSERT_EQ(table.rows.size(), 2U);
+  EXPECT_EQ(table.rows[0].shares, (std::vector<std::string>{"62 %", "0 %", "–", "38 %"}));
+  EXPECT_EQ(table.rows[1].shares, (std::vector<std::string>{"–", "–", "100 %", "0 %"}));
+  EXPECT_EQ(table.rows[1].range, &contents.cause_ranges[1]);
+  EXPECT_TRUE(cause_table(contents, 2).titles.empty());
+  EXPECT_EQ(height_range_text(made_up_range(0, 15, "")), "below 15");
+  EXPECT_EQ(height_range_text(made_up_range(60, 120, "")), "60 to 120");
+  EXPECT_EQ(height_range_text(made_up_range(480, {}, "")), "480 and more");
+}
+
+PopRow made_up_switch(uint32_t agent, uint64_t pixels, std::optional<double> value) {
+  PopRow row;
+  row.run = 1;
+  row.representation = "hybrid";
+  row.from = "mesh";
+  row.to = "flat";
+  row.agent = agent;
+  row.tick = 4;
+  row.distance = 12.25;
+  row.pixels = pixels;
+  row.display = "a display";
+  row.scores = {{"s", value}};
+  return row;
+}
+
+TEST(Findings, TheWorstSwitchThatIsSeenComesFirst) {
+  StoreContents contents;
+  contents.pops = {made_up_switch(3, 50, 0.75), made_up_switch(3, 0, 0.0), made_up_switch(8, 9, 0.5),
+                   made_up_switch(9, 9, std::nullopt)};
+  ScoreDoc doc;
+  doc.name = "s";
+  doc.title = "likeness";
+  doc.digits = 2;
+  doc.headline = true;
+  EXPECT_EQ(score_of(contents.pops[2], "s"), 0.5);
+  EXPECT_EQ(score_of(contents.pops[2], "t"), std::nullopt);
+  const std::vector<PopList> lists = pop_lists(contents, 1, {doc}, 2);
+  ASSERT_EQ(lists.size(), 1U);
+  EXPECT_EQ(lists[0].switches, 4U);
+  EXPECT_EQ(lists[0].seen, 3U);
+  EXPECT_EQ(lists[0].display, "a display");
+  EXPECT_EQ(lists[0].worst, (std::vector<const PopRow*>{&contents.pops[2], &contents.pops[0]}));
+  EXPECT_EQ(pop_sentences(contents, 1, {doc}),
+            std::vector<std::string>{"hybrid: 4 switches of 3 agents, 3 of them seen. The most visible: agent 8 at "
+                                     "tick 4, 12.2 m away, from mesh to flat: likeness 0.50."});
+  contents.pops = {made_up_switch(3, 0, std::nullopt)};
+  EXPECT_EQ(pop_sentences(contents, 1, {doc}),
+            std::vector<std::string>{"hybrid: 1 switch of 1 agent, 0 of them seen."});
+  EXPECT_TRUE(pop_sentences(contents, 2, {doc}).empty());
 }
 
 }  // namespace
