@@ -3,8 +3,8 @@
 //
 //   node tools/study_kill.mjs DRIVER FOLDER [--kills 1000] [--clients 50]
 //
-// It says what the server bore: posts acknowledged a second, and how long one took. Status 0: nothing was lost; 1: something
-// was, and what is said.
+// It says what the server bore: posts acknowledged a second, and how long one took. Ctrl-C ends it early, with the kills so far.
+// Status 0: nothing was lost; 1: something was, and what is said.
 import { createHash } from 'node:crypto'
 import { execFileSync, spawn } from 'node:child_process'
 import { mkdirSync, rmSync, writeFileSync } from 'node:fs'
@@ -113,7 +113,10 @@ async function client(number) {
 await start()
 const running = Array.from({ length: clients }, (_, number) => client(number))
 let up = 0
-for (let killed = 0; killed < kills; ++killed) {
+let killed = 0
+let enough = false
+process.once('SIGINT', () => { enough = true })
+while (killed < kills && !enough) {
   // After some answers and a moment: also a machine that does much else gets to answer.
   const begun = performance.now()
   const until = times.length + 20 * Math.random()
@@ -122,7 +125,7 @@ for (let killed = 0; killed < kills; ++killed) {
   up += performance.now() - begun
   await kill()
   await start()
-  if ((killed + 1) % 100 === 0) console.error(`${killed + 1} kills, ${acknowledged.size} answers acknowledged`)
+  if (++killed % 100 === 0) console.error(`${killed} kills, ${acknowledged.size} answers acknowledged`)
 }
 over = true
 await Promise.all(running)
@@ -148,6 +151,6 @@ for (const [key, answer] of acknowledged) {
 }
 times.sort((a, b) => a - b)
 const at = (share) => times[Math.min(times.length - 1, Math.floor(share * times.length))].toFixed(1)
-console.log(`${kills} kills under ${clients} simulated clients: ${acknowledged.size} answers acknowledged, ${lost} lost, ${changed} changed, ${twice} kept twice`)
+console.log(`${killed} kills under ${clients} simulated clients: ${acknowledged.size} answers acknowledged, ${lost} lost, ${changed} changed, ${twice} kept twice`)
 console.log(`${(times.length / up * 1000).toFixed(0)} posts acknowledged a second of running; one took ${at(0.5)} ms (median), ${at(0.95)} ms (95 %), ${at(0.99)} ms (99 %)`)
 process.exit(lost + changed + twice === 0 ? 0 : 1)

@@ -51,7 +51,7 @@ void add_study_serve(Command& study, Run& run) {
       "  crowdbench study serve study-out --answers answers.sqlite --origin https://study.example.org");
   auto options = std::make_shared<Options>();
   Options& o = *options;
-  command->add_option("OUT", o.out, "folder that `study export` made")->required();
+  command->add_option("OUT", o.out, "folder that `study export` made")->required()->type_name("FOLDER");
   command->add_option("--answers", o.answers, "result file that answers are kept in; OUT/answers.sqlite without it")
       ->type_name("FILE.sqlite")
       ->output_file();

@@ -91,6 +91,12 @@
     document.body.dataset.state = 'withdrawn'
   }
 
+  function taken() {
+    leaving = true
+    Study.jsPsych?.abortExperiment()
+    setTimeout(() => fatal('Continued in another window', 'The study goes on there, or you have withdrawn in it. You may close this one.'))
+  }
+
   // ---- the screens
 
   const texts = {}
@@ -286,6 +292,7 @@
     await read_texts()
     session = new Study.Session(trials.study)
     Study.clips = new Study.Clips(trials)
+    session.whenTaken = taken
     Study.session = session
     await session.find()
     if (!session.state.consented && !(await consent()))

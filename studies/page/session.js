@@ -51,6 +51,7 @@
       this.served = false
       this.sending = null
       this.taken = false
+      this.whenTaken = () => {}  // another window has taken over
     }
 
     save() {
@@ -132,7 +133,7 @@
         const status = await this.ask('api/answer', text).then((got) => got.status, () => 0)
         if (status === 401) {
           this.taken = true
-          notice('The study was continued in another window, or you have withdrawn. Nothing more is kept from this one.')
+          this.whenTaken()
         } else if (status === 0 || status >= 500) {
           notice('Your answer is kept in this browser, and not yet at the server. Trying again.')
           await sleep(Math.min(10000, 500 * 2 ** failures++))

@@ -99,7 +99,7 @@ std::map<std::string, StudyFile> files_below(const fs::path& page) {
   for (auto at = fs::recursive_directory_iterator(page); at != fs::recursive_directory_iterator(); ++at) {
     if (at->is_symlink() || !at->is_regular_file()) continue;
     const std::string name = "/" + at->path().lexically_relative(page).generic_string();
-    out[name] = {at->path(), at->file_size(), type_of(at->path())};
+    out[name] = {at->path(), type_of(at->path())};
   }
   return out;
 }

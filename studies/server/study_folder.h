@@ -17,7 +17,6 @@ struct StudyTrial {
 
 struct StudyFile {
   std::filesystem::path path;
-  uint64_t bytes = 0;
   std::string type;  // for Content-Type
 };
 

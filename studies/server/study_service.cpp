@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/hash.h"
@@ -123,8 +124,10 @@ HttpReply StudyService::file(const HttpRequest& r) const {
   const auto found = folder_.files.find(r.path == "/" ? "/index.html" : std::string(r.path));
   if (found == folder_.files.end()) return error(404, "there is nothing here");
   const StudyFile& file = found->second;
-  return {
-      .content_type = file.type, .file = file.path, .file_bytes = file.bytes, .keep = file.type.starts_with("video/")};
+  std::error_code failed;
+  const auto bytes = std::filesystem::file_size(file.path, failed);
+  if (failed) return error(404, "there is nothing here");
+  return {.content_type = file.type, .file = file.path, .file_bytes = bytes, .keep = file.type.starts_with("video/")};
 }
 
 HttpReply StudyService::start(const HttpRequest& r) {

@@ -2,7 +2,7 @@
 // the whole study, and what the server keeps is what it chose.
 #include <gtest/gtest.h>
 
-#include <map>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/command_line.h"
@@ -41,7 +41,6 @@ class StudyBrowser : public ::testing::Test {
   }
   // What the observer says of itself; it comes to an end.
   nlohmann::json observe(const std::string& options) const {
-    const fs::path pictures = folder_ / "pictures";
     const support::Outcome outcome = support::run_shell(
         "node " + shell_quoted((fs::path(CROWDBENCH_SOURCE_DIR) / "tools/study_observer.mjs").string()) + " " + url_ +
         " " + options + " 2>" + shell_quoted((folder_ / "observer.txt").string()));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -252,7 +253,10 @@ TEST_F(StudyServer, LosesNothingAcknowledgedWhenItIsKilled) {
           }
         }
       });
-    std::this_thread::sleep_for(std::chrono::milliseconds(20 + (kill * 37) % 120));
+    // After some answers, however fast the machine is.
+    const int enough = acknowledged + 1 + (kill * 7) % 13;
+    for (int waits = 0; acknowledged < enough && waits < 20000; ++waits)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     server_->send(SIGKILL);
     server_->wait_for_end(5);
     down = true;
