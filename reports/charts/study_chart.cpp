@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "reports/charts/chart_frame.h"
 #include "reports/charts/charts.h"
 
@@ -9,11 +11,17 @@ namespace crowdbench::reports {
 namespace {
 
 constexpr int kRowHeight = 30;
+constexpr size_t kMostNameRoom = 190;
 
 Json end_of(const std::optional<double>& end) { return end ? Json(*end) : Json(nullptr); }
 
-Json names_axis() {
-  return {{"field", "name"}, {"type", "nominal"}, {"sort", nullptr}, {"axis", {{"title", nullptr}, {"ticks", false}}}};
+// The names of rows get room for themselves: what the renderer measures is narrower than the page's font.
+Json names_axis(size_t longest) {
+  const auto room = static_cast<int>(std::min<size_t>(kMostNameRoom, 12 + longest * 7));
+  return {{"field", "name"},
+          {"type", "nominal"},
+          {"sort", nullptr},
+          {"axis", {{"title", nullptr}, {"ticks", false}, {"minExtent", room}, {"labelLimit", room}}}};
 }
 
 Json tooltip_of(const char* field, const char* title) {
@@ -52,7 +60,9 @@ Json thresholds_of_curves(const StudyTask& task) {
 std::string study_shares_chart(const StudyTask& task) {
   if (task.shares.empty()) return {};
   Json values = Json::array();
+  size_t longest = 0;
   for (const StudyShares& s : task.shares) {
+    longest = std::max(longest, s.name.size());
     const double all = s.yes + s.ties + s.no;
     const std::pair<const char*, double> answers[] = {{"yes", s.yes}, {"cannot tell", s.ties}, {"no", s.no}};
     int order = 0;
@@ -67,7 +77,7 @@ std::string study_shares_chart(const StudyTask& task) {
   spec["data"] = {{"values", std::move(values)}};
   spec["mark"] = {{"type", "bar"}, {"height", {{"band", 0.7}}}};
   spec["encoding"] = {
-      {"y", names_axis()},
+      {"y", names_axis(longest)},
       {"x",
        {{"field", "share"},
         {"type", "quantitative"},
@@ -78,7 +88,8 @@ std::string study_shares_chart(const StudyTask& task) {
       {"color",
        {{"field", "answer"},
         {"type", "nominal"},
-        {"scale", {{"domain", {"yes", "cannot tell", "no"}}, {"range", {"#0072b2", "#9aa5b1", "#d55e00"}}}}}},
+        {"scale", {{"domain", {"yes", "cannot tell", "no"}}, {"range", {"#0072b2", "#9aa5b1", "#d55e00"}}}},
+        {"legend", {{"title", nullptr}, {"columnPadding", 28}}}}},
       {"tooltip",
        Json::array({tooltip_of("name", "condition"), tooltip_of("answer", "answer"), tooltip_of("text", "answers")})}};
   return spec.dump();
@@ -143,12 +154,15 @@ std::string study_curves_chart(const StudyTask& task) {
 std::string study_rows_chart(const std::vector<StudyPoint>& rows, const std::string& axis) {
   if (rows.empty()) return {};
   Json values = Json::array();
-  for (const StudyPoint& row : rows)
+  size_t longest = 0;
+  for (const StudyPoint& row : rows) {
+    longest = std::max(longest, row.name.size());
     values.push_back({{"name", row.name},
                       {"value", row.value},
                       {"low", end_of(row.low)},
                       {"high", end_of(row.high)},
                       {"text", row.text}});
+  }
   const auto x = [&](const char* field) {
     return Json{{"field", field},
                 {"type", "quantitative"},
@@ -159,10 +173,10 @@ std::string study_rows_chart(const std::vector<StudyPoint>& rows, const std::str
   spec["data"] = {{"values", std::move(values)}};
   spec["layer"] =
       Json::array({{{"mark", {{"type", "rule"}, {"strokeWidth", 2}, {"color", "#0072b2"}, {"opacity", 0.6}}},
-                    {"encoding", {{"y", names_axis()}, {"x", x("low")}, {"x2", {{"field", "high"}}}}}},
+                    {"encoding", {{"y", names_axis(longest)}, {"x", x("low")}, {"x2", {{"field", "high"}}}}}},
                    {{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}, {"color", "#0072b2"}}},
                     {"encoding",
-                     {{"y", names_axis()},
+                     {{"y", names_axis(longest)},
                       {"x", x("value")},
                       {"tooltip", Json::array({tooltip_of("name", "name"), tooltip_of("text", "value")})}}}}});
   return spec.dump();

@@ -21,7 +21,7 @@ TaskResult task_of(const Answers& answers, const std::string& name, const Rows& 
   out.name = name;
   const bool paired = rows.front()->item_a.has_value();
   const Groups groups = parts::groups_of(answers, rows, paired);
-  out.conditions = parts::conditions_of(groups, s);
+  out.conditions = parts::conditions_of(answers, groups, s);
   out.differences = parts::differences_of(groups, out.conditions, s);
   if (!scores.empty()) out.prediction = parts::prediction_of(answers, groups, s, scores);
   if (paired) {

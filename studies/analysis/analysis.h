@@ -47,15 +47,16 @@ struct AnalysisSettings {
 // The answers to one condition; of pairs, to one pair in one condition.
 struct ConditionResult {
   std::string name;
+  std::string condition, first, second;  // of pairs: what `name` is made of; `yes` chose the first
   uint64_t yes = 0, ties = 0, no = 0;
   size_t participants = 0;  // 0: not known
   // After the rule for ties: `chosen` of `decided`. Where nothing is decided, none of what follows exists.
   uint64_t chosen = 0, decided = 0;
   Interval exact, score;  // Clopper-Pearson and Wilson
   // Where is_tested():
-  BinomialTest test;  // against chance
-  double holm = 1;    // the two-sided p, corrected over the conditions of the task
-  std::optional<Equivalence> equivalence;
+  BinomialTest test;                         // against chance
+  double holm = 1;                           // the two-sided p, corrected over the conditions of the task
+  std::optional<Equivalence> equivalence;    // "different" holds after that correction, too
   std::optional<SignalDetection> detection;  // where trials with and without a signal are known
 
   bool is_tested() const { return decided > 0 && !detection; }
@@ -64,8 +65,8 @@ struct ConditionResult {
 // Two conditions of a task, by their place in its list.
 struct DifferenceResult {
   size_t first = 0, second = 0;
-  DifferenceEquivalence equivalence;
-  double holm = 1;  // the two-sided p of "no difference", corrected over the pairs of the task
+  DifferenceEquivalence equivalence;  // "different" holds after the correction, too
+  double holm = 1;                    // the two-sided p of "no difference", corrected over the pairs of the task
 };
 
 struct CurveResult {

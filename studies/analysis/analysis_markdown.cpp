@@ -9,8 +9,11 @@ namespace {
 // Text that stands as it is, whatever it holds.
 std::string plain(const std::string& text) {
   std::string out;
-  for (const char c : text) {
-    if (c == '|' || c == '<' || c == '`' || c == '[' || c == '*' || c == '_' || c == '\\') out += '\\';
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    // A tag begins with a letter, / or !; "p < 0.001" does not.
+    const bool tag = c == '<' && i + 1 < text.size() && text[i + 1] != ' ';
+    if (tag || c == '|' || c == '`' || c == '[' || c == '*' || c == '_' || c == '\\') out += '\\';
     out += c;
   }
   return out;
@@ -37,7 +40,8 @@ std::string list_of(const std::vector<std::string>& items) {
 }
 
 std::string markdown(const Section& s) {
-  std::string out = s.lead.empty() ? "" : "\n" + plain(s.lead) + "\n";
+  std::string out = fmt::format("\n### {}\n", s.heading);
+  if (!s.lead.empty()) out += "\n" + plain(s.lead) + "\n";
   if (s.table) out += "\n" + markdown(*s.table);
   if (!s.list.empty()) out += "\n" + list_of(s.list);
   if (!s.note.empty()) out += "\n" + plain(s.note) + "\n";

@@ -26,7 +26,8 @@ struct Groups {
 Groups groups_of(const Answers& answers, const Rows& rows, bool pairs);
 
 // Of every group, with Holm's correction over them.
-std::vector<ConditionResult> conditions_of(const Groups& groups, const AnalysisSettings& settings);
+std::vector<ConditionResult> conditions_of(const Answers& answers, const Groups& groups,
+                                           const AnalysisSettings& settings);
 // Every two conditions whose answers are alike enough to be compared.
 std::vector<DifferenceResult> differences_of(const Groups& groups, const std::vector<ConditionResult>& conditions,
                                              const AnalysisSettings& settings);

@@ -109,6 +109,19 @@ ConditionResult condition_of(const std::string& name, const Rows& rows, const An
   return out;
 }
 
+uint64_t lacking(const std::optional<uint64_t>& needed, uint64_t have) {
+  return needed && *needed > have ? *needed - have : 0;
+}
+
+// "Different" among several is not what it was alone.
+template <typename Result>
+void require_corrected(Result& e, double holm, double alpha, uint64_t trials, uint64_t participants) {
+  if (e.verdict != Verdict::different || holm <= alpha) return;
+  e.verdict = Verdict::not_enough_data;
+  e.more_trials = lacking(e.trials_needed, trials);
+  e.more_participants = lacking(e.participants_needed, participants);
+}
+
 void correct_for_many(std::vector<ConditionResult>& conditions) {
   std::vector<double> p;
   for (const ConditionResult& c : conditions)
@@ -121,10 +134,19 @@ void correct_for_many(std::vector<ConditionResult>& conditions) {
 
 }  // namespace
 
-std::vector<ConditionResult> conditions_of(const Groups& groups, const AnalysisSettings& s) {
+std::vector<ConditionResult> conditions_of(const Answers& answers, const Groups& groups, const AnalysisSettings& s) {
   std::vector<ConditionResult> out;
-  for (const auto& [condition, theirs] : groups.all) out.push_back(condition_of(condition, theirs, s));
+  for (const auto& [name, theirs] : groups.all) {
+    out.push_back(condition_of(name, theirs, s));
+    const Answer& row = *theirs.front();
+    out.back().condition = condition_name(answers, row);
+    if (!row.item_a) continue;
+    out.back().first = answers.items[*row.item_a];
+    out.back().second = answers.items[*row.item_b];
+  }
   correct_for_many(out);
+  for (ConditionResult& c : out)
+    if (c.equivalence) require_corrected(*c.equivalence, c.holm, s.alpha, c.decided, c.participants);
   return out;
 }
 
@@ -155,7 +177,12 @@ std::vector<DifferenceResult> differences_of(const Groups& groups, const std::ve
       p.push_back(out.back().equivalence.different_score);
     }
   const std::vector<double> corrected = holm(p);
-  for (size_t i = 0; i < out.size(); ++i) out[i].holm = corrected[i];
+  for (size_t i = 0; i < out.size(); ++i) {
+    DifferenceResult& d = out[i];
+    d.holm = corrected[i];
+    require_corrected(d.equivalence, d.holm, s.alpha,
+                      std::min(conditions[d.first].decided, conditions[d.second].decided), d.equivalence.participants);
+  }
   return out;
 }
 

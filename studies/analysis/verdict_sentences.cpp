@@ -17,23 +17,24 @@ using text::percent;
 
 std::string p_is(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.3f}", p); }
 
+// What a sentence begins with: of pairs the condition alone, since both items follow.
+std::string subject(const ConditionResult& c) { return named(c.first.empty() ? c.name : c.condition); }
+
 // In the form in which such studies are printed: all answers, then those of who chose.
-std::string shares_sentence(const ConditionResult& c, bool paired) {
+std::string shares_sentence(const ConditionResult& c) {
   const uint64_t all = c.yes + c.ties + c.no;
-  std::string out = fmt::format("{}: ", named(c.name));
+  std::string out = subject(c) + ": ";
   if (all == 0) return out + "no answers.";
-  const char* first = paired ? "chose the first" : "yes";
-  const char* second = paired ? "the second" : "no";
-  if (c.ties > 0)
-    out += fmt::format("{} cannot tell, {} {}, {} {}", percent(c.ties, all), percent(c.yes, all), first,
-                       percent(c.no, all), second);
+  if (c.ties > 0) out += fmt::format("{} cannot tell, ", percent(c.ties, all));
+  if (c.first.empty())
+    out += fmt::format("{} yes, {} no", percent(c.yes, all), percent(c.no, all));
   else
-    out += fmt::format("{} {}, {} {}", percent(c.yes, all), first, percent(c.no, all), second);
+    out += fmt::format("{} chose {}, {} {}", percent(c.yes, all), named(c.first), percent(c.no, all), named(c.second));
   out += fmt::format(", of {}", counted(all, "answer", "answers"));
   if (c.participants > 0) out += fmt::format(" by {}", counted(c.participants, "participant", "participants"));
   if (c.ties > 0 && c.yes + c.no > 0) {
-    const double share = 100 * static_cast<double>(c.yes) / static_cast<double>(c.yes + c.no);
-    out += fmt::format("; among those who chose {:.0f} / {:.0f} %", share, 100 - std::round(share));
+    const double share = std::round(100 * static_cast<double>(c.yes) / static_cast<double>(c.yes + c.no));
+    out += fmt::format("; among those who chose {:.0f} / {:.0f} %", share, 100 - share);
   }
   return out + ".";
 }
@@ -72,11 +73,12 @@ std::string equivalence_sentence(const ConditionResult& c, const AnalysisSetting
     case Verdict::equivalent:
       return fmt::format(" Equivalent to {:g} within {:g}: two one-sided tests, {} of trials{}{}.", s.chance, *s.margin,
                          p_is(e.exact.p), people, interval);
-    case Verdict::different:
-      return fmt::format(
-          " Different from {:g}: {} of trials{}{}; not within {:g} of it.", s.chance, p_is(e.different_exact),
-          e.different_by_participant ? fmt::format(", {} of participants", p_is(*e.different_by_participant)) : "",
-          interval, *s.margin);
+    case Verdict::different: {
+      const std::string of_people =
+          e.different_by_participant ? fmt::format(", {} of participants", p_is(*e.different_by_participant)) : "";
+      return fmt::format(" Different from {:g}: {} of trials after Holm's correction{}{}.", s.chance, p_is(c.holm),
+                         of_people, interval);
+    }
     case Verdict::not_enough_data: break;
   }
   return fmt::format(" Not enough data to say whether it lies within {:g} of {:g}: {}{}.", *s.margin, s.chance,
@@ -147,7 +149,7 @@ std::string prediction_sentence(const ScorePredictions& p) {
 std::vector<std::string> verdict_sentences(const TaskResult& t, const AnalysisSettings& s) {
   std::vector<std::string> out;
   for (const ConditionResult& c : t.conditions) {
-    out.push_back(shares_sentence(c, t.ranking.has_value()));
+    out.push_back(shares_sentence(c));
     if (!c.is_tested()) continue;
     out.back() += c.equivalence ? equivalence_sentence(c, s) : chance_sentence(c, s);
   }
