@@ -29,10 +29,12 @@ Json axis_of(const char* field, const char* title, bool log) {
     scale["type"] = "log";
   else
     scale["zero"] = false;
-  return {{"field", field},
-          {"type", "quantitative"},
-          {"scale", scale},
-          {"axis", {{"title", title}, {"tickCount", 5}, {"format", "~g"}, {"labelOverlap", "greedy"}}}};
+  return {
+      {"field", field},
+      {"type", "quantitative"},
+      {"scale", scale},
+      {"axis",
+       {{"title", title}, {"tickCount", 5}, {"format", "~g"}, {"labelOverlap", "greedy"}, {"labelSeparation", 10}}}};
 }
 
 Json tip(const char* field, const char* title) { return {{"field", field}, {"type", "nominal"}, {"title", title}}; }
@@ -106,7 +108,7 @@ std::string cheapest_chart(const Scene& scene, const BreakEvenMap& map) {
     if (std::find(occupancies.begin(), occupancies.end(), row) == occupancies.end()) occupancies.push_back(row);
     std::string beside;
     for (const std::string& name : cell.not_told_apart) beside += (beside.empty() ? "" : ", ") + name;
-    values.push_back({{"agents", fmt::format("{:.3g}", cell.agents)},
+    values.push_back({{"agents", count_text(static_cast<uint64_t>(cell.agents))},
                       {"order", cell.agents},
                       {"occupancy", row},
                       {"representation", cell.cheapest},
@@ -122,7 +124,7 @@ std::string cheapest_chart(const Scene& scene, const BreakEvenMap& map) {
        {{"field", "agents"},
         {"type", "ordinal"},
         {"sort", {{"field", "order"}}},
-        {"axis", {{"title", "agents"}, {"labelAngle", 0}, {"labelOverlap", "greedy"}}}}},
+        {"axis", {{"title", "agents"}, {"labelAngle", 0}, {"labelOverlap", "greedy"}, {"labelSeparation", 10}}}}},
       {"y", {{"field", "occupancy"}, {"type", "ordinal"}, {"sort", occupancies}, {"axis", {{"title", "occupancy"}}}}},
       {"color", colours(scene, "representation")},
       {"opacity", {{"condition", {{"test", "datum.sure"}, {"value", 0.95}}}, {"value", 0.35}}},

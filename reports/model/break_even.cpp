@@ -47,6 +47,13 @@ std::vector<double> even_in_log(double low, double high, size_t steps) {
   return out;
 }
 
+// Rounded, each once.
+std::vector<double> whole(std::vector<double> values) {
+  for (double& value : values) value = std::round(value);
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
 // The covered pixels of an occupancy; where the camera is the scenario's own (0) what was covered there, by agents.
 double covered_px(const Scene& scene, const CostModel& model, double agents, double occupancy) {
   if (occupancy > 0) return occupancy * scene.width * scene.height;
@@ -147,7 +154,7 @@ BreakEvenMap break_even_map(const Scene& scene) {
     }
   if (known.size() < 2) return map;
   for (const double occupancy : range.occupancies)
-    for (const double agents : even_in_log(range.least_agents, range.most_agents, kCellSteps)) {
+    for (const double agents : whole(even_in_log(range.least_agents, range.most_agents, kCellSteps))) {
       const auto time = [&](size_t k) { return time_at(scene, *known[k], agents, occupancy); };
       size_t best = 0;
       for (size_t k = 1; k < known.size(); ++k)
