@@ -3,6 +3,9 @@
 // and coverage, and drawn where at least half of the weight covers.
 #include "renderers/flat/flat_maps.glsl"
 #include "renderers/flat/flat_table.glsl"
+#if CB_PARALLAX > 0
+#include "renderers/flat/flat_parallax.glsl"
+#endif
 #include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
 
@@ -15,6 +18,9 @@ layout(location = 10) flat in uvec2 v_outfit_id;
 layout(location = 11) flat in vec4 v_depth[3];
 layout(location = 14) flat in float v_texel_height;
 #endif
+#if CB_PARALLAX > 0
+layout(location = 15) flat in vec3 v_parallax[6];
+#endif
 
 void main() {
   float coverage = 0.0;
@@ -23,6 +29,10 @@ void main() {
   vec3 colour = vec3(0.0);
   for (int i = 0; i < 3; ++i) {
     vec2 at = v_texel[i].xy / v_texel[i].z;
+#if CB_PARALLAX > 0
+    float rise;
+    at = met_at(at, v_light[i].w, ParallaxView(v_parallax[2 * i], v_parallax[2 * i + 1]), v_bounds[i], table.centre.w, rise);
+#endif
     vec3 texel = vec3(clamp(at, v_bounds[i].xy, v_bounds[i].zw), v_light[i].w);
     vec4 albedo = texture(albedo_map, texel);
     vec4 surface = surface_at(texel);

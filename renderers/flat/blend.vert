@@ -13,6 +13,9 @@ layout(location = 10) flat out uvec2 v_outfit_id;
 layout(location = 11) flat out vec4 v_depth[3];     // eye-space depth: dot with page coordinates, 1, stored depth
 layout(location = 14) flat out float v_texel_height;
 #endif
+#if CB_PARALLAX > 0
+layout(location = 15) flat out vec3 v_parallax[6];  // ParallaxView of each
+#endif
 
 void main() {
   uint slot = uint(gl_VertexID) / 4u;
@@ -72,6 +75,12 @@ void main() {
     v_bounds[i] = vec4((tile_low + place[i].xy) * table.scale.yz, (tile_high + place[i].xy) * table.scale.yz);
     v_light[i] = vec4(dot(light, right[i]), dot(light, up[i]), dot(light, to_eye), place[i].z);
   }
+#if CB_PARALLAX > 0
+  vec2 room = (0.5 * kParallaxRoom - 0.5) * (high - low);
+  low -= room;
+  high += room;
+  for (int i = 0; i < 3; ++i) parallax_view(eye_there[i], plane[i], place[i], v_parallax[2 * i], v_parallax[2 * i + 1]);
+#endif
   vec2 at = mix(low, high, vec2(corner & 1u, corner >> 1u));
   vec3 point = quad_right * at.x + quad_up * at.y;
   gl_Position = frame.clip_from_world * vec4(centre + scale * turn(point, heading), 1.0);

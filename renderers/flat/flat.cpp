@@ -180,6 +180,7 @@ struct DrawOptions {
   bool blend = false;  // of three views
   bool floor = false;
   bool list = false;  // one fetch a fragment, not lit
+  int parallax = 0;   // steps of the reprojection by stored depths
   int layers = 0;     // of one array texture, at most; 0: the driver's limit
 };
 
@@ -401,7 +402,7 @@ class FlatRepresentation : public Representation {
     const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, slot_bits, glows};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
-      gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}};
+      gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}, {"CB_PARALLAX", std::to_string(draw_.parallax)}};
       if (slot_bits > 0) defines.emplace_back("CB_SLOT_BITS", std::to_string(slot_bits));
       if (glows) defines.emplace_back("CB_EMISSIVE", "");
       if (v.ids) defines.emplace_back("CB_IDS", "");
@@ -449,7 +450,7 @@ FlatBakeOptions flat_bake_options(const Spec& spec) {
   options.fitted = reader.choice("plane", {"fitted", "facing"}) == 0;
   options.corners = static_cast<int>(reader.integer("corners", 4, 8));
   options.compressed = reader.choice("compress", {"none", "bc"}) == 1;
-  options.depth = reader.choice("depth", {"flat", "nailboard"}) == 1;
+  options.depth = reader.choice("depth", {"flat", "nailboard"}) == 1 || reader.integer("parallax", 0, 8) > 0;
   return options;
 }
 
@@ -472,6 +473,8 @@ const RepresentationType flat_type = {
                 {"depth", "flat|nailboard", "flat",
                  "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
                 {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"},
+                {"parallax", "0..8", "0",
+                 "steps by which every view's stored depths move what it shows to where the eye sees it; 3 is enough"},
                 {"layers", "0..4096", "0",
                  "of one array texture, at most; 0: the driver's limit. More are split over several"},
                 {"shade", "lit|list", "lit",
@@ -483,10 +486,11 @@ const RepresentationType flat_type = {
                              .blend = reader.choice("blend", {"1", "3"}) == 1,
                              .floor = reader.flag("floor"),
                              .list = reader.choice("shade", {"lit", "list"}) == 1,
+                             .parallax = static_cast<int>(reader.integer("parallax", 0, 8)),
                              .layers = static_cast<int>(reader.integer("layers", 0, 4096))};
-      if (draw.list && (draw.nailboard || draw.blend || draw.floor))
+      if (draw.list && (draw.nailboard || draw.blend || draw.floor || draw.parallax > 0))
         throw Error("representation 'flat'", "shade=list has one fetch: no stored depth, one view, no floor of its own",
-                    "leave out depth, blend and floor, or shade=list");
+                    "leave out depth, blend, parallax and floor, or shade=list");
       return std::make_unique<FlatRepresentation>(context, options, draw);
     },
     .required_by = true,

@@ -1,6 +1,9 @@
 #version 450 core
 #include "renderers/flat/flat_maps.glsl"
 #include "renderers/flat/flat_table.glsl"
+#if CB_PARALLAX > 0
+#include "renderers/flat/flat_parallax.glsl"
+#endif
 #include "renderers/shaders/output.glsl"
 #include "renderers/shaders/shading.glsl"
 
@@ -16,17 +19,25 @@ layout(location = 3) in float v_depth;
 layout(location = 4) flat in float v_depth_range;
 layout(location = 5) flat in float v_texel_height;
 #endif
-#if CB_CORNERS == 3
+#if CB_CORNERS == 3 || CB_PARALLAX > 0
 layout(location = 6) flat in vec4 v_bounds;
+#endif
+#if CB_PARALLAX > 0
+layout(location = 7) flat in vec3 v_parallax[2];
 #endif
 
 void main() {
-#if CB_CORNERS == 3
-  vec2 at = clamp(v_texel, v_bounds.xy, v_bounds.zw);  // a triangle reaches beyond its tile; the gutter is empty
-#else
   vec2 at = v_texel;
+  float layer = float(v_agent.w & ((1u << CB_FLAT_LAYER_BITS) - 1u));
+#if CB_PARALLAX > 0
+  ParallaxView view = ParallaxView(v_parallax[0], v_parallax[1]);
+  float rise;
+  at = met_at(at, layer, view, v_bounds, table.centre.w, rise);
 #endif
-  vec3 texel = vec3(at, float(v_agent.w & ((1u << CB_FLAT_LAYER_BITS) - 1u)));
+#if CB_CORNERS == 3 || CB_PARALLAX > 0
+  at = clamp(at, v_bounds.xy, v_bounds.zw);  // a triangle reaches beyond its tile; the gutter is empty
+#endif
+  vec3 texel = vec3(at, layer);
   vec4 albedo = texture(albedo_map, texel);
   if (albedo.a < 0.5) discard;
 #ifdef CB_LIST
@@ -35,7 +46,12 @@ void main() {
   vec4 surface = surface_at(texel);
   vec2 n = surface.rg * (255.0 / 127.0) - 128.0 / 127.0;
   float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
-#ifdef CB_NAILBOARD
+#if defined(CB_NAILBOARD) && CB_PARALLAX > 0
+  // What rises from the polygon to the eye's height is at the eye.
+  float toward = rise / max(view.eye.z - dot(view.plane, vec3(v_texel, 1.0)), 1e-3);
+  float depth = max((1.0 - toward) / gl_FragCoord.w, frame.lens.x);
+  gl_FragDepth = frame.projection[3][2] / depth - frame.projection[2][2];
+#elif defined(CB_NAILBOARD)
   // The point of the capture plane moved along the view's axis by the stored depth, through the projection in force.
   // Within a texel the surface slopes as its normal says; silhouettes would slope without end.
   vec2 within = fract(v_texel * vec2(textureSize(surface_map, 0).xy)) - 0.5;

@@ -14,8 +14,11 @@ layout(location = 3) out float v_depth;             // eye-space depth of the ca
 layout(location = 4) flat out float v_depth_range;  // added to it at the end of the stored depth
 layout(location = 5) flat out float v_texel_height; // of a surface that rises by a texel over a texel, as stored
 #endif
-#if CB_CORNERS == 3
+#if CB_CORNERS == 3 || CB_PARALLAX > 0
 layout(location = 6) flat out vec4 v_bounds;        // page coordinates of the gutter's texels: low, high
+#endif
+#if CB_PARALLAX > 0
+layout(location = 7) flat out vec3 v_parallax[2];   // ParallaxView
 #endif
 
 void main() {
@@ -34,6 +37,13 @@ void main() {
   vec2 p = tile_corner(tile, corner);
   vec4 place = tile_place(tile);
   vec4 plane = tile_plane(tile);
+#if CB_CORNERS == 3 || CB_PARALLAX > 0
+  vec4 bounds = tile_bounds(tile);
+#endif
+#if CB_PARALLAX > 0
+  vec2 middle = 0.5 * (bounds.xy + bounds.zw);
+  p = middle + (p - middle) * kParallaxRoom;
+#endif
   vec2 metres = p * table.scale.x;
   vec3 to_eye = cross(right, up);
   vec3 on_capture = right * (side * metres.x) + up * metres.y;
@@ -42,14 +52,18 @@ void main() {
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 
   v_texel = (p + place.xy) * table.scale.yz;
-#if CB_CORNERS == 3
-  v_bounds = (tile_bounds(tile) + vec4(-0.5, -0.5, 0.5, 0.5) + place.xyxy) * table.scale.yzyz;
+#if CB_CORNERS == 3 || CB_PARALLAX > 0
+  v_bounds = (bounds + vec4(-0.5, -0.5, 0.5, 0.5) + place.xyxy) * table.scale.yzyz;
 #endif
   vec3 light = turn(frame.light_direction.xyz, back);
   v_agent.xyz = floatBitsToUint(vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye)));
   uint layer = uint(place.z) - table.layers.x;
   if (layer >= table.layers.y) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // in another texture: beyond the near plane
   v_agent.w = agent.outfit << CB_FLAT_LAYER_BITS | layer;
+#if CB_PARALLAX > 0
+  vec3 eye = turn(-centre, back) / agent.scale;
+  parallax_view(vec3(dot(eye, right) * side, dot(eye, up), dot(eye, to_eye)), plane, place, v_parallax[0], v_parallax[1]);
+#endif
 #ifdef CB_IDS
   v_id = agent.id;
 #endif

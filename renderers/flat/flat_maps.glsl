@@ -7,7 +7,7 @@ layout(binding = CB_FLAT_TEXTURE_SURFACE) uniform sampler2DArray surface_map;  /
 
 #ifdef CB_SLOT_BITS
 layout(binding = CB_FLAT_TEXTURE_SLOTS) uniform usampler2DArray slot_map;
-#ifdef CB_NAILBOARD
+#if defined(CB_NAILBOARD) || CB_PARALLAX > 0
 layout(binding = CB_FLAT_TEXTURE_DEPTH) uniform sampler2DArray depth_map;
 #endif
 #endif
@@ -33,7 +33,7 @@ vec4 surface_at(vec3 texel) {
   ivec2 size = textureSize(surface_map, 0).xy;
   ivec3 at = ivec3(min(ivec2(texel.xy * vec2(size)), size - 1), int(texel.z + 0.5));
   vec4 surface = vec4(texelFetch(surface_map, at, 0).rg, 0.0, 0.0);
-#ifdef CB_NAILBOARD
+#if defined(CB_NAILBOARD) || CB_PARALLAX > 0
   surface.a = texelFetch(depth_map, at, 0).r;
 #endif
 #if CB_SLOT_BITS == 8

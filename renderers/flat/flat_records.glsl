@@ -49,3 +49,15 @@ float view_axes(uint view, int flipped, out vec3 right, out vec3 up) {
   up.x = -up.x;
   return -1.0;
 }
+
+#if CB_PARALLAX > 0
+// An outline may show beside itself what stands out of its plane.
+const float kParallaxRoom = 1.1;
+
+// ParallaxView of flat_parallax.glsl. eye: in the tile's axes, metres from the capture centre at scale 1.
+void parallax_view(vec3 eye, vec4 plane, vec4 place, out vec3 eye_there, out vec3 plane_there) {
+  eye_there = vec3((eye.xy / table.scale.x + place.xy) * table.scale.yz, eye.z);
+  vec2 slope = plane.xy * table.scale.x / table.scale.yz;
+  plane_there = vec3(slope, plane.z - dot(slope, place.xy * table.scale.yz));
+}
+#endif

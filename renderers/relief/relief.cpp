@@ -367,7 +367,7 @@ class Relief final : public Representation {
                     {"SEARCH", std::to_string(options_.search)},
                     {"STEPS", std::to_string(options_.linear_steps)},
                     {"BINARY", std::to_string(options_.binary_steps)},
-                    {"COLOUR_FINER", std::to_string(tier.textured ? RELIEF_FINER : RELIEF_FINER_PLAIN)},
+                    {"COLOUR_FINER", std::to_string(tier.textured || !tier.carve ? RELIEF_FINER : RELIEF_FINER_PLAIN)},
                     // Half a depth step: a surface stored exactly on a face must not be missed by rounding.
                     {"SLACK", options_.bake.depth_bits == 8 ? "0.002" : "0.00001"}};
     if (options_.hull) {

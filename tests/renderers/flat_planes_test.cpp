@@ -373,5 +373,41 @@ TEST_F(FlatGl, TheBlendOfThreeKeepsIdsDepthsAndTheFloor) {
   EXPECT_LT(off, 0.5 * moved);
 }
 
+// Half-way between stored views, and where a view is stored, which perspective alone moves. Depths are the surface's.
+TEST_F(FlatGl, ParallaxShowsWhatTheEyeSeesBetweenStoredViews) {
+  const auto mesh = make(walker(), "mesh");
+  Renderer renderer(context(), walker());
+  const std::string bake = "flat:views=sphere-12x7,frames=1,texels=96";
+  for (const char* blend : {"", ",blend=3"}) {
+    const auto plain = make(walker(), bake + blend);
+    const auto moved = make(walker(), bake + blend + ",parallax=3");
+    const auto deep = make(walker(), bake + blend + ",parallax=3,depth=nailboard");
+    double without = 0;
+    double with = 0;
+    double off = 0;
+    int pixels = 0;
+    for (const double elevation : {0.0, 7.5, 22.5})
+      for (const double azimuth : {15.0, 105.0, 225.0}) {
+        const auto frame = frame_from(walker(), {.azimuth = azimuth, .elevation = elevation, .fov = 3});
+        const Capture reference = renderer.capture(frame, *mesh);
+        const Capture shown = renderer.capture(frame, *moved);
+        const Capture nailboard = renderer.capture(frame, *deep);
+        without += iou(reference, renderer.capture(frame, *plain)) / 9;
+        with += iou(reference, shown) / 9;
+        EXPECT_EQ(shown.colour, nailboard.colour) << "one agent in front of nothing: depth changes nothing";
+        for (size_t i = 0; i < shown.ids.data.size(); ++i) {
+          if (reference.ids.data[i] == 0 || nailboard.ids.data[i] == 0) continue;
+          off += std::abs(static_cast<double>(reference.depth.data[i]) - static_cast<double>(nailboard.depth.data[i]));
+          ++pixels;
+        }
+      }
+    fmt::print("between views{}: IoU {:.3f}, with parallax {:.3f}; depths off by {:.3f} m\n", blend, without, with,
+               off / pixels);
+    EXPECT_GT(with, without + 0.01) << blend;
+    ASSERT_GT(pixels, 3000);
+    EXPECT_LT(off / pixels, 0.03) << "metres";
+  }
+}
+
 }  // namespace
 }  // namespace crowdbench::renderers

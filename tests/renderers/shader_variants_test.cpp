@@ -105,7 +105,8 @@ void draw_everything() {
   for (const char* options :
        {"", ",compress=bc", ",depth=nailboard", ",blend=3", ",compress=bc,depth=nailboard", ",compress=bc,blend=3",
         ",depth=nailboard,blend=3", ",compress=bc,depth=nailboard,blend=3", ",shade=list", ",quad=square", ",floor=1",
-        ",floor=1,compress=bc", ",floor=1,depth=nailboard", ",floor=1,blend=3"})
+        ",floor=1,compress=bc", ",floor=1,depth=nailboard", ",floor=1,blend=3", ",parallax=2", ",parallax=2,blend=3",
+        ",parallax=2,compress=bc,depth=nailboard", ",parallax=2,depth=nailboard,blend=3", ",parallax=2,floor=1"})
     draw(plain, flat + options, {kIds});
   for (const char* options : {"", ",floor=1", ",debug=wire", ",debug=lines", ",debug=parts", ",debug=stretch"})
     draw(plain, polypostor + options, {kIds});
