@@ -167,7 +167,7 @@ std::string study_rows_chart(const std::vector<StudyPoint>& rows, const std::str
     return Json{{"field", field},
                 {"type", "quantitative"},
                 {"scale", {{"zero", false}, {"nice", true}}},
-                {"axis", {{"title", axis}, {"tickCount", 6}}}};
+                {"axis", {{"title", axis}, {"tickCount", 4}}}};
   };
   Json spec = chart_frame(kRowHeight * static_cast<int>(rows.size()) + 20);
   spec["data"] = {{"values", std::move(values)}};

@@ -247,7 +247,7 @@ double read_level(const Columns& columns, const Table::Row& row) {
   const double size = std::fabs(level);
   if (size > kLargestLevel || (size < kSmallestLevel && size != 0))
     throw columns.wrong(row, Role::level,
-                        fmt::format("a level other than 0 has a size from {} to {}: choose another unit",
+                        fmt::format("a level other than 0 has a size from {:g} to {:g}: choose another unit",
                                     kSmallestLevel, kLargestLevel));
   return level;
 }
