@@ -184,10 +184,10 @@ void add_regress(Command& app, Run& run) {
   command->add_option("--junit", options->junit, "the verdicts for a build server")
       ->type_name("FILE.xml")
       ->output_file();
-  const Option* explain =
-      command
-          ->add_option("--explain", options->explain, "all about a point: its number in the table, or a piece of its text")
-          ->type_name("POINT");
+  const Option* explain = command
+                              ->add_option("--explain", options->explain,
+                                           "all about a point: its number in the table, or a piece of its text")
+                              ->type_name("POINT");
   command
       ->add_option("--pictures", options->pictures, "with --explain: the pictures of both sides and their difference")
       ->type_name("FOLDER")

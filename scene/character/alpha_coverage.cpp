@@ -26,8 +26,8 @@ double part_above(double a, double b, double threshold) {
   return b > a ? 1 - at : at;
 }
 
-// The share of the square between four texels that is there: exactly along the axis on which alpha changes more, by lines
-// across the other.
+// The share of the square between four texels that is there: exactly along the axis on which alpha changes more, by
+// lines across the other.
 double part_of_square(const std::array<double, 4>& corners, double threshold) {
   const auto [least, most] = std::ranges::minmax(corners);
   if (least >= threshold) return 1;
