@@ -1,4 +1,4 @@
-// Error by cause on its way out, alike in every command: as JSON (`crowdbench schema --results` documents it) and as
+// Error by cause as it is printed, alike in every command: as JSON (`crowdbench schema --results` documents it) and as
 // lines.
 #pragma once
 #include <span>

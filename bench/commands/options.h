@@ -18,7 +18,7 @@ class Option;
 // --representation: one; or several, repeated or in a list with commas.
 Option* add_representation_option(Command& command, std::string& text, const std::string& meaning);
 Option* add_representation_option(Command& command, std::vector<std::string>& texts, const std::string& meaning);
-// A character and what is done to it on the way in.
+// A character and what is changed in it as it is loaded.
 struct CharacterOptions {
   std::string source;                   // as scene::open_character takes it
   std::vector<std::string> animations;  // scene::CharacterEntry

@@ -1,5 +1,5 @@
-// What every command that draws a scenario has in common: [SCENARIO], the options that override its keys, and the way
-// from there to a crowd in front of a camera.
+// What every command that draws a scenario has in common: [SCENARIO], the options that override its keys, and how
+// a crowd in front of a camera comes of them.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Scores on their way out of metrics/: as rows of the result store, and as the descriptions that reports print them by.
+// Scores as others take them from metrics/: rows of the result store, and the descriptions that reports print them by.
 #pragma once
 #include <span>
 #include <vector>

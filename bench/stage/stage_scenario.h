@@ -1,4 +1,4 @@
-// The one way from a scenario to a crowd in front of a camera.
+// From a scenario to a crowd in front of a camera, for all commands.
 //
 // Every command that shows or measures a scenario comes through here, so that a picture and a timing of one scenario
 // show the same agents from the same place. What stands there in figures: stage_facts.h.

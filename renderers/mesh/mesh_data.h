@@ -36,7 +36,7 @@ struct MeshGroup {
   bool masked = false;  // a material of it has a cutoff
 };
 
-// Images of one size and one way of sampling, all masked or none: one array texture. Masks may end its levels early.
+// Images of one size, sampled alike, all masked or none: one array texture. Masks may end its levels early.
 struct MeshTextureArray {
   int width = 0, height = 0;
   scene::Texture sampling;  // wrap and filter flags; its image is empty

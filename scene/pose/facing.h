@@ -1,4 +1,4 @@
-// Which way a character faces, by what it looks like.
+// Where a character faces, by what it looks like.
 #pragma once
 #include <cstdint>
 #include <span>

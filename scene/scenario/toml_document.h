@@ -39,7 +39,7 @@ struct TomlNode::Entry {
 };
 
 // The document's table. Throws Error with file and line; hostile text (deep nesting, more than 256 KiB, lines above
-// 8 KiB, invalid UTF-8, control characters) is refused the same way. where: the file, for errors.
+// 8 KiB, invalid UTF-8, control characters) is refused likewise. where: the file, for errors.
 TomlNode parse_toml(const std::string& text, const std::string& where);
 
 }  // namespace crowdbench::scene

@@ -45,7 +45,7 @@ struct SimulatedRanking {
   double position = 0;            // what standing first adds
   double worth_sd = 0;            // between observers, of each item
 };
-// Every observer compares every pair `repeats` times, every second time the other way around.
+// Every observer compares every pair `repeats` times, every second time in the other order.
 std::vector<Comparison> simulate_comparisons(const SimulatedRanking& ranking, uint32_t participants, uint32_t repeats,
                                              uint64_t seed);
 

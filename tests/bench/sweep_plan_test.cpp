@@ -7,8 +7,11 @@
 #include <set>
 
 #include "bench/sweep/axes.h"
+#include "bench/sweep/estimate.h"
 #include "bench/sweep/expression.h"
 #include "bench/sweep/plan.h"
+#include "bench/sweep/schedulers.h"
+#include "bench/sweep/sweep_table.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "test_paths.h"
@@ -349,6 +352,180 @@ TEST(SweepPlan, ThoseThatShipAreRead) {
     ++plans;
   }
   EXPECT_GE(plans, 11U);
+}
+
+// ---- what a sweep will take
+
+constexpr const char* kTwoByTwo =
+    "[axes]\ncrowd.agents = [1, 10]\nrepresentation = [\"flat\", \"mesh\"]\n[points]\nrepetitions = 3\n"
+    "[measure]\ntime_limit_s = 7\n";
+
+TEST(SweepEstimate, IsAGuessOfTheRestOfTheShard) {
+  const support::ScratchFolder folder;
+  const Plan plan = plan_of(kTwoByTwo);
+  const Estimate all = estimate(plan, {1, 1}, folder / "none.sqlite");
+  EXPECT_EQ(all.conditions, 2U);
+  EXPECT_EQ(all.repetitions, 3U);
+  EXPECT_EQ(all.points, 12U);
+  EXPECT_EQ(all.held, 0U);
+  EXPECT_FALSE(all.measured);
+  // Two conditions three times: 7 s of timing, as much to warm up, and 4 s more each; two bakes of 5 s.
+  EXPECT_DOUBLE_EQ(all.seconds, 6 * (2 * 7 + 4) + 2 * 5);
+  const Estimate half = estimate(plan, {2, 2}, folder / "none.sqlite");
+  EXPECT_EQ(half.conditions, 1U);
+  EXPECT_EQ(half.points, 6U);
+  EXPECT_LT(half.bytes, all.bytes);
+  const Estimate none = estimate(plan, {3, 3}, folder / "none.sqlite");
+  EXPECT_EQ(none.points, 0U) << "more shards than conditions";
+  EXPECT_EQ(none.seconds, 0);
+}
+
+TEST(SweepEstimate, ADryRunHasALineAPoint) {
+  Estimate all = estimate(plan_of(kTwoByTwo), {1, 1}, "none.sqlite");
+  all.bytes = 1'500'000;
+  EXPECT_EQ(dry_run_text(plan_of(kTwoByTwo), {1, 1}, all),
+            "condition 1: crowd.agents = 1, representation = flat\n"
+            "condition 1: crowd.agents = 1, representation = mesh\n"
+            "condition 2: crowd.agents = 10, representation = flat\n"
+            "condition 2: crowd.agents = 10, representation = mesh\n"
+            "p: 12 points in 2 conditions, 3 times each; about 1 min 58 s by a rough guess; a file of about 1.5 MB\n");
+  all.held = 6;
+  all.bytes = 999'400;
+  const std::string done = dry_run_text(plan_of(kTwoByTwo), {1, 1}, all);
+  EXPECT_TRUE(done.ends_with("3 times each; 6 done already; a file of about 999 kB\n")) << done;
+}
+
+// ---- jobs of schedulers
+
+TEST(SweepJobs, ShardsAreNamedBesideTheMergedFile) {
+  EXPECT_EQ(shard_file("a/textures.sqlite", 2, 8), "a/textures-2-of-8.sqlite");
+  EXPECT_EQ(shard_file("textures", 1, 1), "textures-1-of-1");
+  EXPECT_EQ(shard_file("v1.2/all.tar.sqlite", 3, 10), "v1.2/all.tar-3-of-10.sqlite");
+}
+
+TEST(SweepJobs, NamesAndPathsCannotLeaveTheirLine) {
+  ShardJobs jobs{"a\nb; c", "/bin/crowd bench", "/p.toml", "/out.sqlite", 2, {"--device", "it's 0"}};
+  const std::string array = slurm_array(jobs);
+  EXPECT_NE(array.find("#SBATCH --job-name=a_b__c\n#SBATCH --array=1-2\n"), std::string::npos) << array;
+  EXPECT_NE(array.find("'/bin/crowd bench' sweep /p.toml --shard \"$SLURM_ARRAY_TASK_ID/2\" --device 'it'\\''s 0' \\\n"
+                       "  --out /out-\"$SLURM_ARRAY_TASK_ID\"-of-2.sqlite &\n"),
+            std::string::npos)
+      << array;
+  EXPECT_NE(slurm_merge(jobs).find("exec '/bin/crowd bench' merge /out.sqlite \\\n  /out-1-of-2.sqlite \\\n"
+                                   "  /out-2-of-2.sqlite\n"),
+            std::string::npos);
+  jobs.name = "";
+  EXPECT_NE(slurm_array(jobs).find("--job-name=sweep\n"), std::string::npos);
+  EXPECT_NE(openjd_template(jobs).find("\"{{Task.Param.Shard}}/2\""), std::string::npos);
+}
+
+// ---- tables
+
+// Two crowds drawn by two representations, twice each; a mesh of 1000 agents at 8 ms.
+StoreContents measured(const std::vector<std::pair<double, std::string>>& cells) {
+  StoreContents out;
+  RunRow run;
+  run.id = 1;
+  run.headline = "cpu";
+  out.runs = {run};
+  for (const auto& [agents, representation] : cells) {
+    MeasurementRow row;
+    row.id = static_cast<int64_t>(out.measurements.size() + 1);
+    row.key.agents = static_cast<uint32_t>(agents);
+    row.cpu_ns.emplace();
+    row.cpu_ns->median = 1e4 * agents;
+    row.cpu_ns->low = 0.5e4 * agents;
+    row.cpu_ns->high = 2e4 * agents;
+    row.frame_ns = row.cpu_ns;
+    out.measurements.push_back(row);
+    SweepPointRow point;
+    point.run = 1;
+    point.role = "point";
+    point.state = "done";
+    point.representation = representation;
+    point.settings = fmt::format(R"({{"crowd.agents": "{:g}"}})", agents);
+    point.measurement = row.id;
+    out.sweep_points.push_back(point);
+  }
+  return out;
+}
+
+TEST(SweepTable, ACellIsAValueWithItsIntervalOrTheMedianOfSeveral) {
+  const Plan plan = plan_of(kTwoByTwo);
+  StoreContents contents = measured({{100, "mesh"}, {400, "mesh"}, {100, "a|b"}});
+  TableRequest request{"", "crowd.agents", "representation", "time_ms", {}, ""};
+  EXPECT_EQ(table_text(request, plan, contents),
+            "**p**: time, ms, by representation\n\n"
+            "| crowd.agents | mesh | a\\|b |\n|---|--:|--:|\n"
+            "| 100 | 1.000 [0.500, 2.000] | 1.000 [0.500, 2.000] |\n"
+            "| 400 | 4.000 [2.000, 8.000] | - |\n");
+  // Several points of one cell: their median, and how many they are where they differ.
+  request = {"All", "representation", "", "time_ms", {}, ""};
+  EXPECT_EQ(table_text(request, plan, contents),
+            "**All**\n\n| representation | time, ms |\n|---|--:|\n| mesh | 2.500 (of 2) |\n| a\\|b | 1.000 [0.500, "
+            "2.000] |\n");
+}
+
+TEST(SweepTable, AgentsInSoManyMillisecondsFollowAPowerLaw) {
+  const Plan plan = plan_of(kTwoByTwo);
+  // 1 ms at 100 and 4 ms at 400: 200 in 2 ms.
+  const StoreContents contents = measured({{100, "mesh"}, {400, "mesh"}});
+  const auto agents_at = [&](double ms) {
+    const std::string text = table_text({"", "representation", "", "agents_at_ms", ms, ""}, plan, contents);
+    return text.substr(text.find("| mesh |"));
+  };
+  EXPECT_EQ(agents_at(2), "| mesh | 200 |\n");
+  EXPECT_EQ(agents_at(1), "| mesh | 100 |\n");
+  EXPECT_EQ(agents_at(0.5), "| mesh | < 100 |\n");
+  EXPECT_EQ(agents_at(9), "| mesh | > 400 |\n");
+}
+
+TEST(SweepTable, WhatIsNotThereIsRefusedWithTheNearest) {
+  const auto fault = [](const TableRequest& request, const Measures& measures) {
+    try {
+      check_table(request, {"crowd.agents"}, measures);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("it is taken");
+  };
+  Measures measures;
+  EXPECT_EQ(fault({"", "crowd.agents", "representation", "time_ms", {}, "p:1"}, measures), "it is taken");
+  EXPECT_EQ(fault({"", "crowd.agent", "", "time_ms", {}, "p:1"}, measures),
+            "p:1: `rows`: there is no axis 'crowd.agent'; did you mean `crowd.agents`?");
+  EXPECT_EQ(fault({"", "crowd.agents", "", "time_m", {}, "p:1"}, measures),
+            "p:1: `value`: there is no measure 'time_m'; did you mean `time_ms`?");
+  EXPECT_TRUE(fault({"", "crowd.agents", "", "agents_at_ms", {}, "p:1"}, measures).starts_with("p:1: `at` and "));
+  EXPECT_TRUE(fault({"", "crowd.agents", "", "time_ms", 3, "p:1"}, measures).starts_with("p:1: `at` and "));
+  const std::string score(metrics::scores()[0]->name);
+  EXPECT_EQ(fault({"", "crowd.agents", "", score, {}, "p:1"}, measures),
+            "p:1: the score '" + score + "' is not measured; name it in [measure] `scores`");
+  measures.scores = {metrics::scores()[0]};
+  EXPECT_EQ(fault({"", "crowd.agents", "", score, {}, "p:1"}, measures), "it is taken");
+  measures.times = false;
+  EXPECT_TRUE(fault({"", "crowd.agents", "", "cpu_ms", {}, "p:1"}, measures).starts_with("p:1: 'cpu_ms' needs times"));
+}
+
+TEST(SweepTable, TheEndSaysTheControlsAndWhatWasNotDone) {
+  StoreContents contents = measured({{100, "mesh"}, {100, "mesh"}, {100, "flat"}});
+  contents.sweep_points[0].role = contents.sweep_points[1].role = "aa";
+  contents.sweep_points[0].ratio = 1.02;
+  contents.sweep_points[0].ratio_low = 0.99;
+  contents.sweep_points[0].ratio_high = 1.05;
+  contents.sweep_points[1].ratio = 0.95;
+  contents.sweep_points[1].ratio_low = 0.93;
+  contents.sweep_points[1].ratio_high = 0.97;
+  contents.sweep_points[2].state = "failed";
+  contents.sweep_points[2].reason = "no budget";
+  Plan plan = plan_of(kTwoByTwo);
+  plan.look_for = "Whether it holds.";
+  const std::string text = sweep_text(plan, contents);
+  EXPECT_TRUE(text.starts_with("Whether it holds.\n\n| crowd.agents | representation |")) << text;
+  EXPECT_NE(
+      text.find("A/A: of 2 pairs of the reference with itself the 95 % interval of 1 leaves 1 out; the farthest is "
+                "5.3 % off.\n1 point (failed: no budget)\n"),
+      std::string::npos)
+      << text;
 }
 
 }  // namespace

@@ -7,6 +7,9 @@
 #include <numeric>
 #include <set>
 
+#include "bench/speed/cpu_time.h"
+#include "bench/timing/timing_method.h"
+
 namespace crowdbench::bench {
 namespace {
 
@@ -317,6 +320,40 @@ TEST(Timing, SystemClocksMoveForward) {
   EXPECT_GE(clocks.cpu() - cpu, 1);
   EXPECT_GT(timer_cost_ns(clocks), 0.0);
   EXPECT_LT(timer_cost_ns(clocks), 1e6);
+}
+
+TEST(CpuTime, MedianIsTheUpperOneAndTheClockCountsWork) {
+  EXPECT_EQ(median({3}), 3);
+  EXPECT_EQ(median({4, 1, 3}), 3);
+  EXPECT_EQ(median({4, 1, 3, 2}), 3) << "the upper one of an even number";
+  const double before = cpu_seconds();
+  double sum = 0;
+  for (int i = 0; cpu_seconds() - before < 1e-3; ++i) sum += i;
+  EXPECT_GE(sum, 0);
+  EXPECT_GE(cpu_seconds(), before + 1e-3);
+}
+
+// On a software rasteriser the process's CPU time is what drawing costs, whatever its timer says.
+TEST(TimingMethodGl, FollowsTheDriver) {
+  gl::Context context;
+  const TimingMethod method = choose_timing_method(context);
+  EXPECT_EQ(gpu_timer_of(context, method).has_value(), method.gpu_trusted);
+  EXPECT_FALSE(method.gpu_reason.empty()) << "why it is trusted, or not";
+  if (context.is_software()) {
+    EXPECT_EQ(method.headline, Metric::cpu);
+    EXPECT_FALSE(method.gpu_trusted);
+  } else {
+    EXPECT_EQ(method.headline, method.gpu_trusted ? Metric::gpu : Metric::wall);
+  }
+}
+
+TEST(TimingMethodGl, ATimerIsGivenWhereItIsTrusted) {
+  gl::Context context;
+  EXPECT_FALSE(gpu_timer_of(context, {Metric::cpu, false, "not asked"}).has_value());
+  const std::optional<GpuTimer> timer = gpu_timer_of(context, {Metric::gpu, true, ""});
+  ASSERT_TRUE(timer.has_value());
+  timer->begin();
+  EXPECT_GE(timer->end(), 0);
 }
 
 }  // namespace
