@@ -375,32 +375,33 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
        }},
       {"study serve",
        [&] {
-         fs::create_directories(work_ / "out/page");
-         write_file(work_ / "out/page/index.html", std::string_view("<p>page</p>"));
-         write_file(work_ / "out/page/trials.json",
+         fs::create_directories(work_ / "served/page");
+         write_file(work_ / "served/page/index.html", std::string_view("<p>page</p>"));
+         write_file(work_ / "served/page/trials.json",
                     R"({"format": 1, "study": "abc", "task": "forced-choice", "stimuli": {"s1": {}},
                         "answers": [{"value": "upper"}, {"value": "lower"}], "lists": [{"id": "1",
                         "trials": [{"trial": "t1", "stimulus": "s1", "block": 1, "kind": "main"}]}]})");
-         const Outcome served = run("study serve out --port 0", true, "timeout -s INT 1");
+         const Outcome served = run("study serve served --port 0", true, "timeout -s INT 1");
          EXPECT_NE(served.text.find("http://127.0.0.1:"), std::string::npos) << served.text;
-         EXPECT_NE(served.text.find("every answer that was acknowledged is in out/answers.sqlite"), std::string::npos)
+         EXPECT_NE(served.text.find("every answer that was acknowledged is in served/answers.sqlite"),
+                   std::string::npos)
              << served.text;
        }},
       {"study answers",
        [&] {
-         write_file(work_ / "out/sides.json",
+         write_file(work_ / "served/sides.json",
                     R"({"stimuli": {"s1": {"kind": "test", "condition_name": "d=5", "level": 5, "upper": "mesh",
                         "lower": "flat", "expected": "upper"}}})");
          write_file(
              work_ / "saved.json",
              R"([{"study": "abc", "participant": "p", "list": "1", "item": "t1", "kind": "main", "stimulus": "s1",
                          "answer": "upper", "rt_ms": 900}])");
-         const json j = facts("study answers saved.json --study out --csv given.csv --json");
+         const json j = facts("study answers saved.json --study served --csv given.csv --json");
          EXPECT_EQ(j.at("trials"), 1);
          EXPECT_EQ(
              facts("study analyze given.csv --resamples 0 --json").at("tasks").at(0).at("conditions").at(0).at("yes"),
              1);
-         EXPECT_NE(run("study answers out/answers.sqlite --study out").text.find("has no answers of this study"),
+         EXPECT_NE(run("study answers served/answers.sqlite --study served").text.find("has no answers of this study"),
                    std::string::npos);
        }},
       {"study freeze",

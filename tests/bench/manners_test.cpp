@@ -147,9 +147,9 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
   ASSERT_TRUE(fs::exists(work_ / "f.sqlite"));
   ASSERT_EQ(run("quality --representation mesh --height-px 20,24 --rows 48 --db q.sqlite" + small).status, 0);
   write_file(work_ / "answers.csv", "answer\nyes\nno\n");
-  fs::create_directories(work_ / "out/page");
-  write_file(work_ / "out/page/index.html", "");
-  write_file(work_ / "out/page/trials.json",
+  fs::create_directories(work_ / "served/page");
+  write_file(work_ / "served/page/index.html", "");
+  write_file(work_ / "served/page/trials.json",
              R"({"format": 1, "study": "abc", "task": "forced-choice", "stimuli": {"s1": {}},
                  "answers": [{"value": "upper"}, {"value": "lower"}], "lists": [{"id": "1",
                  "trials": [{"trial": "t1", "stimulus": "s1", "block": 1, "kind": "main"}]}]})");
@@ -201,6 +201,9 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
       {"study answers", "saved.json --study out --json"},
       {"study freeze", "study.toml"},
       {"study export", "study.toml --dry-run"},
+      {"study serve", "served --port 0"},
+      {"study answers", "saved.json --study served"},
+      {"study answers", "saved.json --study served --json"},
       {"study analyze", "answers.csv"},
       {"study analyze", "answers.csv --json"},
       {"study simulate", "--levels 1 --out simulated.csv"},
@@ -332,10 +335,10 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "distance --representation mesh --db a/b/r.sqlite",
       "quality --representation mesh --db a/b/r.sqlite",
       "correlate r.sqlite --markdown a/b/r.md",
-      "study serve out --answers a/b/answers.sqlite",
-      "study answers saved.json --study out --csv a/b/answers.csv",
-      "study answers saved.json --study out --json-lines a/b/answers.jsonl",
-      "study answers saved.json --study out --jspsych a/b/answers.json",
+      "study serve served --answers a/b/answers.sqlite",
+      "study answers saved.json --study served --csv a/b/answers.csv",
+      "study answers saved.json --study served --json-lines a/b/answers.jsonl",
+      "study answers saved.json --study served --jspsych a/b/answers.json",
       "study analyze answers.csv --markdown a/b/r.md",
       "study export study.toml a/b/out",
       "study analyze answers.csv --page a/b/r.html",

@@ -16,6 +16,7 @@
 #include "store/store.h"
 #include "studies/analysis/answers.h"
 #include "studies/server/answers_export.h"
+#include "studies/server/serve.h"
 #include "studies/server/study_folder.h"
 #include "tests/support/driver.h"
 #include "tests/support/http.h"
@@ -283,13 +284,23 @@ TEST_F(StudyServer, EndsAtASignalAndRefusesATakenPort) {
   EXPECT_LT(server_->wait_for_end(10), 3.0);
   EXPECT_EQ(server_->status(), 143);
   EXPECT_NE(server_->said().find("interrupted; every answer that was acknowledged is in"), std::string::npos);
-  const auto says = [&](const std::string& arguments) {
-    return support::run_driver("", "study serve " + arguments).text;
+  // What cannot be served is said before anything listens.
+  const auto says = [](const ServeSettings& settings) -> std::string {
+    try {
+      serve_study(settings, [](const std::string&) {});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
   };
-  EXPECT_NE(says("'" + out_.string() + "' --address 0.0.0.0").find("is reached from other machines"),
+  const fs::path answers = folder_ / "other.sqlite";
+  EXPECT_NE(says({out_, answers, "0.0.0.0", 0, std::nullopt}).find("is reached from other machines"),
             std::string::npos);
-  EXPECT_NE(says("'" + out_.string() + "' --origin study.example.org").find("is not an origin"), std::string::npos);
-  EXPECT_NE(says("'" + folder_.path().string() + "'").find("has no page/trials.json"), std::string::npos);
+  EXPECT_NE(says({out_, answers, "127.0.0.1", 0, "study.example.org"}).find("is not an origin"), std::string::npos);
+  EXPECT_NE(says({folder_.path(), answers, "127.0.0.1", 0, std::nullopt}).find("has no page/trials.json"),
+            std::string::npos);
+  EXPECT_NE(says({out_, answers, "192.0.2.1", 0, "https://study.example.org"}).find("cannot be listened on"),
+            std::string::npos);
 }
 
 TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
