@@ -440,8 +440,8 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(wrong.text.find("'analize' is not a command of study; did you mean 'analyze'?"), std::string::npos)
              << wrong.text;
          EXPECT_NE(
-             run("study").text.find("study: a command is missing; there are serve, answers, analyze, simulate, power"),
-             run("study").text.find("study: a command is missing; there are freeze, export, analyze, simulate, power"),
+             run("study").text.find("study: a command is missing; there are freeze, export, serve, answers, analyze, "
+                                    "simulate, power"),
              std::string::npos);
          EXPECT_NE(run("study analyze --jsn").text.find("study analyze has no option '--jsn'; did you mean --json?"),
                    std::string::npos);
