@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
 #include <string>
 
 #include "bench/experiments/cause_chain.h"
+#include "bench/experiments/cause_rows.h"
 #include "bench/experiments/cause_words.h"
 #include "bench/experiments/quality.h"
 #include "metrics/picture_causes.h"
@@ -301,6 +303,77 @@ TEST(CauseWords, SayWhatDominatesOnlyWhereItIsClear) {
 TEST(CauseWords, NoErrorIsSaid) {
   const CauseUnit unit{100, 1, {}};
   EXPECT_EQ(cause_words(causes_by_height({&unit, 1}, 1), "agent"), "at 100 pixels: no error");
+}
+
+TEST(CauseRows, ARangeIsARowWithTheSharesThatItHas) {
+  CauseRange low;
+  low.from = 0;
+  low.below = 60;
+  low.units = 8;
+  low.total = 1000;
+  low.shares[static_cast<size_t>(Cause::pose)] = 0.75;
+  low.shares[static_cast<size_t>(Cause::order)] = -0.25;
+  low.residue = 0.5;
+  low.first = low.dominant = Cause::pose;
+  low.share = {0.6, 0.9};
+  CauseRange high;
+  high.from = 60;
+  high.below = std::numeric_limits<double>::infinity();
+  const std::vector<CauseRange> ranges = {low, high};
+  const std::vector<CauseRangeRow> rows = cause_rows(7, {"flat", "mesh", "mannequin"}, ranges, "view");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].run, 7);
+  EXPECT_EQ(rows[0].representation, "flat");
+  EXPECT_EQ(rows[0].reference, "mesh");
+  EXPECT_EQ(rows[0].character, "mannequin");
+  EXPECT_EQ(rows[0].unit, "view");
+  EXPECT_EQ(rows[0].below, 60);
+  EXPECT_EQ(rows[0].units, 8U);
+  EXPECT_EQ(rows[0].total, 1000U);
+  EXPECT_EQ(rows[0].residue, 0.5);
+  EXPECT_EQ(rows[0].dominant, metrics::doc_of(Cause::pose).name);
+  EXPECT_EQ(rows[0].share_low, 0.6);
+  EXPECT_EQ(rows[0].share_high, 0.9);
+  EXPECT_EQ(rows[0].words, cause_range_words(ranges, 0, "view"));
+  double shares = 0;
+  for (const CauseShareRow& share : rows[0].shares) shares += share.share;
+  EXPECT_EQ(rows[0].shares.size(), 2U) << "causes without a share are left out";
+  EXPECT_EQ(shares + rows[0].residue, 1.0);
+  EXPECT_EQ(rows[1].below, std::nullopt);
+  EXPECT_EQ(rows[1].dominant, std::nullopt);
+  EXPECT_TRUE(rows[1].shares.empty());
+  EXPECT_TRUE(cause_rows(7, {}, {}, "view").empty());
+}
+
+TEST(PopRows, ASwitchNobodySeesHasNoValues) {
+  PoppingResult result;
+  result.components = {"mesh", "flat"};
+  Switch seen;
+  seen.id = 4;
+  seen.tick = 20;
+  seen.steps = 3;
+  seen.complete = false;
+  seen.from = 1;
+  seen.distance = 12.5;
+  seen.pixels = 40;
+  seen.worst_tick = 21;
+  seen.values.assign(metrics::pop_scores().size(), 0.25);
+  Switch unseen = seen;
+  unseen.pixels = 0;
+  result.switches = {seen, unseen};
+  const std::vector<PopRow> rows = pop_rows(7, "hybrid", "mannequin", "a display", result);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].from, "flat");
+  EXPECT_EQ(rows[0].to, "mesh");
+  EXPECT_EQ(rows[0].agent, 3U) << "an id is the agent's index + 1";
+  EXPECT_EQ(rows[0].frames, 3U);
+  EXPECT_FALSE(rows[0].complete);
+  EXPECT_EQ(rows[0].worst_tick, 21U);
+  EXPECT_EQ(rows[0].display, "a display");
+  ASSERT_EQ(rows[0].scores.size(), metrics::pop_scores().size());
+  EXPECT_EQ(rows[0].scores[0].name, metrics::pop_scores()[0].name);
+  EXPECT_EQ(rows[0].scores[0].value, 0.25);
+  for (const PopScoreRow& score : rows[1].scores) EXPECT_EQ(score.value, std::nullopt) << score.name;
 }
 
 }  // namespace

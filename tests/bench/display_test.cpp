@@ -12,6 +12,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
+#include "bench/stage/scenario_display.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
@@ -234,6 +235,20 @@ TEST(DisplayKeys, OfScenariosAreThoseOfFiles) {
       EXPECT_NE(said(key.name, beyond).find("use a number"), std::string::npos) << key.name << " " << beyond;
   }
   EXPECT_EQ(numbers, 12U);
+}
+
+TEST(DisplayKeys, NoneGivenIsTheDefaultAndNotChosen) {
+  EXPECT_FALSE(display_of_scenario({}, {}, {}).given);
+  scene::Scenario scenario;
+  scenario.display.model = "nowhere.json";
+  try {
+    (void)display_of_scenario(scenario, "beside", {{"crowd.agents", "s.toml:1"}, {"display.model", "s.toml:9"}});
+    FAIL();
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_TRUE(text.starts_with("s.toml:9: `display.model`: ")) << text;
+    EXPECT_NE(text.find("beside/nowhere.json"), std::string::npos) << text;
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/experiments/distance_rows.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "metrics/agents.h"
@@ -131,6 +132,78 @@ TEST_F(DistanceGl, AnErrorPlantedInOneAgentIsThatAgents) {
   EXPECT_EQ(values[1], (AgentValues{10.0, 0.0}));
   EXPECT_EQ(values[2][0], 0.0);
   EXPECT_NEAR(values[2][1].value(), 0.25, 1e-5);
+}
+
+// ---- rows
+
+// Two agents in one frame, drawn by two representations, and one curve with a threshold.
+TEST(DistanceRows, AComparisonAnAgentAndRepresentationAndTheirCurves) {
+  DistanceRequest request;
+  request.reference = renderers::reference_spec();
+  request.representations = {renderers::default_impostor(), renderers::reference_spec()};
+  request.scores = {metrics::scores()[0]};
+  DistanceResult result;
+  result.texels = {{0.0}, {0.0}};
+  result.agents.resize(2);
+  result.agents[0].view.id = 1;
+  result.agents[0].view.tick = 30;
+  result.agents[0].view.distance = 4.5;
+  result.agents[0].view.visible_px = 60;
+  result.agents[0].view.alone_px = 80;
+  result.agents[0].values = {{0.5}, {std::nullopt}};
+  result.agents[1].view.id = 9;
+  result.agents[1].values = {{0.25}, {1.0}};
+  DistanceCurve curve;
+  curve.representation = 1;
+  curve.curve.points = 2;
+  curve.curve.agents = 2;
+  curve.curve.bins = {{1, 5, 4.5, 0.5, 0.25, 0.75, 2, 2}};
+  curve.thresholds = {{0.5, {Reached::never, std::nullopt, 4.5, std::nullopt}}};
+  const StoreContents rows = distance_rows({"cast", 100, 0.15, 3}, request, result, {curve, curve}, 6);
+  ASSERT_EQ(rows.comparisons.size(), 4U);
+  EXPECT_EQ(rows.comparisons[0].kind, "agent_in_crowd");
+  EXPECT_EQ(rows.comparisons[0].run, 6);
+  EXPECT_EQ(rows.comparisons[0].representation, renderers::default_impostor().text());
+  EXPECT_EQ(rows.comparisons[1].reference, renderers::reference_spec().text());
+  EXPECT_EQ(rows.comparisons[0].agent, 0U) << "an id is the agent's index + 1";
+  EXPECT_EQ(rows.comparisons[2].agent, 8U);
+  EXPECT_EQ(rows.comparisons[0].tick, 30U);
+  EXPECT_EQ(rows.comparisons[0].distance, 4.5);
+  EXPECT_EQ(rows.comparisons[0].visible_px, 60U);
+  EXPECT_EQ(rows.comparisons[0].alone_px, 80U);
+  EXPECT_EQ(rows.comparisons[0].pixels_per_texel, std::nullopt) << "there are no texels";
+  EXPECT_EQ(rows.comparisons[0].agents, 100U);
+  EXPECT_EQ(rows.comparisons[0].requested_occupancy, 0.15);
+  EXPECT_EQ(rows.comparisons[0].scores.at(0).value, 0.5);
+  EXPECT_EQ(rows.comparisons[1].scores.at(0).value, std::nullopt);
+  EXPECT_FALSE(rows.comparisons[1].scores.at(0).reason.empty());
+  ASSERT_EQ(rows.curves.size(), 2U);
+  EXPECT_EQ(rows.curves[1].id, 2) << "numbered from 1";
+  EXPECT_EQ(rows.curves[1].against, "distance_m");
+  EXPECT_EQ(rows.curves[0].bins.at(0).median, 0.5);
+  EXPECT_EQ(rows.curves[0].bins.at(0).high, 0.75);
+  ASSERT_EQ(rows.thresholds.size(), 2U);
+  EXPECT_EQ(rows.thresholds[1].curve, 2);
+  EXPECT_EQ(rows.thresholds[1].status, reached_name(Reached::never));
+  EXPECT_EQ(rows.thresholds[1].low, 4.5);
+  EXPECT_TRUE(rows.cause_ranges.empty()) << "nobody asked for causes";
+
+  // Into a file that has curves already: thresholds follow theirs.
+  const support::ScratchFolder folder;
+  {
+    StoreWriter store(folder / "r.sqlite");
+    RunRow run;
+    run.headline = "cpu";
+    run.id = store.write(run);
+    const StoreContents of_run = distance_rows({"cast", 100, 0.15, 3}, request, result, {curve, curve}, run.id);
+    write_distance_rows(store, of_run);
+    write_distance_rows(store, of_run);
+  }
+  const StoreContents kept = read_store(folder / "r.sqlite");
+  EXPECT_EQ(kept.comparisons.size(), 8U);
+  ASSERT_EQ(kept.curves.size(), 4U);
+  ASSERT_EQ(kept.thresholds.size(), 4U);
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(kept.thresholds[i].curve, kept.curves[i].id);
 }
 
 // ---- the command

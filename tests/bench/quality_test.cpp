@@ -5,9 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/experiments/quality_rows.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
 #include "scene/mannequin/mannequin.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -209,6 +211,66 @@ TEST_F(QualityGl, ARefusedRepresentationDoesNotLoseTheOthers) {
   EXPECT_EQ(rows[1].scores.value("silhouette_iou"), 1.0);
   s.representations = {"flat:views=sphere-6x2,frames=2,texels=128"};
   EXPECT_THROW(compute_quality(context_, s), Error) << "nothing is left";
+}
+
+// ---- rows
+
+QualityRow made_up_row() {
+  QualityRow row;
+  row.representation = "flat";
+  row.view.height_px = 64;
+  row.view.azimuth_deg = 37;
+  row.view.elevation_deg = 15;
+  row.view.time = 0.25;
+  row.scores.scores = {{metrics::scores()[0], {.value = 0.5}}, {metrics::scores()[1], metrics::absent("no pixels")}};
+  return row;
+}
+
+TEST(QualityRows, AViewIsAComparison) {
+  const ComparisonRow row = quality_row(3, {"mannequin", "walk"}, made_up_row(), {});
+  EXPECT_EQ(row.run, 3);
+  EXPECT_EQ(row.kind, "agent");
+  EXPECT_EQ(row.representation, "flat");
+  EXPECT_EQ(row.reference, renderers::reference_spec().text());
+  EXPECT_EQ(row.character, "mannequin");
+  EXPECT_EQ(row.clip, "walk");
+  EXPECT_EQ(row.height_px, 64);
+  EXPECT_EQ(row.azimuth_deg, 37);
+  EXPECT_EQ(row.elevation_deg, 15);
+  EXPECT_EQ(row.time, 0.25);
+  EXPECT_EQ(row.display_given, false);
+  ASSERT_EQ(row.scores.size(), 2U);
+  EXPECT_EQ(row.scores[0].name, metrics::scores()[0]->name);
+  EXPECT_EQ(row.scores[0].value, 0.5);
+  EXPECT_EQ(row.scores[1].value, std::nullopt);
+  EXPECT_EQ(row.scores[1].reason, "no pixels");
+}
+
+TEST(QualityRows, PicturesAreCutToBothFiguresAndLeftOutWhereThereAreNone) {
+  const support::ScratchFolder folder;
+  QualityPictures pictures;
+  for (renderers::Capture* side : {&pictures.reference, &pictures.test}) {
+    side->colour = Image8(100, 80, 4);
+    side->ids = ImageU32(100, 80, 1);
+  }
+  {
+    StoreWriter store(folder / "r.sqlite");
+    RunRow of;
+    of.headline = "cpu";
+    const int64_t run = store.write(of);
+    const int64_t comparison = store.write(quality_row(run, {}, made_up_row(), {}));
+    write_quality_pictures(store, run, comparison, made_up_row(), pictures);
+    // The reference's figure from 30 to 39, the test's from 45 to 49: 20 columns, and 8 more on each side.
+    for (int x = 30; x < 40; ++x) *pictures.reference.ids.at(x, 40) = 1;
+    for (int x = 45; x < 50; ++x) *pictures.test.ids.at(x, 40) = 1;
+    write_quality_pictures(store, run, comparison, made_up_row(), pictures);
+  }
+  const StoreContents kept = read_store(folder / "r.sqlite", true);
+  ASSERT_EQ(kept.pictures.size(), 3U) << "reference, test and difference of the second";
+  for (const PictureRow& picture : kept.pictures) {
+    EXPECT_EQ(picture.width, 36) << picture.role;
+    EXPECT_EQ(picture.height, 17) << picture.role;
+  }
 }
 
 }  // namespace

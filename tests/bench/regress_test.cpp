@@ -8,9 +8,11 @@
 #include <iostream>
 
 #include "bench/commands/regress_output.h"
+#include "bench/experiments/build_runs.h"
 #include "bench/timing/control.h"
 #include "bench/timing/timing.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/image_io.h"
 #include "core/probability.h"
 #include "metrics/registry.h"
@@ -264,6 +266,49 @@ TEST(Regress, PowerByRoundsAndScatter) {
         EXPECT_GE(found, 95 * runs / 100);
       }
     }
+}
+
+// ---- two builds in turns
+
+// A program that stands in for crowdbench: notes its name and arguments, and leaves a made-up result file.
+class BuildRunsTest : public ::testing::Test {
+ protected:
+  std::string program(const std::string& name, int status) const {
+    const std::filesystem::path path = folder_ / name;
+    write_file(path, std::string_view("#!/bin/sh\necho " + name + " \"$1 $2 $3\" >>'" + (folder_ / "log").string() +
+                                      "'\nfor last; do :; done\ncp '" + (folder_ / "made.sqlite").string() +
+                                      "' \"$last\"\necho the reason >&2\nexit " + std::to_string(status) + "\n"));
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+    return path.string();
+  }
+  void SetUp() override {
+    StoreWriter store(folder_ / "made.sqlite");
+    RunRow run;
+    run.scenario_name = "made up";
+    run.headline = "cpu";
+    store.write(run);
+  }
+  support::ScratchFolder folder_;
+};
+
+TEST_F(BuildRunsTest, EachRunIsAProcessAndTheyAlternate) {
+  const BuildRuns runs = run_builds(program("a", 0), program("b", 1), "plaza.toml --agents 5", 2);
+  EXPECT_EQ(read_text(folder_ / "log"),
+            "a bench plaza.toml --agents\nb bench plaza.toml --agents\na bench plaza.toml --agents\n"
+            "b bench plaza.toml --agents\n");
+  ASSERT_EQ(runs.a.size(), 2U);
+  ASSERT_EQ(runs.b.size(), 2U) << "status 1 is a picture check that failed, and has rows";
+  EXPECT_EQ(runs.b[1].runs.at(0).scenario_name, "made up");
+}
+
+TEST_F(BuildRunsTest, AProgramThatFailsIsNamedWithItsLastLine) {
+  try {
+    (void)run_builds(program("a", 0), program("b", 2), "x", 1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where, (folder_ / "b").string());
+    EXPECT_EQ(error.wrong, "`bench x` failed: the reason");
+  }
 }
 
 }  // namespace

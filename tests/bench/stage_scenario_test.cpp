@@ -8,7 +8,9 @@
 #include <regex>
 #include <set>
 
+#include "bench/stage/cast_name.h"
 #include "bench/stage/coverage.h"
+#include "bench/stage/low_polygon.h"
 #include "bench/stage/stage_facts.h"
 #include "core/files.h"
 #include "renderers/frame/capture.h"
@@ -122,6 +124,27 @@ TEST(StageScenario, NobodyElseInTheDriverMakesACrowd) {
       if (std::regex_search(read_text(entry.path()), makes)) found.insert(entry.path().filename().string());
     }
   EXPECT_EQ(found, (std::set<std::string>{"stage_scenario.cpp"}));
+}
+
+TEST(CastName, JoinsTheCharactersNames) {
+  const auto named = [](std::string name) {
+    scene::Character character;
+    character.name = std::move(name);
+    return std::make_shared<const scene::Character>(std::move(character));
+  };
+  scene::Cast cast;
+  EXPECT_EQ(cast_name(cast), "");
+  cast.characters = {named("mannequin")};
+  EXPECT_EQ(cast_name(cast), "mannequin");
+  cast.characters = {named("a.glb"), named("b.glb"), named("a.glb")};
+  EXPECT_EQ(cast_name(cast), "a.glb + b.glb + a.glb");
+}
+
+TEST(LowPolygon, IsTheReferenceWith500TrianglesAndASpecOfItsOwn) {
+  const renderers::Spec spec = low_polygon_spec();
+  EXPECT_EQ(spec.name, renderers::reference_spec().name);
+  EXPECT_EQ(spec.text(), renderers::parse_spec(renderers::reference_spec().text() + ":triangles=500").text());
+  EXPECT_NE(spec.text(), renderers::reference_spec().text()) << "both are drawn in one run";
 }
 
 }  // namespace
