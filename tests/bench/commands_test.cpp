@@ -408,7 +408,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
        [&] {
          write_file(work_ / "study.toml",
                     "[scenario]\nwidth = 64\nheight = 48\ncrowd.agents = 3\n[[scenario.character]]\n"
-                    "source = \"mannequin:triangles=200\"\n[conditions]\ntest = \"mesh:triangles=60\"\n"
+                    "source = \"mannequin:triangles=500\"\n[conditions]\ntest = \"mesh:triangles=60\"\n"
                     "[stimulus]\nseconds = 0.1\nlead_in_seconds = 0\ncrowds = 1\nseeds = \"same\"\n"
                     "[catch]\nidentical = 0\nbroken = 0\n[method]\nrepeats = 1\n");
          EXPECT_NE(run("study export study.toml out").text.find("is not frozen"), std::string::npos);
