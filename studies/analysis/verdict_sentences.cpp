@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/probability.h"
 #include "studies/analysis/text_numbers.h"
 
 namespace crowdbench::studies {
@@ -115,7 +116,15 @@ std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
                      *c.fit.threshold, 100 * s.confidence, interval, method);
 }
 
-std::string ranking_sentence(const RankingResult& r) {
+// Who stands highest was chosen by looking: the interval of the gap is one over all pairs (Bonferroni).
+bool stands_apart(const Worths& worths, size_t best, size_t worst, double confidence) {
+  const auto items = static_cast<double>(worths.log_worth.size());
+  const double pairs = items * (items - 1) / 2;
+  const Difference gap = difference_of(worths, best, worst);
+  return std::abs(gap.value) > normal_quantile(1 - (1 - confidence) / 2 / pairs) * gap.se;
+}
+
+std::string ranking_sentence(const RankingResult& r, const AnalysisSettings& s) {
   if (r.jod_with_prior.q.empty()) return fmt::format("There is no ranking: {}.", state_text(r.worths.state));
   const auto& q = r.jod_with_prior.q;
   size_t best = 0;
@@ -124,9 +133,12 @@ std::string ranking_sentence(const RankingResult& r) {
     if (q[i] > q[best]) best = i;
     if (q[i] < q[worst]) worst = i;
   }
-  return fmt::format("Of {}, {} stands highest and {} lowest, {:.2f} JOD apart.",
-                     counted(r.items.size(), "item", "items"), named(r.items[best]), named(r.items[worst]),
-                     q[best] - q[worst]);
+  const std::string all = counted(r.items.size(), "item", "items");
+  if (r.worths.log_worth.size() == q.size() && !stands_apart(r.worths, best, worst, s.confidence))
+    return fmt::format("Of {}, none is distinguishable from another: the widest gap, {} above {}, is {:.2f} JOD.", all,
+                       named(r.items[best]), named(r.items[worst]), q[best] - q[worst]);
+  return fmt::format("Of {}, {} stands highest and {} lowest, {:.2f} JOD apart.", all, named(r.items[best]),
+                     named(r.items[worst]), q[best] - q[worst]);
 }
 
 std::string prediction_sentence(const ScorePredictions& p) {
@@ -155,7 +167,7 @@ std::vector<std::string> verdict_sentences(const TaskResult& t, const AnalysisSe
   }
   for (const DifferenceResult& d : t.differences) out.push_back(difference_sentence(t, d, s));
   for (const CurveResult& c : t.curves) out.push_back(curve_sentence(c, s));
-  if (t.ranking) out.push_back(ranking_sentence(*t.ranking));
+  if (t.ranking) out.push_back(ranking_sentence(*t.ranking, s));
   if (t.prediction) out.push_back(prediction_sentence(*t.prediction));
   return out;
 }
