@@ -245,9 +245,7 @@ TEST(DisplayKeys, NoneGivenIsTheDefaultAndNotChosen) {
     (void)display_of_scenario(scenario, "beside", {{"crowd.agents", "s.toml:1"}, {"display.model", "s.toml:9"}});
     FAIL();
   } catch (const Error& error) {
-    const std::string text = error.what();
-    EXPECT_TRUE(text.starts_with("s.toml:9: `display.model`: ")) << text;
-    EXPECT_NE(text.find("beside/nowhere.json"), std::string::npos) << text;
+    EXPECT_TRUE(std::string(error.what()).starts_with("beside/nowhere.json: cannot open")) << error.what();
   }
 }
 
