@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <map>
@@ -36,19 +35,20 @@ std::string start_body(int number) {
   return nlohmann::json{{"study", support::kStudyHash}, {"participant", participant(number)}}.dump();
 }
 nlohmann::json record(const std::string& trial, const std::string& answer) {
-  static const std::map<std::string, std::array<std::string, 2>> trials = {{"t001", {"s001", "training"}},
-                                                                           {"t002", {"s002", "main"}},
-                                                                           {"t003", {"s001", "main"}},
-                                                                           {"t004", {"s002", "catch"}},
-                                                                           {"t005", {"s001", "main"}}};
-  return {{"item", trial},
-          {"stimulus", trials.at(trial)[0]},
-          {"kind", trials.at(trial)[1]},
-          {"answer", answer},
-          {"rt_ms", 812.5},
-          {"replays", 1},
-          {"frames_dropped", 2},
-          {"hidden", 0},
+  struct Shown {
+    const char* stimulus;
+    const char* kind;
+    int block;
+  };
+  static const std::map<std::string, Shown> trials = {{"t001", {"s001", "training", 0}},
+                                                      {"t002", {"s002", "main", 1}},
+                                                      {"t003", {"s001", "main", 1}},
+                                                      {"t004", {"s002", "catch", 2}},
+                                                      {"t005", {"s001", "main", 2}}};
+  const Shown& shown = trials.at(trial);
+  return {{"item", trial},        {"stimulus", shown.stimulus}, {"kind", shown.kind},
+          {"block", shown.block}, {"answer", answer},           {"rt_ms", 812.5},
+          {"replays", 1},         {"frames_dropped", 2},        {"hidden", 0},
           {"restarts", 1}};
 }
 
@@ -152,7 +152,7 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
   EXPECT_EQ(send("", row), 401);
   EXPECT_EQ(send(std::string(32, '0'), row), 401);
   const std::vector<std::pair<const char*, nlohmann::json>> wrong = {
-      {"answer", "left"}, {"stimulus", "s001"}, {"kind", "catch"}, {"item", "t009"}, {"item", 3},
+      {"answer", "left"}, {"stimulus", "s002"}, {"kind", "catch"}, {"item", "t009"}, {"item", 3},
       {"rt_ms", -1},      {"rt_ms", "fast"},    {"hidden", -2},    {"replays", 1.5}, {"restarts", nullptr}};
   for (const auto& [name, value] : wrong) {
     nlohmann::json changed = record("t003", "upper");

@@ -38,8 +38,10 @@ struct Fields {
         encoding(r.get_header_value("Transfer-Encoding")),
         token(r.get_header_value("X-Study-Token")) {}
   Request request(const httplib::Request& r, bool with_body) const {
+    // A path that holds NUL names nothing; as a C string it would name its beginning.
+    const char* const path = r.path.find('\0') == std::string::npos ? r.path.c_str() : "";
     return {r.method.c_str(),
-            r.path.c_str(),
+            path,
             host.c_str(),
             origin.c_str(),
             site.c_str(),
