@@ -19,7 +19,7 @@
 namespace crowdbench::bench::sweep {
 namespace {
 
-struct ShardFile {
+struct ReadShard {
   std::filesystem::path path;
   StoreContents contents;
   const SweepRow& sweep() const { return contents.sweeps.front(); }
@@ -31,8 +31,8 @@ bool is_result_file(const std::filesystem::path& path) {
   return file.read(head.data(), head.size()) && std::string_view(head.data(), 15) == "SQLite format 3";
 }
 
-std::vector<ShardFile> read_shards(const MergeRequest& request) {
-  std::vector<ShardFile> shard_files;
+std::vector<ReadShard> read_shards(const MergeRequest& request) {
+  std::vector<ReadShard> shard_files;
   for (const std::filesystem::path& path : request.shards) {
     throw_if_interrupted();
     std::error_code failed;
@@ -43,14 +43,14 @@ std::vector<ShardFile> read_shards(const MergeRequest& request) {
       throw Error(path.string(), "is not a shard of a sweep", "name files that `crowdbench sweep` made");
   }
   std::sort(shard_files.begin(), shard_files.end(),
-            [](const ShardFile& a, const ShardFile& b) { return a.sweep().shard < b.sweep().shard; });
+            [](const ReadShard& a, const ReadShard& b) { return a.sweep().shard < b.sweep().shard; });
   return shard_files;
 }
 
-void require_one_plan(const std::vector<ShardFile>& shard_files) {
+void require_one_plan(const std::vector<ReadShard>& shard_files) {
   const SweepRow& first = shard_files.front().sweep();
-  std::map<uint32_t, const ShardFile*> by_shard;
-  for (const ShardFile& held : shard_files) {
+  std::map<uint32_t, const ReadShard*> by_shard;
+  for (const ReadShard& held : shard_files) {
     const SweepRow& row = held.sweep();
     if (row.plan_hash != first.plan_hash)
       throw Error(held.path.string(), fmt::format("is of another plan than {}", shard_files.front().path.string()),
@@ -67,10 +67,10 @@ void require_one_plan(const std::vector<ShardFile>& shard_files) {
 }
 
 // Throws where shards come from different programs or drivers; or remarks it.
-void check_provenance(const std::vector<ShardFile>& shard_files, bool mixed, std::vector<std::string>& remarks) {
+void check_provenance(const std::vector<ReadShard>& shard_files, bool mixed, std::vector<std::string>& remarks) {
   const auto check = [&](const char* what, const auto& of) {
-    const ShardFile& first = shard_files.front();
-    for (const ShardFile& held : shard_files) {
+    const ReadShard& first = shard_files.front();
+    for (const ReadShard& held : shard_files) {
       for (const RunRow& run : held.contents.runs) {
         const std::string expected = of(first.sweep());
         const std::string found = of(run);
@@ -89,11 +89,11 @@ void check_provenance(const std::vector<ShardFile>& shard_files, bool mixed, std
   check("its driver's version", [](const auto& row) { return row.gl_version; });
 }
 
-void check_complete(const std::vector<ShardFile>& shard_files, bool allow_missing, std::vector<std::string>& remarks) {
+void check_complete(const std::vector<ReadShard>& shard_files, bool allow_missing, std::vector<std::string>& remarks) {
   const SweepRow& sweep = shard_files.front().sweep();
   std::set<uint32_t> here;
   std::set<std::pair<uint32_t, uint32_t>> cells;
-  for (const ShardFile& held : shard_files) {
+  for (const ReadShard& held : shard_files) {
     here.insert(held.sweep().shard);
     for (const SweepPointRow& row : held.contents.sweep_points) cells.emplace(row.condition, row.repetition);
   }
@@ -126,19 +126,19 @@ class Merger {
     contents_.sweeps.back().id = store_.write(row);
   }
 
-  void run(const std::vector<ShardFile>& shard_files) {
+  void run(const std::vector<ReadShard>& shard_files) {
     struct Place {
       uint32_t condition, repetition;
-      const ShardFile* held;
+      const ReadShard* held;
       int64_t run;
       auto operator<=>(const Place&) const = default;
     };
     std::set<Place> places;
-    for (const ShardFile& held : shard_files)
+    for (const ReadShard& held : shard_files)
       for (const SweepPointRow& row : held.contents.sweep_points)
         places.insert({row.condition, row.repetition, &held, row.run});
-    std::map<const ShardFile*, Index> indices;
-    for (const ShardFile& held : shard_files) indices.emplace(&held, Index(held.contents));
+    std::map<const ReadShard*, Index> indices;
+    for (const ReadShard& held : shard_files) indices.emplace(&held, Index(held.contents));
     for (const Place& place : places) {
       throw_if_interrupted();
       add(indices.at(place.held), place.run, place.held->path);
@@ -239,7 +239,7 @@ MergeOutcome merge_shards(const MergeRequest& request) {
   // A file that is not one of results is somebody's, a plan's for example.
   if (std::filesystem::exists(request.out) && !is_result_file(request.out))
     throw Error(request.out.string(), "is there and is not a result file", "choose another file to merge into");
-  const std::vector<ShardFile> shard_files = read_shards(request);
+  const std::vector<ReadShard> shard_files = read_shards(request);
   if (shard_files.empty()) throw MissingShards{"none of the shards is there"};
   require_one_plan(shard_files);
   check_provenance(shard_files, request.mixed, outcome.remarks);
