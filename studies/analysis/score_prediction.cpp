@@ -280,9 +280,13 @@ ScorePredictions predict_by_scores(const std::vector<std::string>& names, const 
     if (std::any_of(answers.values.begin(), answers.values.end(), [&](const auto& v) { return v[s].has_value(); }))
       there.push_back(s);
   }
+  out.participants = answers.participants;
+  if (there.empty()) {
+    for (const PredictedCell& cell : answers.cells) out.without_scores += cell.of;
+    return out;
+  }
   const Judged judged(answers, there);
   out.stimuli = judged.stimuli();
-  out.participants = answers.participants;
   for (const PredictedCell& cell : answers.cells) (judged.has(cell) ? out.answers : out.without_scores) += cell.of;
   if (judged.stimuli() == 0) return out;
   const Weighed w = judged.weigh(std::vector<double>(std::max<size_t>(answers.participants, 1), 1),

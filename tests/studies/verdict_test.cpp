@@ -101,16 +101,15 @@ TEST(TwoConditions, StandInTheAnalysis) {
 
 // ---- scores
 
-// Eight clips, 12 participants; the chance of a yes follows `truth`.
+// Thirty clips, ten participants; the chance of a yes follows `truth`.
 std::string rated(std::string& scores) {
   std::string text = "participant,clip,answer\n";
   scores = "clip,truth,same_order,noise,constant,absent\n";
-  for (uint64_t c = 0; c < 8; ++c) {
-    const double truth = -1.5 + 3.0 * static_cast<double>(c) / 7;
+  for (uint64_t c = 0; c < 30; ++c) {
+    const double truth = -2 + 4.0 * static_cast<double>(c) / 29;
     scores += fmt::format("c{},{},{},{},7,\n", c, truth, std::exp(truth), random_unit(5, c, 1));
-    for (uint64_t p = 0; p < 12; ++p)
-      for (uint64_t r = 0; r < 3; ++r)
-        text += fmt::format("p{},c{},{}\n", p, c, random_unit(c, p, 10 + r) < logistic_cdf(truth) ? "yes" : "no");
+    for (uint64_t p = 0; p < 10; ++p)
+      text += fmt::format("p{},c{},{}\n", p, c, random_unit(c, p, 10) < logistic_cdf(truth) ? "yes" : "no");
   }
   return text;
 }
@@ -122,8 +121,8 @@ TEST(Scores, AreHeldAgainstAnswers) {
   const Analysis a = analyse(answers, settings, score_table(parse_table(scores, "s.csv")));
   const ScorePredictions& p = a.tasks.at(0).prediction.value();
   ASSERT_EQ(p.scores.size(), 5U);
-  EXPECT_EQ(p.answers, 288U);
-  EXPECT_EQ(p.stimuli, 8U);
+  EXPECT_EQ(p.answers, 300U);
+  EXPECT_EQ(p.stimuli, 30U);
   EXPECT_EQ(p.scores[*p.best].score, "truth");
   EXPECT_EQ(p.scores[3].state, PredictionState::one_value);
   EXPECT_EQ(p.scores[4].state, PredictionState::no_values);
