@@ -22,8 +22,8 @@
 #define RELIEF_LOCATION_FIRST 0   // uint: position in LIST of the first instance
 #define RELIEF_LOCATION_PEAK 3    // float: of the light given off
 
-// How many levels finer than one texel a pixel colours are read: as the levels' textures are filtered for; and nearby, of
-// a character without textures, which has nothing to filter.
+// How many levels finer than one texel a pixel colours are read: as the levels' textures are filtered for; and nearby,
+// of a character without textures, which has nothing to filter.
 #define RELIEF_FINER 1
 #define RELIEF_FINER_PLAIN 3
 
