@@ -140,8 +140,9 @@ Baked make_bake(const Options& options, const renderers::Spec& spec, const scene
   make.bake_budget = options.bake_budget_mib << 20;
   make.use_cache = !options.no_cache;
   make.rebake = options.force;
+  Staged staged;  // what make.required_by refers to
   if (!options.required_by.empty()) {
-    const Staged staged = stage_scenario(scenario, cast, context);
+    staged = stage_scenario(scenario, cast, context);
     baked.ticks = required_ticks(staged.scenario);
     make.required_by = view_samples_of(staged.scenario, cast, staged.crowd, baked.ticks);
   }

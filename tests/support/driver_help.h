@@ -1,6 +1,7 @@
 // What the driver's --help says, as data.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <regex>
 #include <string>
@@ -15,7 +16,7 @@ struct OptionHelp {
   std::string text;
 };
 struct CommandHelp {
-  size_t arguments = 0;                       // that are not options, at most
+  size_t arguments = 0;                       // that are not options, at most; SIZE_MAX where the last is repeated
   std::map<std::string, OptionHelp> options;  // by name, without the dashes
 };
 
@@ -49,6 +50,10 @@ inline CommandHelp driver_help(const std::string& command) {
   const size_t from = help.find("\nPositionals:");
   if (from == std::string::npos) return out;
   const std::string positionals = help.substr(from, help.find("\n\n", from + 1) - from);
+  if (positionals.find(" ...") != std::string::npos) {
+    out.arguments = SIZE_MAX;
+    return out;
+  }
   const std::regex argument("\n  [A-Z]+ ");
   out.arguments = static_cast<size_t>(
       std::distance(std::sregex_iterator(positionals.begin(), positionals.end(), argument), std::sregex_iterator()));
