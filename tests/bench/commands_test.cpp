@@ -450,7 +450,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
              run("study analyze answers.csv --ties drp").text.find("--ties: there is no 'drp'; did you mean 'drop'?"),
              std::string::npos);
          // Everything that is written, and a plan that was frozen for other answers.
-         write_file(work_ / "study.toml", "[conditions]\ntest = \"flat\"\n[analysis]\nmargin = 0.2\n");
+         write_file(work_ / "asked.toml", "[conditions]\ntest = \"flat\"\n[analysis]\nmargin = 0.2\n");
          write_file(work_ / "scores.csv", "condition,ssim\nnear,0.9\nfar,0.8\n");
          std::string answers = "study,participant,condition,answer\n";
          for (int i = 0; i < 40; ++i)
@@ -458,10 +458,10 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
                                   i % 3 == 0 ? "yes" : "no");
          write_file(work_ / "studied.csv", answers);
          const json planned = facts(
-             "study analyze studied.csv --plan study.toml --scores scores.csv --between 0.3 --resamples 20 --page "
+             "study analyze studied.csv --plan asked.toml --scores scores.csv --between 0.3 --resamples 20 --page "
              "page.html --out all --export other --json");
          EXPECT_EQ(planned.at("plan").at("standing"), "Not the planned analysis");
-         EXPECT_EQ(planned.at("plan").at("sentences").at(0), "study.toml was not frozen before the first answer.");
+         EXPECT_EQ(planned.at("plan").at("sentences").at(0), "asked.toml was not frozen before the first answer.");
          EXPECT_NE(planned.at("plan").at("sentences").at(1).get<std::string>().find("--between 0.3"),
                    std::string::npos);
          EXPECT_EQ(planned.at("settings").at("margin"), 0.2);
