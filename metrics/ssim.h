@@ -34,8 +34,8 @@ std::optional<double> ms_ssim(const Plane& a, const Plane& b, const Ssim* first 
 
 // GMSD: the standard deviation (N - 1) of the similarity of gradient magnitudes, (2 g_a g_b + 170) / (g_a^2 + g_b^2 +
 // 170), g by Prewitt's operator over 3 on luma halved by the mean of 2 x 2 pixels; beyond the border all is 0. 0 =
-// equal, higher is worse, 1 is not reached. Defined for every size; pictures of one pixel or two give 0. Limits: a
-// uniform change of brightness scores 0.
+// equal, higher is worse, 1 is not reached. Defined for every size; pictures of one pixel or two give 0. Limits:
+// away from the border a uniform change of brightness scores nothing.
 // Based on: W. Xue, L. Zhang, X. Mou, A. C. Bovik, "Gradient magnitude similarity deviation: a highly efficient
 // perceptual image quality index", IEEE TIP 23(2), 2014.
 double gmsd(const Plane& a, const Plane& b);

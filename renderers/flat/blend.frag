@@ -27,11 +27,17 @@ void main() {
   float total = 0.0;
   float depth = 0.0;
   vec3 colour = vec3(0.0);
+#ifdef CB_TEXELS
+  vec2 read_at[3];
+#endif
   for (int i = 0; i < 3; ++i) {
     vec2 at = v_texel[i].xy / v_texel[i].z;
 #if CB_PARALLAX > 0
     float rise;
     at = met_at(at, v_light[i].w, ParallaxView(v_parallax[2 * i], v_parallax[2 * i + 1]), v_bounds[i], table.centre.w, rise);
+#endif
+#ifdef CB_TEXELS
+    read_at[i] = at;
 #endif
     vec3 texel = vec3(clamp(at, v_bounds[i].xy, v_bounds[i].zw), v_light[i].w);
     vec4 albedo = texture(albedo_map, texel);
@@ -65,7 +71,7 @@ void main() {
 #ifdef CB_TEXELS
   // Of the view that counts for most.
   int most = v_weights.x >= max(v_weights.y, v_weights.z) ? 0 : v_weights.y >= v_weights.z ? 1 : 2;
-  vec2 there = v_texel[most].xy / v_texel[most].z * vec2(textureSize(albedo_map, 0).xy);
+  vec2 there = read_at[most] * vec2(textureSize(albedo_map, 0).xy);
   write_output(vec3(there * exp2(table.scale.w), table.scale.w), v_outfit_id.y);
 #else
   write_output(colour / total, v_outfit_id.y);

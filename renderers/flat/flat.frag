@@ -60,7 +60,11 @@ void main() {
   gl_FragDepth = frame.projection[3][2] / depth - frame.projection[2][2];
 #endif
 #if defined(CB_TEXELS)
+#if CB_PARALLAX > 0
+  vec2 place = at * vec2(textureSize(albedo_map, 0).xy);
+#else
   vec2 place = v_texel * vec2(textureSize(albedo_map, 0).xy);
+#endif
   write_output(vec3(place * exp2(table.scale.w), table.scale.w), v_id);
 #elif defined(CB_FLOOR)
   write_output(albedo.rgb + surface.rgb + emission_at(texel), v_id);

@@ -295,8 +295,9 @@ class Relief final : public Representation {
     Tier tier;
     tier.boxes = model.boxes.size();
     tier.joints = static_cast<int>(character.skeleton.joints.size());
-    tier.textured = !character.mesh.uvs.empty() &&
-                    std::ranges::any_of(character.materials, [](const auto& m) { return m.base_colour_image >= 0; });
+    tier.textured = !character.mesh.uvs.empty() && std::ranges::any_of(character.materials, [](const auto& m) {
+      return m.base_colour_image >= 0 || m.emissive_image >= 0;
+    });
     tier.carve = index == 0 || model.patches;
     tier.corners = tier.carve ? 8 : 4;
     tier.depth =

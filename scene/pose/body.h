@@ -13,7 +13,7 @@ class Body {
  public:
   // A triangle's mass is its area in the bind pose, as far as its mask leaves it, shared out on its corners. Things
   // held (rigid meshes beside a skin) are not the body. Where nothing has area, every drawn corner has the same mass.
-  // unseen: vertices that count for nothing (never_shown() of scene/pose/hidden.h).
+  // unseen: vertices that have no area (never_shown() of scene/pose/hidden.h).
   explicit Body(const Character& character, std::span<const uint32_t> unseen = {});
 
   // Does this entry of Skeleton::joints carry any of it?

@@ -51,8 +51,7 @@ glm::dvec3 ankle_of(const Character& character, const std::vector<glm::dmat4>& w
 
 }  // namespace
 
-Facing compute_facing(const Character& character, std::span<const uint32_t> soles) {
-  const auto posed = skin_positions(character.mesh, joint_matrices(character, -1, 0.0));
+Facing compute_facing(const Character& character, std::span<const glm::dvec3> posed, std::span<const uint32_t> soles) {
   const auto world = node_matrices(character, -1, 0.0);
   double low = std::numeric_limits<double>::max();
   double high = std::numeric_limits<double>::lowest();

@@ -91,11 +91,9 @@ std::vector<uint32_t> never_shown(const Character& character) {
       const Clip& curves = character.clips[clip];
       const auto palette = joint_matrices(character, static_cast<int>(clip), curves.start + share * curves.duration());
       const std::vector<double> stretch = stretches(palette);
-      std::vector<uint32_t> here;
-      if (first || !out.empty())
-        here = hidden_vertices(
-            character.mesh, stretch,
-            [&, positions = skin_positions(character.mesh, palette)](uint32_t v) { return positions[v]; });
+      std::vector<uint32_t> here = hidden_vertices(
+          character.mesh, stretch,
+          [&, positions = skin_positions(character.mesh, palette)](uint32_t v) { return positions[v]; });
       if (first) {
         out = std::move(here);
       } else {

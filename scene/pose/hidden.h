@@ -26,7 +26,8 @@ std::vector<double> stretches(std::span<const Mat3x4> palette);
 std::vector<uint32_t> hidden_vertices(const Mesh& mesh, std::span<const double> stretches,
                                       const std::function<glm::dvec3(uint32_t)>& posed);
 
-// Moves hidden vertices to where a shown one is.
+// Moves hidden vertices to where a shown one is, so that no bound holds them; the triangles that have such corners mean
+// nothing then.
 template <typename Positions>
 void put_aside(Positions& positions, std::span<const uint32_t> hidden) {
   if (hidden.size() >= positions.size()) return;

@@ -132,7 +132,8 @@ void measure_travel(const Measures& of, const std::vector<std::vector<glm::dmat4
   const double far = glm::length(horizontal(fit.displacement));
   const double rise = std::abs(fit.displacement.y);  // stairs; what rises more than it goes forwards jumps or drops
   const bool turns = std::abs(fit.yaw) > kRootTurn && fit.left < 0.5 * fit.left_unturned &&
-                     fit.left <= std::max(kLeftOfTravel * far, kLeftOfHeight * of.height);
+                     fit.left <= std::max(kLeftOfTravel * far, kLeftOfHeight * of.height) &&
+                     rise <= std::max(far, kRootMotion * of.height);
   const bool travels = far > kRootMotion * of.height && fit.left_unturned <= kLeftOfTravel * far && rise <= far;
   if (!turns && !travels) return;
   for (int axis = 0; axis < 3; ++axis) motion.root_displacement[axis] = settled(fit.displacement[axis], of.height);
@@ -324,16 +325,20 @@ void orient(Character& character, const NormaliseOptions& options) {
   if (rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) add_turning_node(character, rotation);
 }
 
-// The clip by which the character may be seen to face -Z: the default one where it goes that way, else the first that
-// is called a walk or a run and does; -1: none. What is called backward goes backward.
+// The clip by which the character may be seen to face -Z: the default one where it goes that way, else, unless that one
+// goes along +Z, the first that is called a walk or a run and does; -1: none. What is called backward goes backward.
 int clip_along_minus_z(const Character& character) {
-  const auto goes = [&](int clip) {
+  const auto along = [&](int clip) {
     const ClipMotion& motion = character.motion[static_cast<size_t>(clip)];
-    return motion.ground_speed > 0 && motion.direction.y <= -0.7 &&
-           !holds(character.clips[static_cast<size_t>(clip)].name, "back");
+    return motion.ground_speed > 0 ? motion.direction.y : 0.0;
+  };
+  const auto goes = [&](int clip) {
+    const std::string& name = character.clips[static_cast<size_t>(clip)].name;
+    return along(clip) <= -0.7 && !holds(name, "back") && !holds(name, "bwd");
   };
   const int standard = character.placement.default_clip;
-  if (standard >= 0 && goes(standard)) return standard;
+  if (standard < 0 || along(standard) >= 0.7) return -1;
+  if (goes(standard)) return standard;
   for (int clip = 0; clip < static_cast<int>(character.clips.size()); ++clip) {
     const std::string& name = character.clips[static_cast<size_t>(clip)].name;
     if ((holds_walk(name) || holds(name, "run")) && goes(clip)) return clip;
@@ -342,12 +347,12 @@ int clip_along_minus_z(const Character& character) {
 }
 
 // Does the character walk along -Z? What it looks like decides whether that is forwards: VRM 0.x files face -Z.
-bool turn_was_guessed(Character& character, const std::vector<uint32_t>& soles) {
+bool turn_was_guessed(Character& character, std::span<const glm::dvec3> bind, const std::vector<uint32_t>& soles) {
   const int clip = clip_along_minus_z(character);
   if (clip < 0) return false;
   const std::string& name = character.clips[static_cast<size_t>(clip)].name;
   const std::string what = fmt::format("clip {} '{}' travels along -Z", clip, printable(name, 60));
-  switch (compute_facing(character, soles)) {
+  switch (compute_facing(character, bind, soles)) {
     case Facing::minus_z:
       add_turning_node(character, glm::dquat(0.0, 0.0, 1.0, 0.0));
       character.warnings.push_back(what +
@@ -389,7 +394,7 @@ void normalise(Character& character, const NormaliseOptions& options) {
   character.placement.default_clip = choose_default_clip(character, measured);
   character.motion.clear();
   for (const Measured& m : measured) character.motion.push_back(m.motion);
-  if (!options.turn_deg && turn_was_guessed(character, soles)) {
+  if (!options.turn_deg && turn_was_guessed(character, bind, soles)) {
     NormaliseOptions decided = options;
     decided.turn_deg = 0.0;
     decided.up = UpAxis::y;  // turned already
@@ -400,7 +405,7 @@ void normalise(Character& character, const NormaliseOptions& options) {
   Placement placement = character.placement;
   placement.upright_clip = choose_upright_clip(character, options.clips);
   character.placement.upright_clip = placement.upright_clip;
-  const Stand stand = measure_stand(character, body, all_soles, bind_height);
+  const Stand stand = measure_stand(character, body, bind, all_soles, bind_height);
   for (ClipMotion& motion : character.motion) motion.ground_speed = settled(motion.ground_speed, bind_height);
   placement.height = stand.height;
   if (options.height) {

@@ -174,14 +174,14 @@ double supporting_height(std::vector<double> lowest, double figure_height) {
   return lowest.front();
 }
 
-Stand measure_stand(const Character& character, const Body& body, const std::vector<uint32_t>& soles,
-                    double bind_height) {
+Stand measure_stand(const Character& character, const Body& body, std::span<const glm::dvec3> bind,
+                    const std::vector<uint32_t>& soles, double bind_height) {
   const Mesh& mesh = character.mesh;
   const int clip = character.placement.upright_clip;
   const double cycle = cycle_of(character, clip);
   const int samples = cycle > 0.0 ? std::clamp(static_cast<int>(std::ceil(cycle * kBoundsRate)), 2, 150) : 1;
   const int root = travelling_node(character.skeleton);
-  const std::vector<bool> held = find_held(character, skin_positions(mesh, joint_matrices(character, -1, 0.0)));
+  const std::vector<bool> held = find_held(character, bind);
   DrawnExtent extent(character);
   Stand out;
   glm::dvec3 root_middle{0.0};

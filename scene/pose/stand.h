@@ -42,8 +42,9 @@ struct Stand {
   double ground = 0;
   glm::dvec3 pivot{0.0};
 };
-// Of the upright clip, which Character::placement and motion hold already. soles: of find_soles.
-Stand measure_stand(const Character& character, const Body& body, const std::vector<uint32_t>& soles,
-                    double bind_height);
+// Of the upright clip, which Character::placement and motion hold already. bind: as for find_soles, whose soles these
+// are.
+Stand measure_stand(const Character& character, const Body& body, std::span<const glm::dvec3> bind,
+                    const std::vector<uint32_t>& soles, double bind_height);
 
 }  // namespace crowdbench::scene

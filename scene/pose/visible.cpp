@@ -12,7 +12,8 @@
 namespace crowdbench::scene {
 namespace {
 
-constexpr size_t kMostTimes = 240;  // of a clip: baked ones have a key a frame
+constexpr size_t kMostTimes = 240;           // of a clip: baked ones have a key a frame
+constexpr size_t kMostMatrices = 3'000'000;  // of all clips' poses together: 384 MB
 
 // Nothing of a masked surface passes its test, whatever its vertex colours: they only take away.
 bool transparent(const Character& character, const Material& material) {
@@ -75,31 +76,33 @@ double size_of(const std::vector<glm::dvec3>& points) {
   return glm::length(high - low);
 }
 
-// Does the channel scale its node from or to nothing?
+// Does the channel scale its node from or to nothing? Of cubic keys the values alone are asked, not the tangents.
 bool shows_or_hides(const Character& character, const Channel& channel) {
   if (channel.target != Target::scale) return false;
   const glm::dvec3 rest = glm::abs(character.skeleton.nodes[static_cast<size_t>(channel.node)].scale);
   double least = std::min({rest.x, rest.y, rest.z});
   double most = std::max({rest.x, rest.y, rest.z});
-  for (const float value : channel.values) {
-    least = std::min(least, std::abs(static_cast<double>(value)));
-    most = std::max(most, std::abs(static_cast<double>(value)));
+  const bool cubic = channel.interpolation == Interpolation::cubic_spline;
+  for (size_t i = 0; i < channel.values.size(); ++i) {
+    if (cubic && i / 3 % 3 != 1) continue;
+    least = std::min(least, std::abs(channel.values[i]));
+    most = std::max(most, std::abs(channel.values[i]));
   }
   return least < 0.01 * most;
 }
 
-// Of a clip: its ends, its middle, and the keys by which it shows and hides.
-std::vector<double> telling_times(const Character& character, const Clip& clip) {
-  std::vector<double> times;
-  for (const double share : {0.0, 0.5, 1.0}) times.push_back(clip.start + share * clip.duration());
+// Of a clip: keys by which it shows and hides, evenly thinned, its ends and its middle; `most` in all, 3 or more.
+std::vector<double> telling_times(const Character& character, const Clip& clip, size_t most) {
+  std::vector<double> keys;
   for (const Channel& channel : clip.channels)
-    if (shows_or_hides(character, channel)) times.insert(times.end(), channel.times.begin(), channel.times.end());
-  std::ranges::sort(times);
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-  const size_t step = (times.size() + kMostTimes - 1) / kMostTimes;
-  std::vector<double> out;
-  for (size_t i = 0; i < times.size(); i += step) out.push_back(times[i]);
-  return out;
+    if (shows_or_hides(character, channel)) keys.insert(keys.end(), channel.times.begin(), channel.times.end());
+  std::ranges::sort(keys);
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  std::vector<double> times;
+  const size_t step = most > 3 ? keys.size() / (most - 3) + 1 : keys.size() + 1;
+  for (size_t i = step / 2; i < keys.size(); i += step) times.push_back(keys[i]);
+  for (const double share : {0.0, 0.5, 1.0}) times.push_back(clip.start + share * clip.duration());
+  return times;
 }
 
 }  // namespace
@@ -119,8 +122,10 @@ size_t drop_invisible(Character& character) {
   // Few triangles ask for more than the bind pose; the clips' poses are worked out for the first of them.
   std::vector<std::vector<glm::dmat4>> poses;
   const auto pose_clips = [&] {
+    const size_t a_pose = std::max<size_t>(character.clips.size() * character.skeleton.joints.size(), 1);
+    const size_t most = std::clamp<size_t>(kMostMatrices / a_pose, 3, kMostTimes);
     for (size_t clip = 0; clip < character.clips.size(); ++clip)
-      for (const double time : telling_times(character, character.clips[clip]))
+      for (const double time : telling_times(character, character.clips[clip], most))
         poses.push_back(joint_matrices(character, static_cast<int>(clip), time));
   };
   const auto has_area_in_a_clip = [&](const uint32_t* t) {

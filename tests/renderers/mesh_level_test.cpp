@@ -119,7 +119,8 @@ TEST_F(MeshLevelGl, IsPosedBeforehandToo) {
 TEST_F(MeshLevelGl, IsALevelOfAHybrid) {
   const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
   const std::string spec = "hybrid(mesh,hybrid(mesh:triangles=400,mesh:triangles=100,distance=20),distance=10)";
-  EXPECT_EQ(parse_spec(spec).text(), "hybrid(mesh,hybrid((mesh:triangles=400),(mesh:triangles=100)),distance=10)");
+  EXPECT_EQ(parse_spec(spec).text(),
+            "hybrid(mesh,hybrid((mesh:triangles=400),(mesh:triangles=100),distance=20),distance=10)");
   const auto hybrid = make(cast, spec);
   Renderer renderer(context(), cast);
   for (const auto& [distance, alone] :
