@@ -20,7 +20,7 @@ struct ScoreValue {
   const metrics::Score* score = nullptr;
   double value = 0;  // finite
 };
-// "mae=2". Throws Error as score_named, and on what is not of that shape.
+// "SCORE=VALUE". Throws Error as score_named, and on what is not of that shape.
 ScoreValue parse_score_value(const std::string& text, const std::string& option, metrics::ScoreTable table);
 
 struct ScoreBound {
@@ -29,7 +29,7 @@ struct ScoreBound {
   bool above = true;  // fails above it; else below it
 };
 
-// above, below: "mae=2" each. Throws Error: not of that shape, no such score (the nearest is named), a bound on the
+// above, below: "SCORE=VALUE" each. Throws Error: not of that shape, no such score (the nearest is named), a bound on the
 // side on which the score is better, so that it would refuse good pictures.
 std::vector<ScoreBound> parse_bounds(const std::vector<std::string>& above, const std::vector<std::string>& below,
                                      metrics::ScoreTable table);

@@ -45,7 +45,7 @@ struct Options {
   bool json = false;
 };
 
-// "ssim=0.98": of the score that the table has a threshold of.
+// "SCORE=VALUE": of the score that the table has a threshold of.
 std::string default_threshold(metrics::ScoreTable table) {
   const metrics::Score* score = metrics::score_of_threshold(table);
   assert(score != nullptr);

@@ -14,21 +14,15 @@ namespace {
 constexpr double kThin = 1e-7;
 constexpr double kGone = 1e-4;  // of the largest stretch: what a joint carries there is a tenth of a millimetre
 
-double diagonal(const Mesh& mesh, const std::function<glm::dvec3(uint32_t)>& posed) {
-  glm::dvec3 low(INFINITY);
-  glm::dvec3 high(-INFINITY);
-  for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
-    low = glm::min(low, posed(v));
-    high = glm::max(high, posed(v));
-  }
-  return glm::length(high - low);
+bool larger(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double least) {
+  const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+  return longest > least && glm::length(glm::cross(b - a, c - a)) > least * longest;
 }
 
 }  // namespace
 
 bool has_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double figure) {
-  const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-  return longest > kThin * figure && glm::length(glm::cross(b - a, c - a)) > kThin * figure * longest;
+  return larger(a, b, c, kThin * figure);
 }
 
 std::vector<double> stretches(std::span<const glm::dmat4> palette) {
@@ -63,12 +57,19 @@ std::vector<uint32_t> hidden_vertices(const Mesh& mesh, std::span<const double> 
       stretch += static_cast<double>(mesh.weights[v][i]) * stretches[mesh.joints[v][i]];
     hidden[v] = stretch < gone;
   }
-  const double figure = diagonal(mesh, posed);
+  glm::dvec3 low(INFINITY);
+  glm::dvec3 high(-INFINITY);
+  for (uint32_t v = 0; v < hidden.size(); ++v) {
+    if (hidden[v]) continue;
+    low = glm::min(low, posed(v));
+    high = glm::max(high, posed(v));
+  }
+  const double least = kGone * glm::length(high - low);
   std::vector<uint32_t> shown;
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const uint32_t* t = &mesh.indices[i];
     if (!hidden[t[0]] && !hidden[t[1]] && !hidden[t[2]]) continue;
-    if (has_area(posed(t[0]), posed(t[1]), posed(t[2]), figure)) shown.insert(shown.end(), t, t + 3);
+    if (larger(posed(t[0]), posed(t[1]), posed(t[2]), least)) shown.insert(shown.end(), t, t + 3);
   }
   for (const uint32_t v : shown) hidden[v] = false;
   std::vector<uint32_t> out;

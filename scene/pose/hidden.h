@@ -21,8 +21,8 @@ std::vector<double> stretches(std::span<const glm::dmat4> palette);
 std::vector<double> stretches(std::span<const Mat3x4> palette);
 
 // Vertices that show nothing in a pose, in ascending order: their joints stretch by less than a ten thousandth of what
-// the palette's largest does, and no triangle of theirs has area. None in nearly every pose. posed: a vertex's
-// position.
+// the palette's largest does, and no triangle of theirs is larger than that part of all else. None in nearly every
+// pose. posed: a vertex's position.
 std::vector<uint32_t> hidden_vertices(const Mesh& mesh, std::span<const double> stretches,
                                       const std::function<glm::dvec3(uint32_t)>& posed);
 

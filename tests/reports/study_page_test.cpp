@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "reports/charts/study_chart.h"
+#include "reports/model/study_model.h"
 #include "reports/page/libraries.h"
 
 namespace crowdbench::reports {

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/random.h"
+#include "studies/stimuli/crowd_clip.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -214,6 +215,15 @@ TEST_F(ClipTest, RefusesWhatCannotBeAClip) {
   EXPECT_THROW(ClipReader(folder / "none.mp4"), Error);
   write_file(folder / "text.mp4", "no video");
   EXPECT_THROW(ClipReader(folder / "text.mp4"), Error);
+}
+
+TEST(CrowdClip, FramesAreWholeTicksApart) {
+  scene::Scenario scenario;
+  scenario.tick_rate = 60;
+  EXPECT_EQ(ticks_per_frame(scenario, 30, "c"), 2U);
+  EXPECT_EQ(ticks_per_frame(scenario, 60, "c"), 1U);
+  EXPECT_THROW(ticks_per_frame(scenario, 25, "c"), Error);
+  EXPECT_THROW(ticks_per_frame(scenario, 120, "c"), Error);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "core/random.h"
 #include "studies/analysis/analysis.h"
 #include "studies/analysis/analysis_output.h"
+#include "studies/analysis/analysis_text.h"
 #include "studies/analysis/exports.h"
 #include "studies/analysis/plan_standing.h"
 #include "studies/analysis/verdict_sentences.h"
@@ -145,6 +146,9 @@ TEST(Scores, AreHeldAgainstAnswers) {
   const std::vector<std::string> said = verdict_sentences(a.tasks[0], settings);
   EXPECT_NE(said.back().find("truth predicts the answers best"), std::string::npos) << said.back();
   EXPECT_NE(said.back().find("not distinguishable from it: same_order."), std::string::npos) << said.back();
+  const AnalysisText text = analysis_text(a);
+  ASSERT_EQ(text.tasks.size(), 1U);
+  EXPECT_EQ(text.tasks[0].verdicts, said);
   const Analysis again = analyse(answers, settings, score_table(parse_table(scores, "s.csv")));
   EXPECT_EQ(analysis_json(a).dump(), analysis_json(again).dump());
 }

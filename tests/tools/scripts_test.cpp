@@ -40,6 +40,7 @@ const std::map<std::string, std::string> kScripts = {
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
+    {"study_evidence.sh", "StudyEvidence"},
     {"study_kill.mjs", "StudyKill"},
     {"study_observer.mjs", "StudyObserver"},
     {"sweep_kill.mjs", "SweepKill"},
@@ -199,6 +200,15 @@ TEST_F(ScriptsGl, StatisticsEvidence) {
   EXPECT_EQ(run("statistics_evidence.sh", build_ + " statistics.md --frobnicate").status, 2);
   EXPECT_EQ(run("statistics_evidence.sh", "nowhere other.md --tiny").status, 2);
   EXPECT_FALSE(fs::exists(folder_ / "other.md"));
+}
+
+TEST_F(ScriptsGl, StudyEvidence) {
+  const Outcome outcome = run("study_evidence.sh", build_ + " evidence.md --seeds 2");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_NE(text("evidence.md").find("2 simulated studies a row"), std::string::npos);
+  EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("threshold of the mixed model[^\n]* of 2 \\|")));
+  EXPECT_EQ(run("study_evidence.sh", build_ + " evidence.md --frobnicate").status, 2);
+  EXPECT_EQ(run("study_evidence.sh", "nowhere other.md").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefTears) {
