@@ -32,13 +32,9 @@ std::string verdict_text(const CostModel& model) {
 
 std::vector<std::string> break_even_sentences(const Scene& scene, const BreakEvenMap& map) {
   std::vector<std::string> out;
-  uint32_t from = 0;
-  for (const uint32_t agents : scene.agents)
-    if (from == 0 && agents > 0) from = agents;
   for (const BreakEven& pair : map.pairs)
     if (pair.first == scene.reference)
-      for (const BreakEvenPoint& point : pair.contour)
-        out.push_back(break_even_text(pair, point, from, scene.agents.back()));
+      for (const BreakEvenPoint& point : pair.contour) out.push_back(break_even_text(pair, point));
   return out;
 }
 

@@ -128,8 +128,7 @@ TEST(BreakEven, ContoursCrossWhereTheLawsDo) {
     EXPECT_NEAR(*point.agents, exact, 0.1 * exact);
     EXPECT_EQ(point.cheaper_below, "mesh");
     EXPECT_EQ(point.cheaper_beyond, "flat");
-    EXPECT_NE(break_even_text(map.pairs[0], point, 5, 2000).find("flat is the cheaper one from about "),
-              std::string::npos);
+    EXPECT_NE(break_even_text(map.pairs[0], point).find("flat is the cheaper one from about "), std::string::npos);
   }
   for (const CheapestCell& cell : map.cells) {
     const double covered = cell.occupancy * kWidth * kHeight;
@@ -142,6 +141,31 @@ TEST(BreakEven, ContoursCrossWhereTheLawsDo) {
   size_t told = 0;
   for (const CheapestCell& cell : break_even_map(scenes_of(wild)[0]).cells) told += cell.not_told_apart.empty();
   EXPECT_LT(told, map.cells.size() / 2);
+}
+
+TEST(BreakEven, SaysNothingBeyondWhatBothWereTimedWith) {
+  StoreContents contents = rows_of(0.02);
+  MeasurementRow beyond = contents.measurements.back();
+  beyond.id = 1000;
+  beyond.key.agents = 100'000;
+  contents.measurements.push_back(beyond);  // "flat" alone is timed there
+  beyond.id = 1001;
+  beyond.key = {"mesh", "walker", 200'000, kWidth, kHeight, 0.95};
+  beyond.status = "unreachable";
+  beyond.cpu_ns = beyond.frame_ns = std::nullopt;
+  contents.measurements.push_back(beyond);
+  const Scene scene = scenes_of(contents)[0];
+  ASSERT_EQ(scene.agents.back(), 200'000U);
+  const BreakEvenMap map = break_even_map(scene);
+  ASSERT_EQ(map.pairs.size(), 1U);
+  EXPECT_EQ(map.pairs[0].from, 5U);
+  EXPECT_EQ(map.pairs[0].to, 2000U);
+  EXPECT_EQ(map.pairs[0].contour.back().occupancy, 0.9);
+  ASSERT_FALSE(map.cells.empty());
+  for (const CheapestCell& cell : map.cells) EXPECT_LE(cell.agents, 2000);
+  EXPECT_EQ(break_even_text(map.pairs[0], {}),
+            "mesh and flat cannot be told apart from 5 to 2,000 agents in the "
+            "scenario's own view");
 }
 
 TEST(Pareto, IsBeatenOnlyByWhatIsSurelyFasterAndElseNoWorse) {
