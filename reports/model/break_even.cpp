@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 
 #include "core/probability.h"
 #include "reports/model/number_text.h"
@@ -66,20 +68,22 @@ std::vector<double> whole(std::vector<double> values) {
   return values;
 }
 
-// The covered pixels of an occupancy; where the camera is the scenario's own (0) what was covered there, by agents.
+// The covered pixels of an occupancy; where the camera is the scenario's own (0) what was covered there, straight in
+// logarithms between the neighbouring crowds.
 double covered_px(const Scene& scene, const CostModel& model, double agents, double occupancy) {
   if (occupancy > 0) return occupancy * scene.width * scene.height;
-  double nearest = 0;
-  double distance = INFINITY;
-  for (const CostPrediction& one : model.held_out) {
-    const auto& covered = one.point.counts[static_cast<size_t>(CostTerm::covered)];
-    const double away = std::abs(std::log(std::max<double>(one.point.agents, 1) / agents));
-    if (covered && one.point.occupancy == occupancy && away < distance) {
-      distance = away;
-      nearest = *covered;
-    }
-  }
-  return nearest;
+  std::map<double, double> covered;  // by agents
+  for (const CostPrediction& one : model.held_out)
+    if (const auto& count = one.point.counts[static_cast<size_t>(CostTerm::covered)];
+        count && one.point.occupancy == occupancy && one.point.agents > 0)
+      covered[one.point.agents] = std::max(*count, 1.0);
+  if (covered.empty()) return 0;
+  const auto above = covered.lower_bound(agents);
+  if (above == covered.end()) return covered.rbegin()->second;
+  if (above == covered.begin() || above->first == agents) return above->second;
+  const auto below = std::prev(above);
+  const double along = std::log(agents / below->first) / std::log(above->first / below->first);
+  return below->second * std::pow(above->second / below->second, along);
 }
 
 double time_at(const Scene& scene, const CostModel& model, double agents, double occupancy) {

@@ -151,7 +151,7 @@ TEST(BreakEven, SaysNothingBeyondWhatBothWereTimedWith) {
   contents.measurements.push_back(beyond);  // "flat" alone is timed there
   beyond.id = 1001;
   beyond.key = {"mesh", "walker", 200'000, kWidth, kHeight, 0.95};
-  beyond.status = "unreachable";
+  beyond.status = Status::unreachable;
   beyond.cpu_ns = beyond.frame_ns = std::nullopt;
   contents.measurements.push_back(beyond);
   const Scene scene = scenes_of(contents)[0];
@@ -166,6 +166,29 @@ TEST(BreakEven, SaysNothingBeyondWhatBothWereTimedWith) {
   EXPECT_EQ(break_even_text(map.pairs[0], {}),
             "mesh and flat cannot be told apart from 5 to 2,000 agents in the "
             "scenario's own view");
+}
+
+// 0.1 ms and 20 ns a pixel are 1.2 ms at 55,000 pixels: of 550 agents, where 100 cover 10,000 and 1,000 ten times that.
+TEST(BreakEven, CoversPixelsBetweenTheCrowdsThatWereTimedInTheOwnView) {
+  StoreContents contents = rows_of(0);
+  contents.measurements.resize(10);
+  const uint32_t agents[] = {10, 30, 100, 1000, 10'000};
+  const uint64_t covered[] = {3000, 2000, 10'000, 100'000, 200'000};  // by nothing that agents alone tell
+  for (size_t i = 0; i < contents.measurements.size(); ++i) {
+    MeasurementRow& row = contents.measurements[i];
+    row.key.agents = agents[i / 2];
+    row.key.requested_occupancy = 0;
+    row.reference_px = covered[i / 2];
+    row.fragments.reset();
+    const double noise = 1 + 0.001 * static_cast<double>(i % 3);
+    const double time = (row.key.representation == "mesh" ? 1e5 + 20.0 * static_cast<double>(covered[i / 2]) : 1.2e6) * noise;
+    row.cpu_ns = row.frame_ns = TimeSummary{time, time, time, time, time, time};
+  }
+  const BreakEvenMap map = break_even_map(scenes_of(contents)[0]);
+  ASSERT_EQ(map.pairs.size(), 1U);
+  ASSERT_EQ(map.pairs[0].contour.size(), 1U);
+  ASSERT_TRUE(map.pairs[0].contour[0].agents);
+  EXPECT_NEAR(*map.pairs[0].contour[0].agents, 550, 15);
 }
 
 TEST(Pareto, IsBeatenOnlyByWhatIsSurelyFasterAndElseNoWorse) {
