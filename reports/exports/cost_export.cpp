@@ -32,8 +32,11 @@ Json model_json(const CostModel& model) {
 }
 
 Json pair_json(const BreakEven& pair) {
-  Json out = {
-      {"first", pair.first}, {"second", pair.second}, {"ratio_factor", pair.ratio_factor}, {"contour", Json::array()}};
+  Json out = {{"first", pair.first},
+              {"second", pair.second},
+              {"ratio_bias", pair.ratio_bias},
+              {"ratio_factor", pair.ratio_factor},
+              {"contour", Json::array()}};
   for (const BreakEvenPoint& point : pair.contour)
     out["contour"].push_back(
         {{"occupancy", point.occupancy},

@@ -178,7 +178,7 @@ BreakEvenMap break_even_map(const Scene& scene) {
       const auto time = [&](size_t k) { return time_at(scene, *known[k], agents, occupancy); };
       size_t best = 0;
       for (size_t k = 1; k < known.size(); ++k)
-        if (time(k) < time(best)) best = k;
+        if (std::log(time(k) / time(best)) + spreads[k][best].bias < 0) best = k;
       CheapestCell cell{agents, occupancy, known[best]->representation, {}};
       for (size_t k = 0; k < known.size(); ++k) {
         if (k == best) continue;

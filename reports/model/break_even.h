@@ -25,7 +25,8 @@ struct BreakEvenPoint {
 };
 struct BreakEven {
   std::string first, second;
-  double ratio_factor = 1;              // a predicted ratio times or over this holds the measured one, 95 %
+  double ratio_bias = 1;                // a measured ratio over the predicted one, in the geometric mean
+  double ratio_factor = 1;              // a predicted ratio times the bias, times or over this: 95 % of measured ones
   uint32_t from = 0, to = 0;            // agents with which both were measured
   std::vector<BreakEvenPoint> contour;  // by occupancy
 };
