@@ -24,7 +24,7 @@ Json model_json(const CostModel& model) {
                              {"measured_ns", one.point.time_ns},
                              {"predicted_ns", one.predicted_ns}});
   const bool none = !model.absent.empty();
-  out["held_out_error"] = none ? Json(nullptr) : Json(model.fit.held_out);
+  out["held_out_error"] = none ? Json(nullptr) : Json(model.error);
   out["within_15_percent"] = none ? Json(nullptr) : Json(model.within_15);
   out["within_share"] =
       none ? Json(nullptr) : Json({{"low", model.within_share.low}, {"high", model.within_share.high}});

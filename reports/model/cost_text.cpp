@@ -20,7 +20,7 @@ std::string formula_text(const CostFit& fit) {
 std::string accuracy_text(const CostModel& model) {
   return fmt::format("{} of {} within 15 % (95 % interval of the share {} to {}); error {:.1f} %", model.within_15,
                      model.held_out.size(), percent_text(model.within_share.low), percent_text(model.within_share.high),
-                     100 * model.fit.held_out);
+                     100 * model.error);
 }
 
 std::string verdict_text(const CostModel& model) {
