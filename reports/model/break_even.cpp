@@ -164,9 +164,13 @@ BreakEvenMap break_even_map(const Scene& scene) {
       if (!std::isfinite(spreads[i][j].half)) continue;
       const Measured range = measured_range({known[i], known[j]});
       if (range.occupancies.empty()) continue;
-      BreakEven pair{known[i]->representation,        known[j]->representation,
-                     std::exp(spreads[i][j].half),    static_cast<uint32_t>(range.least_agents),
-                     std::llround(range.most_agents), {}};
+      BreakEven pair;
+      pair.first = known[i]->representation;
+      pair.second = known[j]->representation;
+      pair.ratio_bias = std::exp(spreads[i][j].bias);
+      pair.ratio_factor = std::exp(spreads[i][j].half);
+      pair.from = static_cast<uint32_t>(range.least_agents);
+      pair.to = static_cast<uint32_t>(range.most_agents);
       for (const double occupancy : range.occupancies)
         pair.contour.push_back(contour_point(scene, *known[i], *known[j], spreads[i][j], range, occupancy));
       map.pairs.push_back(std::move(pair));
