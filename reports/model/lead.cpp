@@ -32,7 +32,7 @@ std::string cost_of(const std::vector<Scene>& scenes, const std::string& charact
 Lead lead_of(const StoreContents& contents, const std::vector<Scene>& scenes, const std::vector<ScoreDoc>& docs) {
   Lead out;
   for (const CurveRow& curve : contents.curves) {
-    if (curve.against != "distance_m") continue;
+    if (curve.against != "distance_m" || curve.bins.empty()) continue;
     for (const ThresholdRow& row : contents.thresholds) {
       if (row.curve != curve.id) continue;
       const ScoreDoc doc = doc_of(docs, curve.score);

@@ -85,6 +85,13 @@ TEST(Lead, TellsTheCostOfTheCurvesOwnCharacter) {
   EXPECT_EQ(rows()[0].cost, "0.5 of mesh’s time (0.5 to 0.5), 100 agents");
 }
 
+TEST(Lead, LeavesOutCurvesWithoutBins) {
+  StoreContents contents = one_curve();
+  contents.curves[0].bins.clear();
+  EXPECT_TRUE(lead_of(contents, {}, {doc()}).rows.empty());
+  EXPECT_TRUE(distance_scores(contents, 1, {doc()})[0].graphs[0].series[0].thresholds.empty());
+}
+
 TEST(DistanceChart, HoldsMediansBandsAgentsAndEachThresholdOnce) {
   const json spec = json::parse(distance_chart(doc(), graph()));
   const json& bins = spec.at("data").at("values");
