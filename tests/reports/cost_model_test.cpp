@@ -205,6 +205,37 @@ TEST(Pareto, IsBeatenOnlyByWhatIsSurelyFasterAndElseNoWorse) {
   for (const ParetoEntry& entry : front_of().entries) EXPECT_EQ(entry.beaten_by, "") << "faster, but of more bytes";
   for (MeasurementRow& row : contents.measurements) row.texture_bytes = 10;
   EXPECT_EQ(front_of().entries[0].beaten_by, "flat") << "nothing was scored: time and bytes decide";
+
+  // Another one was scored: of two that were not, neither beats the other.
+  StoreContents third = contents;
+  for (const MeasurementRow& row : contents.measurements)
+    if (row.key.representation == "flat") {
+      third.measurements.push_back(row);
+      third.measurements.back().id += 100;
+      third.measurements.back().key.representation = "slow";
+    }
+  for (const RatioRow& row : contents.ratios) {
+    third.ratios.push_back(row);
+    third.ratios.back().id += 100;
+    third.ratios.back().of.representation = "slow";
+    third.ratios.back().low = third.ratios.back().high = third.ratios.back().ratio /= 4;
+  }
+  const auto slow = [](const ParetoFront& front) { return front.entries.back(); };
+  ASSERT_EQ(slow(pareto_fronts(scenes_of(third)[0])[0]).beaten_by, "mesh") << "nothing was scored";
+  ComparisonRow scored;
+  scored.id = scored.run = 1;
+  scored.kind = "crowd";
+  scored.representation = "flat";
+  scored.character = "walker";
+  scored.agents = 2000;
+  scored.requested_occupancy = 0.15;
+  scored.scores.push_back({.name = "s", .value = 0.5});
+  third.comparisons.push_back(scored);
+  ScoreDoc doc;
+  doc.name = "s";
+  doc.headline = true;
+  EXPECT_EQ(slow(pareto_fronts(scenes_of(third, {doc})[0])[0]).beaten_by, "") << "neither it nor mesh was scored";
+
   for (RatioRow& ratio : contents.ratios) ratio.low = 0.9;
   EXPECT_EQ(front_of().entries[0].beaten_by, "") << "not surely faster";
 
