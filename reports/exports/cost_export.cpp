@@ -124,7 +124,7 @@ std::string cost_markdown(const Scene& scene) {
   const BreakEvenMap map = break_even_map(scene);
   if (const auto sentences = break_even_sentences(scene, map); !sentences.empty()) {
     out += "\n## Break-even\n\n";
-    for (const std::string& sentence : sentences) out += "- " + sentence + "\n";
+    for (const std::string& sentence : sentences) out += "- " + markdown_cell(sentence) + "\n";
   }
   const std::vector<ParetoFront> fronts = pareto_fronts(scene);
   if (!fronts.empty()) out += "\n## Time, bytes and error\n";

@@ -244,6 +244,11 @@ TEST(Pareto, IsBeatenOnlyByWhatIsSurelyFasterAndElseNoWorse) {
   const std::string markdown = cost_markdown(scenes_of(contents)[0]);
   EXPECT_NE(markdown.find("## Break-even"), std::string::npos);
   EXPECT_NE(markdown.find("| flat |"), std::string::npos);
+  for (MeasurementRow& row : contents.measurements)
+    if (row.key.representation == "flat") row.key.representation = "<b>";
+  const std::string named = cost_markdown(scenes_of(contents)[0]);
+  EXPECT_NE(named.find("- &lt;b> is the cheaper one"), std::string::npos) << named;
+  EXPECT_EQ(named.find("<b>"), std::string::npos);
 }
 
 }  // namespace
