@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "reports/exports/markdown_cell.h"
 #include "reports/model/cost_text.h"
 #include "reports/model/number_text.h"
@@ -115,7 +117,9 @@ Json cost_json(const Scene& scene) {
 }
 
 std::string cost_markdown(const Scene& scene) {
-  if (scene.rows.empty()) return {};
+  if (std::all_of(scene.representations.begin(), scene.representations.end(),
+                  [&](const std::string& name) { return cost_points(scene, name).empty(); }))
+    return {};
   std::vector<CostModel> models;
   for (const std::string& name : scene.representations) models.push_back(cost_model(scene, name));
   std::string out = fmt::format("\n## Cost model: {}, {} × {}, {}\n\n", markdown_cell(scene.character), scene.width,

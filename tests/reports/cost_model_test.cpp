@@ -117,6 +117,9 @@ TEST(CostModel, IsAbsentWithTooFewPoints) {
   const CostModel model = cost_model(scenes_of(contents)[0], "mesh");
   EXPECT_EQ(model.absent, "it was timed at 4 points, a model takes 5 at least");
   EXPECT_TRUE(break_even_map(scenes_of(contents)[0]).pairs.empty());
+  EXPECT_NE(cost_markdown(scenes_of(contents)[0]), "");
+  for (MeasurementRow& row : contents.measurements) row.cpu_ns = row.frame_ns = std::nullopt;
+  EXPECT_EQ(cost_markdown(scenes_of(contents)[0]), "") << "nothing is said of what was not timed";
 }
 
 TEST(BreakEven, ContoursCrossWhereTheLawsDo) {
