@@ -35,7 +35,7 @@ struct SeedTimes {
 };
 
 struct SpeedPromise {
-  std::vector<SeedTimes> seeds;  // that it is made from: at least three
+  std::vector<SeedTimes> seeds;  // that it is made from: at least two
   double ratio = 0;              // the geometric mean
   Interval on_another_seed;
   double plan_ns = 0;  // median over the seeds of the plan's frame

@@ -23,13 +23,6 @@ std::string accuracy_text(const CostModel& model) {
                      100 * model.error);
 }
 
-std::string verdict_text(const CostModel& model) {
-  if (!model.absent.empty()) return fmt::format("{}: no model, {}", model.representation, model.absent);
-  const bool all = model.within_15 == model.held_out.size();
-  return fmt::format("{}: {}{}", model.representation, accuracy_text(model),
-                     all ? "" : "; where it is off, do not read it for more than its trend");
-}
-
 std::vector<std::string> break_even_sentences(const Scene& scene, const BreakEvenMap& map) {
   std::vector<std::string> out;
   for (const BreakEven& pair : map.pairs)

@@ -108,7 +108,7 @@ TEST(CostModel, SaysHowWellItPredictsWhatItWasNotFittedTo) {
   }
   const CostModel none = cost_model(scenes_of(noise)[0], "mesh");
   EXPECT_LT(none.within_15, 8U);
-  EXPECT_NE(verdict_text(none).find("do not read it"), std::string::npos);
+  EXPECT_GT(none.error, 0.15);
 }
 
 TEST(CostModel, IsAbsentWithTooFewPoints) {
