@@ -42,11 +42,16 @@ struct AnswerStore::State {
       throw;
     }
   }
-  // All rows of the statement.
+  // All rows of the statement, which can be bound anew after, even after an Error.
   template <typename Row>
   static std::vector<Row> rows(Statement& select) {
     std::vector<Row> all;
-    while (select.step()) all.push_back(read_row<Row>(select));
+    try {
+      while (select.step()) all.push_back(read_row<Row>(select));
+    } catch (...) {
+      select.reset();
+      throw;
+    }
     return all;
   }
   template <typename Row>
