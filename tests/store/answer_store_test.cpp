@@ -96,6 +96,20 @@ TEST_F(AnswerStoreTest, WithdrawalLeavesTheListAndTheDay) {
   EXPECT_NE(start("p1").row.id, id) << "nobody remembers them";
 }
 
+TEST_F(AnswerStoreTest, WhatWasWithdrawnLeavesTheLogOnceNobodyReads) {
+  const int64_t id = start("p1").row.id;
+  store_.add(answer(id, "t1", "{1}"));
+  const std::string where = file_.string();
+  const store::Database reader = store::open(where, where, SQLITE_OPEN_READWRITE);
+  store::execute(reader.get(), where, "BEGIN");
+  store::Statement(reader.get(), where, "SELECT count(*) FROM study_answer").step();
+  store_.withdraw(id, "2026-01-03");
+  EXPECT_GT(std::filesystem::file_size(where + "-wal"), 0U);
+  store::execute(reader.get(), where, "COMMIT");
+  start("p2");
+  EXPECT_EQ(std::filesystem::file_size(where + "-wal"), 0U);
+}
+
 TEST_F(AnswerStoreTest, ReadsAgainAfterAReadThatFailed) {
   const int64_t id = start("p1").row.id;
   store_.add(answer(id, "t1", "{1}"));
