@@ -53,7 +53,9 @@ class Answering {
     for (const TuneMeasurement* one : measured_) answer_.base_ns = std::max(answer_.base_ns, one->measured().base_ns);
     answer_.plan = plan_of(answer_.table);
     if (request_.budget_ns > 0) describe_budget();
-    if (request_.budget_ns > 0 && request_.frame_ns) keep_budget_in_scenario();
+    // The scenario's crowd is of all characters: of one alone it says nothing.
+    if (request_.budget_ns > 0 && request_.frame_ns && measured_.size() == request_.subjects.size())
+      keep_budget_in_scenario();
     resample();
     if (answer_.plan) describe_switches();
     return std::move(answer_);

@@ -53,7 +53,8 @@ struct TuneRequest {
   // Nanoseconds that a frame may take: then the least error within it, whatever the threshold; 0: the least time.
   double budget_ns = 0;
   // With a budget: what a frame of a representation takes in the scenario itself, where agents hide each other and the
-  // picture's edges cut them. Plans are sought until one keeps the budget there; without it the table's costs decide.
+  // picture's edges cut them. Plans of all characters are sought until one keeps the budget there; without it, and of
+  // one character among several, the table's costs decide.
   std::function<double(const renderers::Spec&)> frame_ns;
   int fade = 0;  // ticks of the cross-fade whose worst step is judged as the pop; 0: a cut
   metrics::ChosenDisplay display;

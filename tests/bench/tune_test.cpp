@@ -151,6 +151,15 @@ TEST_F(TuneGl, SeveralCharactersGetARuleEachAndOneThatHoldsForAll) {
   EXPECT_NE(result.alone[0].table.allowed[1][0], result.alone[1].table.allowed[1][0]);
   EXPECT_FALSE(result.together.table.allowed[1][0]);
   EXPECT_TRUE(result.together.table.allowed[0][0]);
+  // With a budget the crowd of all is not held against what one of them may take.
+  request.budget_ns = 1e12;
+  size_t asked = 0;
+  request.frame_ns = [&](const renderers::Spec&) { return static_cast<double>(++asked); };
+  const TuneResult within = tune(context_, request);
+  EXPECT_EQ(asked, 1U);
+  EXPECT_TRUE(within.together.budget->measured_ns);
+  EXPECT_FALSE(within.alone[0].budget->measured_ns);
+  EXPECT_TRUE(within.alone[0].plan);
 }
 
 // The rule in pixels, and the promise of errors, on pictures that were not measured. Everything here is drawn by the
