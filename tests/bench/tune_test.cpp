@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 
+#include "bench/commands/tune_output.h"
 #include "bench/experiments/switch_distance.h"
 #include "bench/experiments/tune_measure.h"
 #include "bench/experiments/tune_proof.h"
@@ -130,6 +131,22 @@ TEST_F(TuneGl, ABudgetTakesTheLeastVisibleSetThatKeepsItInTheScenarioToo) {
     EXPECT_EQ(asked.size(), 2U);
     EXPECT_EQ(*corrected.together.budget->measured_ns, 5e8);
   }
+
+  // Every plan takes a hair more than there is: the cheapest chain is asked last, and what is said of it is over that.
+  asked.clear();
+  request.frame_ns = [&](const renderers::Spec& spec) {
+    asked.push_back(spec.text());
+    return 1.01e9;
+  };
+  TuneReport report;
+  report.result = tune(context_, request);
+  EXPECT_FALSE(report.result.together.plan);
+  const TuneBudgetAnswer& last = *report.result.together.budget;
+  EXPECT_GE(asked.size(), 2U);
+  EXPECT_NEAR(last.factor * last.cheapest_ns, 1.01e9, 1);
+  report.request = request;
+  const std::string text = no_plan_text(report, report.result.together);
+  EXPECT_TRUE(text.starts_with("nothing fits in 1000 ms: the cheapest set takes 1010.00 ms")) << text;
 }
 
 TEST_F(TuneGl, SeveralCharactersGetARuleEachAndOneThatHoldsForAll) {
