@@ -191,10 +191,7 @@ void print_tune(const TuneReport& report) {
   const TuneAnswer& answer = result.together;
   if (report.proof && !report.proof->holds()) fmt::print("the promise below does NOT hold on unseen crowds\n");
   for (size_t s = 0; s < result.subjects.size(); ++s) {
-    const TuneBlocks& blocks = report.request.blocks;
-    const size_t views = blocks.azimuths_deg.empty()
-                             ? blocks.views
-                             : blocks.azimuths_deg.size() * blocks.elevations_deg.size() * blocks.moments;
+    const size_t views = result.subjects[s].views;
     fmt::print("{}: {} at the bad end's 5 % of {} views and moments, threshold {:g}; {} of one more agent; {}x{}\n",
                printable(report.request.subjects[s].character->name), report.request.error.score->title, views,
                report.request.error.value, result.subjects[s].costs.clock, report.request.cost.width,

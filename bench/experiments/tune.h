@@ -40,7 +40,7 @@ struct TuneBlocks {
   std::vector<double> azimuths_deg, elevations_deg;  // both or neither
   double lowest_deg = 0, highest_deg = 20;           // elevations, without the lists
   size_t views = 72;                                 // at least 72 bound a tail of 5 % with 97.5 % confidence
-  size_t moments = 12;                               // of the clip
+  size_t moments = 12;                               // of the clip; of a shorter one all its samples
 };
 
 struct TuneRequest {
@@ -81,6 +81,7 @@ struct TunePop {
 
 // What was measured of one character.
 struct TuneMeasured {
+  size_t views = 0;                            // directions and moments, each drawn at every height
   std::vector<std::string> refused;            // by candidate: why it was not measured; empty where it was
   std::vector<std::vector<TuneError>> errors;  // by candidate, then by height
   std::vector<double> cost_heights_px;         // falling

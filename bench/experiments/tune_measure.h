@@ -28,13 +28,14 @@ class Moments {
  public:
   explicit Moments(const TuneSubject& subject);
   double time(double place) const;  // of the file, seconds; place: of the clip, [0, 1)
+  size_t count() const { return count_; }
 
  private:
   double start_ = 0, step_ = 0;
   size_t count_ = 1;
 };
 
-// The directions and moments of a request, at no height yet.
+// The directions and moments of a request, at no height yet; no more moments than the clip has samples.
 std::vector<QualityView> tune_views(const TuneBlocks& blocks, const TuneSubject& subject, uint64_t seed);
 
 class TuneMeasurement {

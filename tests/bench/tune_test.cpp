@@ -253,6 +253,14 @@ TEST(TailInterval, BoundsThePercentileAsOftenAsItSays) {
   EXPECT_EQ(few.high, 5) << "the largest stands for what so few do not bound";
 }
 
+TEST(TuneViews, NoPictureIsCountedTwice) {
+  TuneSubject subject = mannequin_of(120, {});
+  const TuneBlocks blocks{.azimuths_deg = {0, 90, 180}, .elevations_deg = {0}, .moments = 12};
+  EXPECT_EQ(tune_views(blocks, subject, 1).size(), 36U);
+  subject.clip = -1;
+  EXPECT_EQ(tune_views(blocks, subject, 1).size(), 3U) << "a bind pose has one moment";
+}
+
 TEST(TunedRepresentation, NestsSwitchesByHeight) {
   TuneRequest request = request_of("mae", 1);
   request.candidates.push_back(renderers::parse_spec("rigid"));
