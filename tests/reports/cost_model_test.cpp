@@ -221,7 +221,7 @@ TEST(Pareto, IsBeatenOnlyByWhatIsSurelyFasterAndElseNoWorse) {
     third.ratios.push_back(row);
     third.ratios.back().id += 100;
     third.ratios.back().of.representation = "slow";
-    third.ratios.back().low = third.ratios.back().high = third.ratios.back().ratio /= 4;
+    third.ratios.back().low = third.ratios.back().high = third.ratios.back().ratio /= 40;
   }
   const auto slow = [](const ParetoFront& front) { return front.entries.back(); };
   ASSERT_EQ(slow(pareto_fronts(scenes_of(third)[0])[0]).beaten_by, "mesh") << "nothing was scored";

@@ -116,6 +116,7 @@ TEST_F(ReportPage, BeginsWithWhichOneFromWhereOn) {
   curve.run = 1;
   curve.representation = "flat";
   curve.reference = "mesh";
+  curve.character = "mannequin";
   curve.score = "ssim";
   curve.against = "distance_m";
   curve.display = "a screen";
