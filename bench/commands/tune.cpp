@@ -292,6 +292,8 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
   const auto context = open_context(options.scene.device);
   progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
+  if (options.prove > 0 && staged.crowd.size() == 0)
+    throw Error("--prove", "the crowd has no agents, so that no speed is promised", "give some with --agents");
   report.request.cost.fov_y = staged.camera.fov_y;
   report.renderer = context->renderer();
   report.crowd = static_cast<uint32_t>(staged.crowd.size());
