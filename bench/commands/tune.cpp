@@ -382,7 +382,7 @@ void add_tune(Command& app, Run& run) {
       "and\n"
       "scored against the reference: a candidate is allowed where the bad end's 5 % keeps the threshold at the bad end "
       "of\n"
-      "its bootstrap interval. A change from one to another must keep the pop threshold where it happens. Of all that "
+      "its 95 % interval. A change from one to another must keep the pop threshold where it happens. Of all that "
       "is\n"
       "allowed the cheapest is taken, for the scenario's agents and camera; with --budget-ms, of all sets that take "
       "no\n"
