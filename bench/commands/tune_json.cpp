@@ -6,7 +6,9 @@
 namespace crowdbench::bench {
 namespace {
 
-Json interval_json(const Interval& interval) { return {{"low", interval.low}, {"high", interval.high}}; }
+Json interval_json(const Interval& interval) {
+  return {{"low", json_number(interval.low)}, {"high", json_number(interval.high)}};
+}
 
 Json candidate_json(const TuneReport& report, const TuneMeasured& measured, size_t c) {
   Json out = {{"representation", candidate_name(report, c)},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "bench/experiments/pop_map.h"
 #include "bench/experiments/score_rows.h"
@@ -16,6 +17,7 @@ namespace {
 
 enum Purpose : uint64_t { kDrawBlock = 1, kDrawRound, kFirstDirection, kFirstElevation };
 constexpr double kBeyond = 1e30;  // for infinite values: quantiles need numbers
+constexpr double kFinite = 1e20;  // no finite value is beyond; means and quantiles with an infinite one are
 // Within its share of the clip a moment lies here, so that stored frames, which begin at 0, seldom lie there too.
 constexpr double kWithinMoment = 0.381966;
 constexpr size_t kPopViews = 24;  // a switch is judged in no more of the blocks
@@ -43,6 +45,7 @@ double badness_of(const metrics::Score& score, double value) {
   return std::clamp(turned, -kBeyond, kBeyond);
 }
 double value_of_badness(const metrics::Score& score, double badness) {
+  if (std::abs(badness) > kFinite) badness = std::copysign(std::numeric_limits<double>::infinity(), badness);
   return score.direction == metrics::Direction::higher_is_better ? -badness : badness;
 }
 double badness_tail(std::span<const double> badnesses) { return quantile(badnesses, 0.95); }

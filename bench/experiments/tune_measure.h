@@ -10,7 +10,8 @@
 
 namespace crowdbench::bench {
 
-// A score's value turned so that more is worse, infinite ones made large numbers; and back.
+// A score's value turned so that more is worse, infinite ones made large numbers; and back, where means
+// and quantiles that an infinite value is part of are infinite.
 double badness_of(const metrics::Score& score, double value);
 double value_of_badness(const metrics::Score& score, double badness);
 double badness_tail(std::span<const double> badnesses);  // the 95th percentile

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <set>
@@ -261,6 +262,16 @@ TEST(TuneViews, NoPictureIsCountedTwice) {
   EXPECT_EQ(tune_views(blocks, subject, 1).size(), 36U);
   subject.clip = -1;
   EXPECT_EQ(tune_views(blocks, subject, 1).size(), 3U) << "a bind pose has one moment";
+}
+
+TEST(TuneError, InfiniteScoresComeBackInfinite) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const metrics::Score& psnr = *request_of("psnr", 40).error.score;
+  ASSERT_EQ(metrics::best_value(psnr), kInfinity);
+  const double equal = badness_of(psnr, kInfinity);
+  EXPECT_EQ(value_of_badness(psnr, equal), kInfinity);
+  EXPECT_EQ(value_of_badness(psnr, (equal + badness_of(psnr, 40)) / 2), kInfinity) << "a mean with an infinite one";
+  EXPECT_EQ(value_of_badness(psnr, badness_of(psnr, 40)), 40);
 }
 
 TEST(TunedRepresentation, NestsSwitchesByHeight) {
