@@ -223,17 +223,42 @@ TEST(TuneProof, SpeedIsPromisedForTheNextSeedAndHeldAgainstIt) {
   EXPECT_NEAR(promise.on_another_seed.high, promise.ratio * std::exp(2.776 * 0.0354 * std::sqrt(1.2)), 0.01);
 
   std::vector<SeedTimes> unseen(20, SeedTimes{9, 2.0, {}, 2e6, 1e6});
-  for (size_t i = 0; i < 3; ++i) unseen[i].ratio = 1.2;
-  EXPECT_TRUE(prove_speed(promise, unseen).holds) << "three of twenty outside come up in 8 % of true promises";
-  unseen[3].ratio = 3;
+  for (size_t i = 0; i < 4; ++i) unseen[i].ratio = 1.2;
+  EXPECT_TRUE(prove_speed(promise, unseen).holds) << "promises of five seeds are often as narrow as that";
+  for (size_t i = 4; i < 12; ++i) unseen[i].ratio = 3;
   const SpeedProof broken = prove_speed(promise, unseen);
-  EXPECT_EQ(broken.within, 16U);
+  EXPECT_EQ(broken.within, 8U);
   EXPECT_FALSE(broken.holds);
 
   std::vector<uint64_t> all = derived_seeds(1, SeedsFor::promise, 50);
   const std::vector<uint64_t> proof = derived_seeds(1, SeedsFor::proof, 50);
   all.insert(all.end(), proof.begin(), proof.end());
   EXPECT_EQ(std::set<uint64_t>(all.begin(), all.end()).size(), 100U);
+}
+
+// True promises of five seeds are refused in 2.5 % of proofs at most, and nearly as often.
+TEST(TuneProof, RefusesTruePromisesAsSeldomAsItSays) {
+  constexpr uint64_t kTrials = 4000;
+  uint64_t draw = 0;
+  const auto ratio = [&] { return std::exp(0.1 * normal_quantile(std::max(1e-9, random_unit(11, draw++, 3)))); };
+  for (const size_t unseen : {5U, 20U}) {
+    size_t least = 0;
+    while (chance_of_so_few(least, unseen, 5) < 0.025) ++least;
+    uint64_t refused = 0;
+    for (uint64_t trial = 0; trial < kTrials; ++trial) {
+      std::vector<SeedTimes> seeds(5);
+      for (SeedTimes& one : seeds) one.ratio = ratio();
+      const Interval promised = promised_speed(seeds).on_another_seed;
+      size_t within = 0;
+      for (size_t i = 0; i < unseen; ++i) {
+        const double one = ratio();
+        within += one >= promised.low && one <= promised.high;
+      }
+      refused += within < least;
+    }
+    EXPECT_LE(refused, binomial_limits(kTrials, 0.025).high) << unseen;
+    EXPECT_GE(refused, kTrials / 200) << unseen << ": and not for want of ever refusing";
+  }
 }
 
 // Over many samples of a known distribution the interval's upper end is below its 95th percentile in 2.5 % at most.
