@@ -143,7 +143,7 @@ SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
 
 double chance_of_so_few(size_t within, size_t unseen, size_t promised) {
   assert(promised >= 2);
-  constexpr size_t kPromises = 20'000;
+  constexpr size_t kPromises = 10'000;
   const double reach = interval_reach(promised);
   const auto n = static_cast<double>(promised);
   double chance = 0;

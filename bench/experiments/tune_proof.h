@@ -76,7 +76,7 @@ struct SpeedProof {
   bool holds = false;
 };
 // The chance that at most `within` of `unseen` normal values lie within the 95 % prediction interval of `promised`
-// others of the same distribution. By simulation of 20,000 promises: the same figure every time, to 0.002.
+// others of the same distribution. By simulation of 10,000 promises: the same figure every time, to 0.003.
 double chance_of_so_few(size_t within, size_t unseen, size_t promised);
 SpeedProof prove_speed(const SpeedPromise& promise, std::vector<SeedTimes> unseen);
 

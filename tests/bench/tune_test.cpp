@@ -152,7 +152,7 @@ TEST_F(TuneGl, ABudgetTakesTheLeastVisibleSetThatKeepsItInTheScenarioToo) {
 
 TEST_F(TuneGl, SeveralCharactersGetARuleEachAndOneThatHoldsForAll) {
   TuneRequest request = request_of("mae", 255);
-  request.subjects.push_back(mannequin_of(120, {50, 8}));
+  request.subjects.push_back(mannequin_of(2200, {50, 8}));
   const TuneResult lax = tune(context_, request);
   ASSERT_EQ(lax.subjects.size(), 2U);
   ASSERT_EQ(lax.alone.size(), 2U);
@@ -242,7 +242,8 @@ TEST(TuneProof, RefusesTruePromisesAsSeldomAsItSays) {
   uint64_t draw = 0;
   const auto ratio = [&] { return std::exp(0.1 * normal_quantile(std::max(1e-9, random_unit(11, draw++, 3)))); };
   for (const size_t unseen : {5U, 20U}) {
-    size_t least = 0;
+    size_t least = unseen / 3;
+    ASSERT_LT(chance_of_so_few(least, unseen, 5), 0.025);
     while (chance_of_so_few(least, unseen, 5) < 0.025) ++least;
     uint64_t refused = 0;
     for (uint64_t trial = 0; trial < kTrials; ++trial) {
@@ -282,7 +283,7 @@ TEST(TailInterval, BoundsThePercentileAsOftenAsItSays) {
 }
 
 TEST(TuneViews, NoPictureIsCountedTwice) {
-  TuneSubject subject = mannequin_of(120, {});
+  TuneSubject subject = mannequin_of(500, {});
   const TuneBlocks blocks{.azimuths_deg = {0, 90, 180}, .elevations_deg = {0}, .moments = 12};
   EXPECT_EQ(tune_views(blocks, subject, 1).size(), 36U);
   subject.clip = -1;
