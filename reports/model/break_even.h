@@ -3,8 +3,8 @@
 //
 // The models are of what is known before a frame is drawn (agents, covered pixels). How sure a ratio of two predictions
 // is comes from the ratios that both predict without having seen them: its 95 % prediction interval, of logarithms,
-// normal with an unknown deviation (Student's t). Nothing is said outside of what was measured of both,
-// of the map of all.
+// normal with an unknown deviation (Student's t). Nothing is said of a pair outside of what
+// both were measured at, nor on the map outside of what all were.
 #pragma once
 #include <cstdint>
 #include <optional>
