@@ -21,6 +21,7 @@ struct AnswerStore::State {
   std::mutex turn;
   Database database;
   std::map<std::string, Statement> statements;
+  bool truncate_due = false;  // what was withdrawn may still stand in the write-ahead log
 
   Statement& statement(const std::string& sql) {
     const auto found = statements.find(sql);
@@ -35,6 +36,8 @@ struct AnswerStore::State {
     try {
       auto result = body();
       execute(database.get(), where, "COMMIT");
+      // Says 1 where a reader stood in the way: then after the next change again.
+      if (truncate_due) truncate_due = pragma(database.get(), where, "wal_checkpoint(TRUNCATE)") != 0;
       return result;
     } catch (...) {
       statements.clear();  // a statement left in mid-step would hold the transaction open
@@ -42,11 +45,16 @@ struct AnswerStore::State {
       throw;
     }
   }
-  // All rows of the statement.
+  // All rows of the statement, which can be bound anew after, even after an Error.
   template <typename Row>
   static std::vector<Row> rows(Statement& select) {
     std::vector<Row> all;
-    while (select.step()) all.push_back(read_row<Row>(select));
+    try {
+      while (select.step()) all.push_back(read_row<Row>(select));
+    } catch (...) {
+      select.reset();
+      throw;
+    }
     return all;
   }
   template <typename Row>
@@ -173,10 +181,9 @@ void AnswerStore::withdraw(int64_t participant, const std::string& day) {
         "UPDATE study_participant SET state = 'withdrawn', participant = '', token = '', started = ?, ended = NULL, "
         "pixels_per_degree = NULL, pixels_per_degree_se = NULL WHERE id = ?");
     who.bind(day).bind(participant);
+    state_->truncate_due = true;
     return who.step();
   });
-  const std::scoped_lock lock(state_->turn);
-  execute(state_->database.get(), state_->where, "PRAGMA wal_checkpoint(TRUNCATE)");
 }
 
 }  // namespace crowdbench

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "bench/commands/command_line.h"
@@ -22,6 +23,15 @@ struct Options {
   std::string markdown;
   bool json = false;
 };
+
+// Names are of a file: they must not drive the terminal.
+void print_lines(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    fmt::print("{}\n", printable(line, line.size()));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+  }
+}
 
 // Each file by itself: times of two files may be of two machines.
 int run_model(const Options& options) {
@@ -46,7 +56,7 @@ int run_model(const Options& options) {
     const Json out = {{"scenes", all}};
     fmt::print("{}\n", out.dump(2));
   } else {
-    fmt::print("{}", std::string_view(text).substr(1));
+    print_lines(std::string_view(text).substr(1));
   }
   return 0;
 }

@@ -217,22 +217,35 @@ TuneProofRequest proof_request(const Options& options, const Staged& staged, con
   return request;
 }
 
-// Directions and clips of unseen figures; crowds of unseen seeds, of the tuned characters or of --prove-on.
-TuneProof prove(gl::Context& context, const Options& options, const TuneReport& report, const scene::Cast& cast,
+// The character of --prove-on, and how a scenario names it.
+struct OtherCast {
+  scene::CharacterEntry entry;
+  scene::Cast cast;
+  TuneSubject subject;
+};
+// Nothing without --prove-on.
+std::optional<OtherCast> other_cast(const Options& options, scene::Scenario scenario) {
+  if (options.prove_on.empty()) return std::nullopt;
+  CharacterOptions character = options.scene.character;
+  character.source = options.prove_on;
+  OtherCast out;
+  out.entry = character.entry();
+  scenario.characters = {out.entry};
+  out.cast = open_cast(scenario);
+  out.subject = subject_of(options, out.cast.characters[0]);
+  return out;
+}
+
+// Directions and clips of unseen figures; crowds of unseen seeds, of the tuned characters or of another.
+TuneProof prove(gl::Context& context, const Options& options, const TuneReport& report, const OtherCast* other,
                 TuneProofRequest request) {
   TuneProof proof;
   std::vector<TuneSubject> subjects = report.request.subjects;
-  scene::Cast other;
-  if (!options.prove_on.empty()) {
-    CharacterOptions character = options.scene.character;
-    character.source = options.prove_on;
-    request.scenario.characters = {character.entry()};
-    other = open_cast(request.scenario);
-    request.cast = &other;
-    subjects = {subject_of(options, other.characters[0])};
-    proof.character = other.characters[0]->name;
-  } else {
-    request.cast = &cast;
+  if (other != nullptr) {
+    request.scenario.characters = {other->entry};
+    request.cast = &other->cast;
+    subjects = {other->subject};
+    proof.character = other->subject.character->name;
   }
   const uint64_t seed = report.request.seed;
   proof.speed = prove_speed(
@@ -245,8 +258,8 @@ TuneProof prove(gl::Context& context, const Options& options, const TuneReport& 
   return proof;
 }
 
-void describe_plan(gl::Context& context, const Options& options, const scene::Cast& cast, const Staged& staged,
-                   TuneReport& report) {
+void describe_plan(gl::Context& context, const Options& options, const scene::Cast& cast, const OtherCast* other,
+                   const Staged& staged, TuneReport& report) {
   const TuneAnswer& answer = report.result.together;
   if (!answer.plan) return;
   for (const TuneSwitch& change : answer.switches)
@@ -259,7 +272,7 @@ void describe_plan(gl::Context& context, const Options& options, const scene::Ca
         time_seeds(context, request,
                    derived_seeds(report.request.seed, SeedsFor::promise, static_cast<size_t>(options.promise_seeds))));
   if (options.check_views) report.lenses = check_lenses(context, report.request, report.result, usual_lenses());
-  if (options.prove > 0 && report.promise) report.proof = prove(context, options, report, cast, request);
+  if (options.prove > 0 && report.promise) report.proof = prove(context, options, report, other, request);
 }
 
 TuneReport measure(const Options& options, metrics::ScoreTable table) {
@@ -275,9 +288,12 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
     report.bounds.emplace_back(bank.bounds_max() - bank.bounds_min());
     report.request.subjects.push_back(subject);
   }
+  const std::optional<OtherCast> other = other_cast(options, chosen.scenario);
   const auto context = open_context(options.scene.device);
   progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
+  if (options.prove > 0 && staged.crowd.size() == 0)
+    throw Error("--prove", "the crowd has no agents, so that no speed is promised", "give some with --agents");
   report.request.cost.fov_y = staged.camera.fov_y;
   report.renderer = context->renderer();
   report.crowd = static_cast<uint32_t>(staged.crowd.size());
@@ -297,7 +313,12 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
     };
   report.result = tune(*context, report.request);
   report.request.frame_ns = {};
-  describe_plan(*context, options, cast, staged, report);
+  // What was tuned is told even where what was asked of it then cannot be.
+  try {
+    describe_plan(*context, options, cast, other ? &*other : nullptr, staged, report);
+  } catch (const Error& e) {
+    report.failed = e;
+  }
   return report;
 }
 
@@ -307,6 +328,7 @@ int run_tune(const Options& options, metrics::ScoreTable table) {
     fmt::print("{}\n", tune_json(report).dump(2));
   else
     print_tune(report);
+  if (report.failed) throw Error(*report.failed);
   return report.result.together.plan && (!report.proof || report.proof->holds()) ? 0 : 1;
 }
 
@@ -360,7 +382,7 @@ void add_tune(Command& app, Run& run) {
       "and\n"
       "scored against the reference: a candidate is allowed where the bad end's 5 % keeps the threshold at the bad end "
       "of\n"
-      "its bootstrap interval. A change from one to another must keep the pop threshold where it happens. Of all that "
+      "its 95 % interval. A change from one to another must keep the pop threshold where it happens. Of all that "
       "is\n"
       "allowed the cheapest is taken, for the scenario's agents and camera; with --budget-ms, of all sets that take "
       "no\n"

@@ -6,7 +6,9 @@
 namespace crowdbench::bench {
 namespace {
 
-Json interval_json(const Interval& interval) { return {{"low", interval.low}, {"high", interval.high}}; }
+Json interval_json(const Interval& interval) {
+  return {{"low", json_number(interval.low)}, {"high", json_number(interval.high)}};
+}
 
 Json candidate_json(const TuneReport& report, const TuneMeasured& measured, size_t c) {
   Json out = {{"representation", candidate_name(report, c)},
@@ -131,18 +133,21 @@ Json proof_json(const TuneReport& report) {
 Json lenses_json(const TuneReport& report) {
   if (!report.lenses) return nullptr;
   Json out = Json::array();
-  for (const TuneLensCheck& one : *report.lenses)
+  for (const TuneLensCheck& one : *report.lenses) {
+    const auto number = [&](double value) { return one.skipped ? Json(nullptr) : json_number(value); };
     out.push_back({{"subject", one.subject},
                    {"rows", one.lens.rows},
                    {"fov_y_deg", one.lens.fov_y_deg},
                    {"representation", candidate_name(report, one.candidate)},
                    {"height_px", report.request.heights_px[one.bin]},
+                   {"skipped", one.skipped},
                    {"views", one.views},
-                   {"worst_5_percent", json_number(one.tail)},
-                   {"mean_difference", json_number(one.mean_difference)},
-                   {"largest_difference", json_number(one.largest_difference)},
+                   {"worst_5_percent", number(one.tail)},
+                   {"mean_difference", number(one.mean_difference)},
+                   {"largest_difference", number(one.largest_difference)},
                    {"worse_than_promised", one.worse},
-                   {"holds", one.holds}});
+                   {"holds", one.skipped ? Json(nullptr) : Json(one.holds)}});
+  }
   return out;
 }
 

@@ -102,20 +102,24 @@ void print_noise(const TuneReport& report, size_t subject) {
 void print_lenses(const TuneReport& report) {
   const metrics::Score& score = *report.request.error.score;
   size_t broken = 0;
+  size_t skipped = 0;
   for (const TuneLensCheck& one : *report.lenses) {
-    if (one.holds) continue;
+    skipped += one.skipped;
+    if (one.holds || one.skipped) continue;
     ++broken;
     fmt::print("NOT through {:g} degrees on {} rows: {} at {:.1f} pixels, {} of {} views are worse than promised\n",
                one.lens.fov_y_deg, one.lens.rows, candidate_name(report, one.candidate),
                report.request.heights_px[one.bin], one.worse, one.views);
   }
-  double largest = 0;
+  double largest = 0;  // of skipped ones 0
   for (const TuneLensCheck& one : *report.lenses) largest = std::max(largest, std::abs(one.mean_difference));
   fmt::print(
       "the rule in pixels holds in {} of {} checks (rows and lenses, at the same pixels per degree); {} differs by "
       "{:.{}f} "
       "on average at most\n",
-      report.lenses->size() - broken, report.lenses->size(), score.title, largest, score.digits);
+      report.lenses->size() - skipped - broken, report.lenses->size() - skipped, score.title, largest, score.digits);
+  if (skipped > 0)
+    fmt::print("  {} further checks were skipped: their figures are taller than so many rows show whole\n", skipped);
 }
 
 void print_proof(const TuneReport& report) {
@@ -175,7 +179,7 @@ std::string no_plan_text(const TuneReport& report, const TuneAnswer& answer) {
     std::string text = fmt::format("nothing fits in {:g} ms: ", 1e-6 * report.request.budget_ns);
     if (!std::isfinite(budget.cheapest_ns)) return text + "no chain of switches keeps the pop threshold";
     text += fmt::format("the cheapest set takes {:.2f} ms for {} agents, {:.2f} of them without any agent",
-                        1e-6 * budget.cheapest_ns, report.crowd, 1e-6 * budget.base_ns);
+                        1e-6 * budget.factor * budget.cheapest_ns, report.crowd, 1e-6 * budget.factor * budget.base_ns);
     if (budget.measured_ns)
       text += fmt::format("; as a crowd a frame takes {:.2f} times its agents' costs", budget.factor);
     return text;
@@ -191,10 +195,7 @@ void print_tune(const TuneReport& report) {
   const TuneAnswer& answer = result.together;
   if (report.proof && !report.proof->holds()) fmt::print("the promise below does NOT hold on unseen crowds\n");
   for (size_t s = 0; s < result.subjects.size(); ++s) {
-    const TuneBlocks& blocks = report.request.blocks;
-    const size_t views = blocks.azimuths_deg.empty()
-                             ? blocks.views
-                             : blocks.azimuths_deg.size() * blocks.elevations_deg.size() * blocks.moments;
+    const size_t views = result.subjects[s].views;
     fmt::print("{}: {} at the bad end's 5 % of {} views and moments, threshold {:g}; {} of one more agent; {}x{}\n",
                printable(report.request.subjects[s].character->name), report.request.error.score->title, views,
                report.request.error.value, result.subjects[s].costs.clock, report.request.cost.width,

@@ -8,6 +8,7 @@
 #include "bench/experiments/tune.h"
 #include "bench/experiments/tune_proof.h"
 #include "bench/experiments/tune_views.h"
+#include "core/error.h"
 #include "core/json.h"
 
 namespace crowdbench::bench {
@@ -30,6 +31,7 @@ struct TuneReport {
   std::optional<SpeedPromise> promise;
   std::optional<std::vector<TuneLensCheck>> lenses;
   std::optional<TuneProof> proof;
+  std::optional<Error> failed;  // of what comes after the tuning: predictions, promise, lenses or proof
 };
 
 // ---- what both forms say

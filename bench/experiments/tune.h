@@ -40,7 +40,7 @@ struct TuneBlocks {
   std::vector<double> azimuths_deg, elevations_deg;  // both or neither
   double lowest_deg = 0, highest_deg = 20;           // elevations, without the lists
   size_t views = 72;                                 // at least 72 bound a tail of 5 % with 97.5 % confidence
-  size_t moments = 12;                               // of the clip
+  size_t moments = 12;                               // of the clip; of a shorter one all its samples
 };
 
 struct TuneRequest {
@@ -53,7 +53,8 @@ struct TuneRequest {
   // Nanoseconds that a frame may take: then the least error within it, whatever the threshold; 0: the least time.
   double budget_ns = 0;
   // With a budget: what a frame of a representation takes in the scenario itself, where agents hide each other and the
-  // picture's edges cut them. Plans are sought until one keeps the budget there; without it the table's costs decide.
+  // picture's edges cut them. Plans of all characters are sought until one keeps the budget there; without it, and of
+  // one character among several, the table's costs decide.
   std::function<double(const renderers::Spec&)> frame_ns;
   int fade = 0;  // ticks of the cross-fade whose worst step is judged as the pop; 0: a cut
   metrics::ChosenDisplay display;
@@ -80,6 +81,7 @@ struct TunePop {
 
 // What was measured of one character.
 struct TuneMeasured {
+  size_t views = 0;                            // directions and moments, each drawn at every height
   std::vector<std::string> refused;            // by candidate: why it was not measured; empty where it was
   std::vector<std::vector<TuneError>> errors;  // by candidate, then by height
   std::vector<double> cost_heights_px;         // falling

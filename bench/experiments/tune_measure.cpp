@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "bench/experiments/pop_map.h"
 #include "bench/experiments/score_rows.h"
@@ -16,6 +17,7 @@ namespace {
 
 enum Purpose : uint64_t { kDrawBlock = 1, kDrawRound, kFirstDirection, kFirstElevation };
 constexpr double kBeyond = 1e30;  // for infinite values: quantiles need numbers
+constexpr double kFinite = 1e20;  // no finite value is beyond; means and quantiles with an infinite one are
 // Within its share of the clip a moment lies here, so that stored frames, which begin at 0, seldom lie there too.
 constexpr double kWithinMoment = 0.381966;
 constexpr size_t kPopViews = 24;  // a switch is judged in no more of the blocks
@@ -43,6 +45,7 @@ double badness_of(const metrics::Score& score, double value) {
   return std::clamp(turned, -kBeyond, kBeyond);
 }
 double value_of_badness(const metrics::Score& score, double badness) {
+  if (std::abs(badness) > kFinite) badness = std::copysign(std::numeric_limits<double>::infinity(), badness);
   return score.direction == metrics::Direction::higher_is_better ? -badness : badness;
 }
 double badness_tail(std::span<const double> badnesses) { return quantile(badnesses, 0.95); }
@@ -79,13 +82,15 @@ double Moments::time(double place) const {
 std::vector<QualityView> tune_views(const TuneBlocks& blocks, const TuneSubject& subject, uint64_t seed) {
   std::vector<QualityView> out;
   const Moments moments(subject);
+  // More than the clip has samples would be the same pictures again.
+  const size_t times = std::min(blocks.moments, moments.count());
   const auto add = [&](double azimuth, double elevation, size_t moment) {
-    const double place = (static_cast<double>(moment) + kWithinMoment) / static_cast<double>(blocks.moments);
+    const double place = (static_cast<double>(moment) + kWithinMoment) / static_cast<double>(times);
     out.push_back({0, azimuth, elevation, subject.clip, moments.time(place)});
   };
   for (const double elevation : blocks.elevations_deg)
     for (const double azimuth : blocks.azimuths_deg)
-      for (size_t m = 0; m < blocks.moments; ++m) add(azimuth, elevation, m);
+      for (size_t m = 0; m < times; ++m) add(azimuth, elevation, m);
   if (!out.empty()) return out;
   // Additive recurrences by the powers of the plastic number's inverse: even in both, at no stored view's places.
   // Based on: M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018 (R2).
@@ -96,7 +101,7 @@ std::vector<QualityView> tune_views(const TuneBlocks& blocks, const TuneSubject&
     const auto n = static_cast<double>(i);
     const double across = fraction(second + n / (kPlastic * kPlastic));
     add(360 * fraction(first + n / kPlastic), blocks.lowest_deg + across * (blocks.highest_deg - blocks.lowest_deg),
-        i % blocks.moments);
+        i % times);
   }
   return out;
 }
@@ -106,6 +111,7 @@ TuneMeasurement::TuneMeasurement(gl::Context& context, const TuneRequest& reques
       request_(request),
       subject_(request.subjects[subject]),
       blocks_(tune_views(request.blocks, request.subjects[subject], request.seed)) {
+  measured_.views = blocks_.size();
   measure_errors();
   measure_costs();
   measured_.table = table_of(measured_.costs.costs);

@@ -10,7 +10,8 @@
 
 namespace crowdbench::bench {
 
-// A score's value turned so that more is worse, infinite ones made large numbers; and back.
+// A score's value turned so that more is worse, infinite ones made large numbers; and back, where means
+// and quantiles that an infinite value is part of are infinite.
 double badness_of(const metrics::Score& score, double value);
 double value_of_badness(const metrics::Score& score, double badness);
 double badness_tail(std::span<const double> badnesses);  // the 95th percentile
@@ -28,13 +29,14 @@ class Moments {
  public:
   explicit Moments(const TuneSubject& subject);
   double time(double place) const;  // of the file, seconds; place: of the clip, [0, 1)
+  size_t count() const { return count_; }
 
  private:
   double start_ = 0, step_ = 0;
   size_t count_ = 1;
 };
 
-// The directions and moments of a request, at no height yet.
+// The directions and moments of a request, at no height yet; no more moments than the clip has samples.
 std::vector<QualityView> tune_views(const TuneBlocks& blocks, const TuneSubject& subject, uint64_t seed);
 
 class TuneMeasurement {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "bench/experiments/tune_measure.h"
 #include "bench/stage/stage.h"
@@ -17,7 +18,16 @@
 namespace crowdbench::bench {
 namespace {
 
-enum ProofPurpose : uint64_t { kPromiseSeed = 101, kProofSeed, kAzimuth, kElevation, kMoment, kTime };
+enum ProofPurpose : uint64_t {
+  kPromiseSeed = 101,
+  kProofSeed,
+  kAzimuth,
+  kElevation,
+  kMoment,
+  kTime,
+  kPromisedRadius,
+  kPromisedAngle
+};
 
 // Unseen figures: everything drawn at random, heights in even steps so that every bin has its part.
 std::vector<QualityView> unseen_views(const TuneRequest& request, const TuneSubject& subject, size_t views,
@@ -75,6 +85,18 @@ SeedTimes times_of(gl::Context& context, const TuneProofRequest& request, uint64
   return out;
 }
 
+// Half of a prediction interval from so many values, in their standard deviations.
+double interval_reach(size_t values) {
+  const auto n = static_cast<double>(values);
+  return student_t_quantile(0.975, n - 1) * std::sqrt(1 + 1 / n);
+}
+
+// Based on: G. E. P. Box and M. E. Muller, "A note on the generation of random normal deviates", 1958.
+double random_normal(uint64_t index) {
+  const double radius = std::sqrt(-2 * std::log(1 - random_unit(1, index, kPromisedRadius)));
+  return radius * std::cos(2 * std::numbers::pi * random_unit(1, index, kPromisedAngle));
+}
+
 }  // namespace
 
 std::vector<uint64_t> derived_seeds(uint64_t seed, SeedsFor purpose, size_t count) {
@@ -110,7 +132,7 @@ SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
     squares += (std::log(one.ratio) - mean) * (std::log(one.ratio) - mean);
     plans.push_back(one.plan_ns);
   }
-  const double half = student_t_quantile(0.975, n - 1) * std::sqrt(squares / (n - 1) * (1 + 1 / n));
+  const double half = interval_reach(seeds.size()) * std::sqrt(squares / (n - 1));
   SpeedPromise out;
   out.seeds = std::move(seeds);
   out.ratio = std::exp(mean);
@@ -119,12 +141,34 @@ SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
   return out;
 }
 
+double chance_of_so_few(size_t within, size_t unseen, size_t promised) {
+  assert(promised >= 2);
+  constexpr size_t kPromises = 10'000;
+  const double reach = interval_reach(promised);
+  const auto n = static_cast<double>(promised);
+  double chance = 0;
+  for (size_t i = 0; i < kPromises; ++i) {
+    double sum = 0;
+    double squares = 0;
+    for (size_t k = 0; k < promised; ++k) {
+      const double value = random_normal(i * promised + k);
+      sum += value;
+      squares += value * value;
+    }
+    const double mean = sum / n;
+    const double half = reach * std::sqrt(std::max(0.0, squares - sum * mean) / (n - 1));
+    // Given the interval the unseen ones are independent.
+    chance += binomial_at_most(within, unseen, normal_cdf(mean + half) - normal_cdf(mean - half));
+  }
+  return chance / kPromises;
+}
+
 SpeedProof prove_speed(const SpeedPromise& promise, std::vector<SeedTimes> unseen) {
   SpeedProof out;
   out.seeds = std::move(unseen);
   for (const SeedTimes& one : out.seeds)
     if (one.ratio >= promise.on_another_seed.low && one.ratio <= promise.on_another_seed.high) ++out.within;
-  out.holds = binomial_at_most(out.within, out.seeds.size(), 0.95) >= 0.025;
+  out.holds = chance_of_so_few(out.within, out.seeds.size(), promise.seeds.size()) >= 0.025;
   return out;
 }
 

@@ -68,6 +68,10 @@ std::vector<TuneLensCheck> check_lenses(gl::Context& context, const TuneRequest&
         setup.character = request.subjects[s].character;
         setup.representations = {request.candidates[candidate].text()};
         setup.rows = lens.rows;
+        if (quality_size(setup, request.heights_px[bin]).height != lens.rows) {
+          out.push_back({.subject = s, .lens = lens, .bin = bin, .candidate = candidate, .skipped = true});
+          continue;
+        }
         setup.antialiasing = request.cost.antialiasing;
         setup.bake_budget = request.cost.bake_budget;
         setup.use_cache = request.cost.use_cache;

@@ -3,7 +3,8 @@
 //
 // Of every bin from which a representation other than the reference draws on, figures of the bin's height are drawn in
 // the middle of pictures of each size and lens, from directions and moments of the tuning. Pixels per degree stay those
-// of the tuning's display: at more of them less is seen, not more.
+// of the tuning's display: at more of them less is seen, not more. A figure that needs more rows than a picture
+// has is not drawn there.
 #pragma once
 #include <vector>
 
@@ -22,6 +23,7 @@ struct TuneLensCheck {
   size_t subject = 0;
   TuneLens lens;
   size_t bin = 0, candidate = 0;
+  bool skipped = false;  // the figure is too tall for the lens's rows: nothing was drawn, what follows says nothing
   size_t views = 0;
   double tail = 0;                // the bad end's 5 % there
   double mean_difference = 0;     // there less at the tuning's own lens, same directions and moments

@@ -1,34 +1,26 @@
 #include "bench/sweep/character_files.h"
 
-#include <regex>
+#include <string_view>
 #include <vector>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "core/hash.h"
 #include "scene/cast/open_character.h"
+#include "scene/gltf/gltf_files.h"
 
 namespace crowdbench::bench::sweep {
 namespace {
 
-// "missing" where it cannot be read: loading it says why, later and better.
+// Stands for a file that cannot be read: loading it says why, later and better.
+constexpr std::string_view kMissing = "missing";
+
 std::vector<uint8_t> contents_of(const std::filesystem::path& file) {
   try {
     return read_file(file);
   } catch (const Error&) {
-    const std::string missing = "missing";
-    return {missing.begin(), missing.end()};
+    return {kMissing.begin(), kMissing.end()};
   }
-}
-
-// What a glTF file in JSON names beside itself; data that it holds itself is left out.
-std::vector<std::string> files_named_by(const std::vector<uint8_t>& gltf) {
-  static const std::regex uri(R"re("uri"\s*:\s*"([^"]{1,400})")re");
-  const std::string text(gltf.begin(), gltf.end());
-  std::vector<std::string> out;
-  for (auto match = std::sregex_iterator(text.begin(), text.end(), uri); match != std::sregex_iterator(); ++match)
-    if (const std::string name = (*match)[1]; !name.starts_with("data:")) out.push_back(name);
-  return out;
 }
 
 }  // namespace
@@ -40,9 +32,13 @@ const std::string& CharacterFiles::hash(const std::string& source) {
   const std::vector<uint8_t> bytes = contents_of(file);
   Sha256 digest;
   digest.values(bytes);
-  if (file.extension() == ".gltf")
-    for (const std::string& name : files_named_by(bytes))
-      digest.text(name).values(contents_of(file.parent_path() / name));
+  scene::each_gltf_file(bytes, file.parent_path(), [&](const std::string& uri, const auto& beside) {
+    digest.text(uri);
+    if (beside)
+      digest.values(*beside);
+    else
+      digest.text(kMissing);
+  });
   return found->second = digest.hex();
 }
 

@@ -15,7 +15,8 @@ class CharacterFiles {
   // folder: that the scenario's paths are relative to.
   explicit CharacterFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
   // Of the contents of every character's file and its files of animations, and of the buffers and pictures that a glTF
-  // file names; a file that cannot be read counts as missing. Empty where all characters are built in.
+  // file (.gltf or .glb) names in its folder; a file that cannot be read counts as missing. Empty where all characters
+  // are built in.
   std::string fingerprint(const scene::Scenario& scenario);
 
  private:

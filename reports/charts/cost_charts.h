@@ -15,10 +15,10 @@ std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& m
 // Which representation is the cheapest over agents and occupancy, pale where it cannot be told from another; where only
 // one occupancy was measured a single row. Empty text without a map.
 std::string cheapest_chart(const Scene& scene, const BreakEvenMap& map);
-// Error against time over the reference's, sized by bytes; what is beaten is hollow. Empty text without errors.
+// Error against time over the reference's, sized by bytes; what is beaten is pale. Empty text without errors.
 std::string front_chart(const Scene& scene, const ParetoFront& front);
 
-// The rows whose raw samples are plotted: of the largest crowd of an occupancy that two at least were timed with.
+// The rows whose raw samples are plotted: of the largest crowd of an occupancy that at least two were timed with.
 std::vector<const MeasurementRow*> sampled_rows(const Scene& scene, double occupancy);
 // Every timed frame in the order drawn; a budget of 60 frames a second as a line where it is near.
 std::string samples_chart(const Scene& scene, const std::vector<const MeasurementRow*>& rows);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "reports/exports/markdown_cell.h"
 #include "reports/model/cost_text.h"
 #include "reports/model/number_text.h"
@@ -24,7 +26,7 @@ Json model_json(const CostModel& model) {
                              {"measured_ns", one.point.time_ns},
                              {"predicted_ns", one.predicted_ns}});
   const bool none = !model.absent.empty();
-  out["held_out_error"] = none ? Json(nullptr) : Json(model.fit.held_out);
+  out["held_out_error"] = none ? Json(nullptr) : Json(model.error);
   out["within_15_percent"] = none ? Json(nullptr) : Json(model.within_15);
   out["within_share"] =
       none ? Json(nullptr) : Json({{"low", model.within_share.low}, {"high", model.within_share.high}});
@@ -32,8 +34,11 @@ Json model_json(const CostModel& model) {
 }
 
 Json pair_json(const BreakEven& pair) {
-  Json out = {
-      {"first", pair.first}, {"second", pair.second}, {"ratio_factor", pair.ratio_factor}, {"contour", Json::array()}};
+  Json out = {{"first", pair.first},
+              {"second", pair.second},
+              {"ratio_bias", pair.ratio_bias},
+              {"ratio_factor", pair.ratio_factor},
+              {"contour", Json::array()}};
   for (const BreakEvenPoint& point : pair.contour)
     out["contour"].push_back(
         {{"occupancy", point.occupancy},
@@ -112,7 +117,9 @@ Json cost_json(const Scene& scene) {
 }
 
 std::string cost_markdown(const Scene& scene) {
-  if (scene.rows.empty()) return {};
+  if (std::all_of(scene.representations.begin(), scene.representations.end(),
+                  [&](const std::string& name) { return cost_points(scene, name).empty(); }))
+    return {};
   std::vector<CostModel> models;
   for (const std::string& name : scene.representations) models.push_back(cost_model(scene, name));
   std::string out = fmt::format("\n## Cost model: {}, {} × {}, {}\n\n", markdown_cell(scene.character), scene.width,
@@ -121,7 +128,7 @@ std::string cost_markdown(const Scene& scene) {
   const BreakEvenMap map = break_even_map(scene);
   if (const auto sentences = break_even_sentences(scene, map); !sentences.empty()) {
     out += "\n## Break-even\n\n";
-    for (const std::string& sentence : sentences) out += "- " + sentence + "\n";
+    for (const std::string& sentence : sentences) out += "- " + markdown_cell(sentence) + "\n";
   }
   const std::vector<ParetoFront> fronts = pareto_fronts(scene);
   if (!fronts.empty()) out += "\n## Time, bytes and error\n";

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 
 #include "core/probability.h"
 #include "reports/model/number_text.h"
@@ -15,27 +17,39 @@ constexpr size_t kAgentSteps = 60;  // of a contour
 constexpr size_t kCellSteps = 13;   // of the map
 constexpr size_t kOccupancySteps = 7;
 
-// The ranges that were measured.
+// The ranges in which every one of some models was measured.
 struct Measured {
-  double least_agents = 1, most_agents = 1;
-  std::vector<double> occupancies;
+  double least_agents = 1, most_agents = 0;  // none where the most is below the least
+  std::vector<double> occupancies;           // 0: the scenario's own view
 };
-Measured measured_range(const Scene& scene) {
+Measured measured_range(const std::vector<const CostModel*>& models) {
   Measured out;
-  for (const uint32_t agents : scene.agents)
-    if (agents > 0) {
-      out.least_agents = agents;
-      break;
+  out.most_agents = INFINITY;
+  double low = 0;
+  double high = INFINITY;
+  bool own_view = true;
+  for (const CostModel* model : models) {
+    double least = INFINITY, most = 0, lowest = INFINITY, highest = 0;
+    bool seen = false;
+    for (const CostPrediction& one : model->held_out) {
+      if (one.point.agents > 0) least = std::min<double>(least, one.point.agents);
+      most = std::max<double>(most, one.point.agents);
+      if (one.point.occupancy > 0) lowest = std::min(lowest, one.point.occupancy);
+      highest = std::max(highest, one.point.occupancy);
+      seen = seen || one.point.occupancy == 0;
     }
-  out.most_agents = std::max<double>(out.least_agents, scene.agents.empty() ? 1 : scene.agents.back());
-  if (scene.occupancies.size() < 2) {
-    out.occupancies = scene.occupancies;
-    return out;
+    out.least_agents = std::max(out.least_agents, least);
+    out.most_agents = std::min(out.most_agents, most);
+    low = std::max(low, lowest);
+    high = std::min(high, highest);
+    own_view = own_view && seen;
   }
-  const double low = scene.occupancies.front();
-  const double high = scene.occupancies.back();
-  for (size_t i = 0; i < kOccupancySteps; ++i)
-    out.occupancies.push_back(low + (high - low) * static_cast<double>(i) / (kOccupancySteps - 1));
+  if (out.most_agents < out.least_agents) return out;
+  if (own_view) out.occupancies.push_back(0);
+  if (low == high) out.occupancies.push_back(low);
+  if (low < high)
+    for (size_t i = 0; i < kOccupancySteps; ++i)
+      out.occupancies.push_back(low + (high - low) * static_cast<double>(i) / (kOccupancySteps - 1));
   return out;
 }
 
@@ -54,20 +68,22 @@ std::vector<double> whole(std::vector<double> values) {
   return values;
 }
 
-// The covered pixels of an occupancy; where the camera is the scenario's own (0) what was covered there, by agents.
+// The covered pixels of an occupancy; where the camera is the scenario's own (0) what was covered there, straight in
+// logarithms between the neighbouring crowds.
 double covered_px(const Scene& scene, const CostModel& model, double agents, double occupancy) {
   if (occupancy > 0) return occupancy * scene.width * scene.height;
-  double nearest = 0;
-  double distance = INFINITY;
-  for (const CostPrediction& one : model.held_out) {
-    const auto& covered = one.point.counts[static_cast<size_t>(CostTerm::covered)];
-    const double away = std::abs(std::log(std::max<double>(one.point.agents, 1) / agents));
-    if (covered && one.point.occupancy == occupancy && away < distance) {
-      distance = away;
-      nearest = *covered;
-    }
-  }
-  return nearest;
+  std::map<double, double> covered;  // by agents
+  for (const CostPrediction& one : model.held_out)
+    if (const auto& count = one.point.counts[static_cast<size_t>(CostTerm::covered)];
+        count && one.point.occupancy == occupancy && one.point.agents > 0)
+      covered[one.point.agents] = std::max(*count, 1.0);
+  if (covered.empty()) return 0;
+  const auto above = covered.lower_bound(agents);
+  if (above == covered.end()) return covered.rbegin()->second;
+  if (above == covered.begin() || above->first == agents) return above->second;
+  const auto below = std::prev(above);
+  const double along = std::log(agents / below->first) / std::log(above->first / below->first);
+  return below->second * std::pow(above->second / below->second, along);
 }
 
 double time_at(const Scene& scene, const CostModel& model, double agents, double occupancy) {
@@ -139,7 +155,6 @@ BreakEvenMap break_even_map(const Scene& scene) {
   std::vector<const CostModel*> known;
   for (const CostModel& model : map.models)
     if (model.absent.empty()) known.push_back(&model);
-  const Measured range = measured_range(scene);
   std::vector<std::vector<Spread>> spreads(known.size(), std::vector<Spread>(known.size()));
   for (size_t i = 0; i < known.size(); ++i)
     for (size_t j = 0; j < known.size(); ++j)
@@ -147,18 +162,27 @@ BreakEvenMap break_even_map(const Scene& scene) {
   for (size_t i = 0; i < known.size(); ++i)
     for (size_t j = i + 1; j < known.size(); ++j) {
       if (!std::isfinite(spreads[i][j].half)) continue;
-      BreakEven pair{known[i]->representation, known[j]->representation, std::exp(spreads[i][j].half), {}};
+      const Measured range = measured_range({known[i], known[j]});
+      if (range.occupancies.empty()) continue;
+      BreakEven pair;
+      pair.first = known[i]->representation;
+      pair.second = known[j]->representation;
+      pair.ratio_bias = std::exp(spreads[i][j].bias);
+      pair.ratio_factor = std::exp(spreads[i][j].half);
+      pair.from = static_cast<uint32_t>(range.least_agents);
+      pair.to = static_cast<uint32_t>(range.most_agents);
       for (const double occupancy : range.occupancies)
         pair.contour.push_back(contour_point(scene, *known[i], *known[j], spreads[i][j], range, occupancy));
       map.pairs.push_back(std::move(pair));
     }
   if (known.size() < 2) return map;
+  const Measured range = measured_range(known);
   for (const double occupancy : range.occupancies)
     for (const double agents : whole(even_in_log(range.least_agents, range.most_agents, kCellSteps))) {
       const auto time = [&](size_t k) { return time_at(scene, *known[k], agents, occupancy); };
       size_t best = 0;
       for (size_t k = 1; k < known.size(); ++k)
-        if (time(k) < time(best)) best = k;
+        if (std::log(time(k) / time(best)) + spreads[k][best].bias < 0) best = k;
       CheapestCell cell{agents, occupancy, known[best]->representation, {}};
       for (size_t k = 0; k < known.size(); ++k) {
         if (k == best) continue;
@@ -171,23 +195,23 @@ BreakEvenMap break_even_map(const Scene& scene) {
   return map;
 }
 
-std::string break_even_text(const BreakEven& pair, const BreakEvenPoint& point, uint32_t from, uint32_t to) {
+std::string break_even_text(const BreakEven& pair, const BreakEvenPoint& point) {
   const std::string at = point.occupancy > 0 ? " at " + percent_text(point.occupancy) + " occupancy"
                                              : std::string(" in the scenario's own view");
   const auto count = [](double agents) { return count_text(static_cast<uint64_t>(std::llround(agents))); };
+  const std::string from = count_text(pair.from);
+  const std::string to = agents_text(pair.to);
   if (!point.agents) {
     const std::string& cheaper = point.cheaper_below.empty() ? point.cheaper_beyond : point.cheaper_below;
     if (cheaper.empty() || (!point.cheaper_beyond.empty() && point.cheaper_beyond != cheaper))
-      return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, count_text(from),
-                         agents_text(to), at);
+      return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, from, to, at);
     const bool everywhere = point.cheaper_below == point.cheaper_beyond;
     return fmt::format("{} is cheaper than {} {}from {} to {}{}", cheaper,
                        cheaper == pair.first ? pair.second : pair.first,
-                       everywhere ? "" : "wherever they can be told apart ", count_text(from), agents_text(to), at);
+                       everywhere ? "" : "wherever they can be told apart ", from, to, at);
   }
   if (point.low_open && point.high_open)
-    return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, count_text(from),
-                       agents_text(to), at);
+    return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, from, to, at);
   const std::string beyond = !point.cheaper_beyond.empty()       ? point.cheaper_beyond
                              : point.cheaper_below == pair.first ? pair.second
                                                                  : pair.first;

@@ -3,7 +3,8 @@
 //
 // The models are of what is known before a frame is drawn (agents, covered pixels). How sure a ratio of two predictions
 // is comes from the ratios that both predict without having seen them: its 95 % prediction interval, of logarithms,
-// normal with an unknown deviation (Student's t). Nothing is said outside of what was measured.
+// normal with an unknown deviation (Student's t). Nothing is said of a pair outside of what
+// both were measured at, nor on the map outside of what all were.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -24,7 +25,9 @@ struct BreakEvenPoint {
 };
 struct BreakEven {
   std::string first, second;
-  double ratio_factor = 1;              // a predicted ratio times or over this holds the measured one, 95 %
+  double ratio_bias = 1;                // a measured ratio over the predicted one, in the geometric mean
+  double ratio_factor = 1;              // a predicted ratio times the bias, times or over this: 95 % of measured ones
+  uint32_t from = 0, to = 0;            // agents with which both were measured
   std::vector<BreakEvenPoint> contour;  // by occupancy
 };
 struct CheapestCell {
@@ -40,6 +43,6 @@ struct BreakEvenMap {
 BreakEvenMap break_even_map(const Scene& scene);
 
 // "flat is the cheaper one from about 120 agents on (80 to 190) at 15 % occupancy".
-std::string break_even_text(const BreakEven& pair, const BreakEvenPoint& point, uint32_t from, uint32_t to);
+std::string break_even_text(const BreakEven& pair, const BreakEvenPoint& point);
 
 }  // namespace crowdbench::reports

@@ -208,6 +208,12 @@ CostModel cost_model(const Scene& scene, const std::string& representation, size
   }
   model.fit = *fit;
   const auto n = static_cast<double>(points.size());
+  double squares = 0;
+  for (const CostPrediction& one : model.held_out) {
+    const double error = one.predicted_ns / one.point.time_ns - 1;
+    squares += error * error;
+  }
+  model.error = std::sqrt(squares / n);
   const auto k = static_cast<double>(model.within_15);
   model.within_share = {k > 0 ? beta_quantile(0.025, k, n - k + 1) : 0, k < n ? beta_quantile(0.975, k + 1, n - k) : 1};
   return model;

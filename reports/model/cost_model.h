@@ -44,7 +44,7 @@ struct CostCoefficient {
 
 struct CostFit {
   std::vector<CostCoefficient> terms;
-  double held_out = 0;  // root mean square of the relative errors of leaving one out
+  double held_out = 0;  // root mean square of the relative errors of leaving one out, by which the terms were chosen
 };
 // Of terms that every point counts, the first `allowed` ones. Nothing with fewer than four points.
 std::optional<CostFit> fit_cost(const std::vector<CostPoint>& points, size_t allowed = kCostTerms);
@@ -60,6 +60,7 @@ struct CostModel {
   std::string absent;  // why there is none; empty where there is
   CostFit fit;         // of all points
   std::vector<CostPrediction> held_out;
+  double error = 0;       // root mean square of the relative errors of held_out
   size_t within_15 = 0;   // predictions within 15 % of what was measured
   Interval within_share;  // 95 %, Clopper and Pearson
 };

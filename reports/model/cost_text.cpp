@@ -20,25 +20,14 @@ std::string formula_text(const CostFit& fit) {
 std::string accuracy_text(const CostModel& model) {
   return fmt::format("{} of {} within 15 % (95 % interval of the share {} to {}); error {:.1f} %", model.within_15,
                      model.held_out.size(), percent_text(model.within_share.low), percent_text(model.within_share.high),
-                     100 * model.fit.held_out);
-}
-
-std::string verdict_text(const CostModel& model) {
-  if (!model.absent.empty()) return fmt::format("{}: no model, {}", model.representation, model.absent);
-  const bool all = model.within_15 == model.held_out.size();
-  return fmt::format("{}: {}{}", model.representation, accuracy_text(model),
-                     all ? "" : "; where it is off, do not read it for more than its trend");
+                     100 * model.error);
 }
 
 std::vector<std::string> break_even_sentences(const Scene& scene, const BreakEvenMap& map) {
   std::vector<std::string> out;
-  uint32_t from = 0;
-  for (const uint32_t agents : scene.agents)
-    if (from == 0 && agents > 0) from = agents;
   for (const BreakEven& pair : map.pairs)
     if (pair.first == scene.reference)
-      for (const BreakEvenPoint& point : pair.contour)
-        out.push_back(break_even_text(pair, point, from, scene.agents.back()));
+      for (const BreakEvenPoint& point : pair.contour) out.push_back(break_even_text(pair, point));
   return out;
 }
 

@@ -13,8 +13,6 @@ namespace crowdbench::reports {
 std::string formula_text(const CostFit& fit);
 // "11 of 12 within 15 % (95 % interval of the share 62 % to 100 %); error 6.1 %": of points that were not fitted.
 std::string accuracy_text(const CostModel& model);
-// The same with the name in front; without a model why there is none.
-std::string verdict_text(const CostModel& model);
 // Every pair with the reference, a sentence an occupancy that was measured or lies between.
 std::vector<std::string> break_even_sentences(const Scene& scene, const BreakEvenMap& map);
 // "0.42 (0.40 to 0.44)": time over the reference's.

@@ -41,6 +41,7 @@ DistanceSeries series_of(const StoreContents& contents, const CurveRow& curve) {
   series.representation = curve.representation;
   for (const CurveBinRow& bin : curve.bins) series.bins.push_back({bin.x, bin.median, bin.low, bin.high, bin.agents});
   if (curve.against == kAxes[0].name) series.points = points_of(contents, curve);
+  if (curve.bins.empty()) return series;
   for (const ThresholdRow& row : contents.thresholds)
     if (row.curve == curve.id) series.thresholds.push_back({row.value, threshold_text(row, curve), row.status});
   return series;

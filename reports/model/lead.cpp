@@ -8,11 +8,12 @@
 namespace crowdbench::reports {
 namespace {
 
-// Time over the reference's at the largest crowd that the file has a ratio of.
-std::string cost_of(const std::vector<Scene>& scenes, const std::string& name) {
+// Time over the reference's at the largest crowd of the character that the file has a ratio of.
+std::string cost_of(const std::vector<Scene>& scenes, const std::string& character, const std::string& name) {
   const RatioRow* best = nullptr;
   const Scene* where = nullptr;
-  for (const Scene& scene : scenes)
+  for (const Scene& scene : scenes) {
+    if (scene.character != character) continue;
     for (const double occupancy : scene.occupancies)
       for (const uint32_t agents : scene.agents) {
         const RatioRow* ratio = scene.ratio("speed", name, agents, occupancy, scene.run->headline);
@@ -20,6 +21,7 @@ std::string cost_of(const std::vector<Scene>& scenes, const std::string& name) {
         best = ratio;
         where = &scene;
       }
+  }
   if (best == nullptr) return "not timed in this file";
   return fmt::format("{:.3g} of {}’s time ({:.3g} to {:.3g}), {}", 1 / best->ratio, where->reference, 1 / best->high,
                      1 / best->low, agents_text(best->of.agents));
@@ -30,12 +32,12 @@ std::string cost_of(const std::vector<Scene>& scenes, const std::string& name) {
 Lead lead_of(const StoreContents& contents, const std::vector<Scene>& scenes, const std::vector<ScoreDoc>& docs) {
   Lead out;
   for (const CurveRow& curve : contents.curves) {
-    if (curve.against != "distance_m") continue;
+    if (curve.against != "distance_m" || curve.bins.empty()) continue;
     for (const ThresholdRow& row : contents.thresholds) {
       if (row.curve != curve.id) continue;
       const ScoreDoc doc = doc_of(docs, curve.score);
-      out.rows.push_back({curve.representation, doc.title + " " + score_text(doc, row.value),
-                          threshold_text(row, curve), cost_of(scenes, curve.representation)});
+      out.rows.push_back({curve.character, curve.representation, doc.title + " " + score_text(doc, row.value),
+                          threshold_text(row, curve), cost_of(scenes, curve.character, curve.representation)});
     }
   }
   if (out.rows.empty())

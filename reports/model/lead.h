@@ -9,6 +9,7 @@
 namespace crowdbench::reports {
 
 struct LeadRow {
+  std::string character;
   std::string representation;
   std::string score;  // "SSIM 0.9"
   std::string from;   // as threshold_text(), which has the interval

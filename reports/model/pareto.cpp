@@ -58,7 +58,8 @@ void put_errors(const Scene& scene, ParetoFront& front) {
 }
 
 bool no_worse(const ScoreDoc& doc, const std::optional<double>& a, const std::optional<double>& b) {
-  if (!a || !b) return !a && !b;  // one that was not scored neither beats nor is beaten
+  // Where some were scored, one that was not neither beats nor is beaten; where none was, time and bytes decide.
+  if (!a || !b) return doc.name.empty();
   return doc.higher_is_better ? *a >= *b : *a <= *b;
 }
 

@@ -26,7 +26,7 @@ struct ParetoFront {
   std::string scored_over;  // "single agents 64 pixels tall, mean of 12 views"; "the crowd"
   std::vector<ParetoEntry> entries;
 };
-// Of each occupancy at the largest crowd that all were timed with, else at the largest of any two.
+// Of each occupancy at the largest of the crowds that most were timed with, two at least.
 std::vector<ParetoFront> pareto_fronts(const Scene& scene);
 
 }  // namespace crowdbench::reports

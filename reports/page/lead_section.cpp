@@ -7,8 +7,11 @@ namespace crowdbench::reports {
 Html lead_section(const Lead& lead) {
   std::vector<TemplateValues> rows;
   for (const LeadRow& row : lead.rows)
-    rows.push_back(
-        {{"representation", row.representation}, {"score", row.score}, {"from", row.from}, {"cost", row.cost}});
+    rows.push_back({{"character", row.character},
+                    {"representation", row.representation},
+                    {"score", row.score},
+                    {"from", row.from},
+                    {"cost", row.cost}});
   std::vector<TemplateValues> table;
   if (!rows.empty()) table.push_back({{"rows", std::move(rows)}, {"basis", lead.basis}});
   std::vector<TemplateValues> silent;

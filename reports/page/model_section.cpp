@@ -44,7 +44,9 @@ Html model_section(SceneOnPage& page) {
   if (scene.rows.empty()) return {};
   std::vector<CostModel> models;
   for (const std::string& name : scene.representations) models.push_back(cost_model(scene, name));
-  if (std::none_of(models.begin(), models.end(), [](const CostModel& model) { return model.absent.empty(); }))
+  const std::vector<ParetoFront> found = pareto_fronts(scene);
+  if (found.empty() &&
+      std::none_of(models.begin(), models.end(), [](const CostModel& model) { return model.absent.empty(); }))
     return {};
   Rows rows;
   for (const CostModel& model : models)
@@ -59,7 +61,7 @@ Html model_section(SceneOnPage& page) {
   Rows prediction = chart_rows(page, prediction_chart(scene, models), "Predicted against measured");
   Rows cheapest = chart_rows(page, cheapest_chart(scene, map), "The cheapest one");
   Rows fronts;
-  for (const ParetoFront& front : pareto_fronts(scene)) fronts.push_back(front_values(page, front));
+  for (const ParetoFront& front : found) fronts.push_back(front_values(page, front));
   return fill_template(page_file("model.html"), {{"metric", metric_title(scene.run->headline)},
                                                  {"models", std::move(rows)},
                                                  {"prediction", std::move(prediction)},

@@ -7,9 +7,12 @@
 #include <array>
 #include <cctype>
 #include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/error.h"
 #include "core/files.h"
+#include "scene/gltf/gltf_files.h"
 
 namespace crowdbench::scene {
 namespace fs = std::filesystem;
@@ -237,6 +240,48 @@ std::vector<uint8_t> GltfSource::fetch(std::string_view uri, const std::string& 
     return bytes;
   } catch (const Error& e) {
     fail(path, fmt::format("{}: {}", shown, e.wrong), e.advice);
+  }
+}
+
+namespace {
+
+// In the order of the document, each once.
+std::vector<std::string> uris_named(std::string_view text) {
+  while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
+  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
+  std::vector<std::string> out;
+  std::set<std::string> known;
+  for (const char* kind : {"buffers", "images"}) {
+    const auto list = document.is_object() ? document.find(kind) : document.end();
+    if (list == document.end() || !list->is_array()) continue;
+    for (const nlohmann::json& one : *list) {
+      const auto uri = one.is_object() ? one.find("uri") : one.end();
+      if (uri == one.end() || !uri->is_string()) continue;
+      const auto& name = uri->get_ref<const std::string&>();
+      if (!is_data_uri(name) && known.insert(name).second) out.push_back(name);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void each_gltf_file(std::span<const uint8_t> bytes, const std::filesystem::path& folder, const GltfFileFound& found) {
+  const GltfLimits limits;
+  std::optional<GltfSource> source;
+  try {
+    source.emplace(bytes, "asset", folder.empty() ? fs::path(".") : folder, limits);
+  } catch (const Error&) {
+    return;
+  }
+  for (const std::string& uri : uris_named(source->json())) {
+    std::optional<std::vector<uint8_t>> read;
+    try {
+      read = source->fetch(uri, "uri");
+    } catch (const Error&) {
+      read = std::nullopt;
+    }
+    found(uri, read);
   }
 }
 

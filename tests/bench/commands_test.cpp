@@ -258,6 +258,9 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_EQ(j.at("promise").at("seeds").size(), 3U);
          EXPECT_EQ(j.at("proof").at("errors")[0].at("figures"), 8);
          EXPECT_EQ(j.at("proof").at("speed").at("seeds").size(), 1U);
+         const Outcome nobody = run("tune --agents 0 --prove 1" + character);
+         EXPECT_EQ(nobody.status, 2);
+         EXPECT_NE(nobody.text.find("the crowd has no agents"), std::string::npos) << nobody.text;
        }},
       {"ratio",
        [&] {

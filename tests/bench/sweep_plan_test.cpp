@@ -216,6 +216,28 @@ TEST(SweepPlan, KeysHoldWhatTheCharactersFilesHold) {
   EXPECT_NE(second, first);
   write_file(folder / "a.gltf", std::string_view(R"({"buffers": [{"uri": "a.bin"}] })"));
   EXPECT_NE(key("a.gltf"), second);
+  // By the loader's rules: names are decoded, and nothing outside of the asset's folder is looked at.
+  std::filesystem::create_directory(folder / "in");
+  write_file(folder / "in/b.gltf", std::string_view(R"({"images": [{"uri": "a%20b.png"}, {"uri": "../a.bin"}]})"));
+  write_file(folder / "in/a b.png", std::string_view("one"));
+  const std::string third = key("in/b.gltf");
+  write_file(folder / "a.bin", std::string_view("three"));
+  EXPECT_EQ(key("in/b.gltf"), third);
+  write_file(folder / "in/a b.png", std::string_view("two"));
+  EXPECT_NE(key("in/b.gltf"), third);
+  // A container's names count too, and what is long is no trouble.
+  const std::string named = R"({"images": [{"uri":)" + std::string(100'000, ' ') + R"("in/a b.png"}]})";
+  const auto little_endian = [](size_t value) {
+    std::string out;
+    for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(value >> shift & 0xFF);
+    return out;
+  };
+  const std::string padded = named + std::string((4 - named.size() % 4) % 4, ' ');
+  write_file(folder / "c.glb", std::string_view("glTF" + little_endian(2) + little_endian(20 + padded.size()) +
+                                                little_endian(padded.size()) + "JSON" + padded));
+  const std::string fourth = key("c.glb");
+  write_file(folder / "in/a b.png", std::string_view("three"));
+  EXPECT_NE(key("c.glb"), fourth);
   std::filesystem::remove(folder / "a.gltf");
   EXPECT_EQ(key("a.gltf"), key("a.gltf")) << "what is missing is said when it is loaded";
 }

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "reports/charts/distance_chart.h"
 #include "reports/model/distance_series.h"
+#include "reports/model/lead.h"
 #include "reports/page/libraries.h"
 
 namespace crowdbench::reports {
@@ -38,6 +39,57 @@ DistanceGraph graph() {
   b.bins = {{5, 10, 9, 11, 7}};
   b.thresholds = {{25, "not reached", "not_reached"}};
   return {"distance", "m", false, {a, b}};
+}
+
+StoreContents one_curve() {
+  StoreContents contents;
+  CurveRow curve;
+  curve.id = curve.run = 1;
+  curve.representation = "flat";
+  curve.character = "walker";
+  curve.score = "s";
+  curve.against = "distance_m";
+  CurveBinRow bin;
+  bin.x = 5;
+  curve.bins = {bin};
+  contents.curves = {curve};
+  ThresholdRow row;
+  row.id = row.run = row.curve = 1;
+  row.status = "everywhere";
+  contents.thresholds = {row};
+  return contents;
+}
+
+TEST(Lead, TellsTheCostOfTheCurvesOwnCharacter) {
+  const StoreContents contents = one_curve();
+  RunRow run;
+  run.headline = "cpu";
+  RatioRow ratio;
+  ratio.kind = "speed";
+  ratio.of = {"flat", "robot", 100, 640, 480, 0.5};
+  ratio.to = "mesh";
+  ratio.metric = "cpu";
+  ratio.ratio = ratio.low = ratio.high = 2;
+  Scene scene;
+  scene.run = &run;
+  scene.character = "robot";
+  scene.reference = "mesh";
+  scene.occupancies = {0.5};
+  scene.agents = {100};
+  scene.ratios = {&ratio};
+  const auto rows = [&] { return lead_of(contents, {scene}, {doc()}).rows; };
+  ASSERT_EQ(rows().size(), 1U);
+  EXPECT_EQ(rows()[0].character, "walker");
+  EXPECT_EQ(rows()[0].cost, "not timed in this file");
+  scene.character = "walker";
+  EXPECT_EQ(rows()[0].cost, "0.5 of mesh’s time (0.5 to 0.5), 100 agents");
+}
+
+TEST(Lead, LeavesOutCurvesWithoutBins) {
+  StoreContents contents = one_curve();
+  contents.curves[0].bins.clear();
+  EXPECT_TRUE(lead_of(contents, {}, {doc()}).rows.empty());
+  EXPECT_TRUE(distance_scores(contents, 1, {doc()})[0].graphs[0].series[0].thresholds.empty());
 }
 
 TEST(DistanceChart, HoldsMediansBandsAgentsAndEachThresholdOnce) {

@@ -96,6 +96,14 @@ TEST_F(ReportPage, EveryChartIsJsonWithItsDataInside) {
   EXPECT_EQ(charts, 11U);
 }
 
+TEST(ReportPageModel, ShowsFrontsWhereTooFewPointsWereTimedForAModel) {
+  StoreContents contents = made_up_contents();
+  std::erase_if(contents.measurements, [](const MeasurementRow& row) { return row.key.agents != 1000; });
+  const std::string page = report_page(contents, {"made-up.sqlite", made_up_scores()});
+  EXPECT_NE(page.find("a model takes 5 at least"), std::string::npos);
+  EXPECT_NE(page.find("<h2>Time, bytes and error: 1,000 agents"), std::string::npos);
+}
+
 TEST_F(ReportPage, BeginsWithWhichOneFromWhereOn) {
   const size_t lead = page_.find("<h2>Which one, from where on</h2>");
   ASSERT_NE(lead, std::string::npos);
@@ -108,6 +116,7 @@ TEST_F(ReportPage, BeginsWithWhichOneFromWhereOn) {
   curve.run = 1;
   curve.representation = "flat";
   curve.reference = "mesh";
+  curve.character = "mannequin";
   curve.score = "ssim";
   curve.against = "distance_m";
   curve.display = "a screen";

@@ -1,8 +1,10 @@
 #include "store/answer_store.h"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include "core/error.h"
+#include "store/database.h"
 #include "store/store.h"
 #include "tests/support/scratch_folder.h"
 
@@ -92,6 +94,32 @@ TEST_F(AnswerStoreTest, WithdrawalLeavesTheListAndTheDay) {
   left.started = "2026-01-03";
   EXPECT_TRUE(all.participants[0] == left);
   EXPECT_NE(start("p1").row.id, id) << "nobody remembers them";
+}
+
+TEST_F(AnswerStoreTest, WhatWasWithdrawnLeavesTheLogOnceNobodyReads) {
+  const int64_t id = start("p1").row.id;
+  store_.add(answer(id, "t1", "{1}"));
+  const std::string where = file_.string();
+  const store::Database reader = store::open(where, where, SQLITE_OPEN_READWRITE);
+  store::execute(reader.get(), where, "BEGIN");
+  store::Statement(reader.get(), where, "SELECT count(*) FROM study_answer").step();
+  store_.withdraw(id, "2026-01-03");
+  EXPECT_GT(std::filesystem::file_size(where + "-wal"), 0U);
+  store::execute(reader.get(), where, "COMMIT");
+  start("p2");
+  EXPECT_EQ(std::filesystem::file_size(where + "-wal"), 0U);
+}
+
+TEST_F(AnswerStoreTest, ReadsAgainAfterAReadThatFailed) {
+  const int64_t id = start("p1").row.id;
+  store_.add(answer(id, "t1", "{1}"));
+  ASSERT_EQ(store_.answers(id).size(), 1U);
+  const std::string where = file_.string();
+  const store::Database other = store::open(where, where, SQLITE_OPEN_READWRITE);
+  store::execute(other.get(), where, "ALTER TABLE study_answer RENAME TO elsewhere");
+  EXPECT_THROW(store_.answers(id), Error);
+  store::execute(other.get(), where, "ALTER TABLE elsewhere RENAME TO study_answer");
+  EXPECT_EQ(store_.answers(id).size(), 1U);
 }
 
 }  // namespace
