@@ -74,3 +74,15 @@ for (const status of [400, 409, 413]) {
   await assert.rejects(clips.load(['s001'], () => {}), /arrived damaged/)
   assert.equal(asked[0].path, 'clips/s001.mp4?b8c2b8c2b8c2b8c2')
 }
+// A clip that is broken says so twice, and is loaded again once.
+{
+  const { Study } = page(() => answers(200), ['text.js', 'session.js', 'trial.js'])
+  let loads = 0
+  const trial = Object.assign(Object.create(Study.TrialPlugin.prototype), { video: { load: () => { ++loads } }, play: () => {} })
+  for (let failures = 1; failures <= 2; ++failures) {
+    trial.failed()
+    trial.failed()
+    await new Promise((wake) => setTimeout(wake, 20))
+    assert.equal(loads, failures)
+  }
+}
