@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <memory>
 
 #include "bench/commands/command_line.h"
@@ -156,8 +157,9 @@ AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
   AnalysisSettings out = plan.analysis.settings;
   out.catch_least = plan.exclude.catch_least;
   out.trials.shortest_rt_ms = plan.exclude.shortest_rt_ms;
+  // 0.29 of 100 frames are 29, whatever is lost in the product.
   out.trials.most_frames_dropped =
-      static_cast<uint64_t>(plan.exclude.most_dropped * static_cast<double>(plan.frames()));
+      static_cast<uint64_t>(std::floor(plan.exclude.most_dropped * static_cast<double>(plan.frames()) + 1e-9));
   out.trials.hidden = plan.exclude.hidden;
   return out;
 }
