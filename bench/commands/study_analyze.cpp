@@ -208,7 +208,10 @@ int run_analyze(const Options& options) {
   AnalysisSettings settings;
   PlanFacts plan;
   if (!options.plan.empty()) settings = settings_of_plan(options.plan, plan);
-  const std::vector<std::string> changed = change_settings(options, settings);
+  std::vector<std::string> changed = change_settings(options, settings);
+  // Rows that were chosen, and columns that stand for others, are no part of a plan.
+  for (const std::string& where : options.where) changed.push_back("--where " + where);
+  if (!options.columns.empty()) changed.push_back("--columns " + options.columns);
   const ScoreTable scores = options.scores.empty() ? ScoreTable{} : read_scores(options.scores);
   StudyReport report;
   Answers answers = read_answers(options);
