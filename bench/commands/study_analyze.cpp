@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <memory>
 
 #include "bench/commands/command_line.h"
@@ -156,8 +157,9 @@ AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
   AnalysisSettings out = plan.analysis.settings;
   out.catch_least = plan.exclude.catch_least;
   out.trials.shortest_rt_ms = plan.exclude.shortest_rt_ms;
+  // 0.29 of 100 frames are 29, whatever is lost in the product.
   out.trials.most_frames_dropped =
-      static_cast<uint64_t>(plan.exclude.most_dropped * static_cast<double>(plan.frames()));
+      static_cast<uint64_t>(std::floor(plan.exclude.most_dropped * static_cast<double>(plan.frames()) + 1e-9));
   out.trials.hidden = plan.exclude.hidden;
   return out;
 }
@@ -206,7 +208,10 @@ int run_analyze(const Options& options) {
   AnalysisSettings settings;
   PlanFacts plan;
   if (!options.plan.empty()) settings = settings_of_plan(options.plan, plan);
-  const std::vector<std::string> changed = change_settings(options, settings);
+  std::vector<std::string> changed = change_settings(options, settings);
+  // Rows that were chosen, and columns that stand for others, are no part of a plan.
+  for (const std::string& where : options.where) changed.push_back("--where " + where);
+  if (!options.columns.empty()) changed.push_back("--columns " + options.columns);
   const ScoreTable scores = options.scores.empty() ? ScoreTable{} : read_scores(options.scores);
   StudyReport report;
   Answers answers = read_answers(options);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 
 #include "core/error.h"
 #include "reports/page/study_page.h"
@@ -37,17 +38,24 @@ reports::StudySection section_of(const Section& s) {
   return out;
 }
 
-// Answers by level, after the rule for ties.
+// Answers by level, as the curve is fitted to them: the rule for ties is one of sums, and alike trials are not of it.
 std::vector<Level> levels_of(const Analysis& a, const TaskResult& t, const CurveResult& c) {
-  std::vector<Level> out;
+  std::map<double, Answer> sums;
   for (const Answer& row : a.answers.rows) {
     const std::string task = row.task ? a.answers.tasks[*row.task] : "";
     const std::string condition = row.condition ? a.answers.conditions[*row.condition] : "";
-    if (!row.level || row.item_a || task != t.name || condition != c.condition) continue;
-    const Decided d = decided(row.yes, row.ties, row.no, a.settings.ties);
-    out.push_back({*row.level, d.yes, d.of});
+    if (!row.level || row.item_a || task != t.name || condition != c.condition || !row.signal.value_or(true)) continue;
+    Answer& sum = sums[*row.level];
+    sum.yes += row.yes;
+    sum.ties += row.ties;
+    sum.no += row.no;
   }
-  return merged_levels(out);
+  std::vector<Level> out;
+  for (const auto& [x, sum] : sums) {
+    const Decided d = decided(sum.yes, sum.ties, sum.no, a.settings.ties);
+    if (d.of > 0) out.push_back({x, d.yes, d.of});
+  }
+  return out;
 }
 
 reports::StudyCurve curve_of(const Analysis& a, const TaskResult& t, const CurveResult& c) {

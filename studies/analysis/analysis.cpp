@@ -103,9 +103,13 @@ void analyse_tasks(Analysis& out, const ScoreTable& scores) {
     const auto& prediction = out.tasks.back().prediction;
     any_scored = any_scored || (prediction && prediction->answers > 0);
   }
-  if (!scores.empty() && !any_scored)
-    throw Error(scores.source, "has scores of nothing that the answers name",
-                "its first column names clips, conditions or items as the answers do");
+  if (scores.empty() || any_scored) return;
+  const auto paired = [](const auto& task) { return task.second.front()->item_a.has_value(); };
+  if (scores.key != ScoreTable::Key::item && std::all_of(tasks.begin(), tasks.end(), paired))
+    throw Error(scores.source, "has scores of what was shown, which do not say which of two items is chosen",
+                "give a table of scores of items, with a column `item`");
+  throw Error(scores.source, "has scores of nothing that the answers name",
+              "the answers need the column (`stimulus`, `clip`, `condition`; items of pairs) that the scores are of");
 }
 
 }  // namespace
@@ -121,8 +125,8 @@ Analysis analyse(Answers answers, const AnalysisSettings& settings, const ScoreT
   out.settings = settings;
   out.sources = answers.sources;
   const auto is_catch = [](const Answer& row) { return !row.catch_kind.empty(); };
-  out.catch_rows = static_cast<size_t>(std::count_if(answers.rows.begin(), answers.rows.end(), is_catch));
   out.left_out = leave_out(answers, settings.trials);
+  out.catch_rows = static_cast<size_t>(std::count_if(answers.rows.begin(), answers.rows.end(), is_catch));
   out.excluded = exclude_by_catch(answers, settings.catch_least);
   out.rows = answers.rows.size();
   if (answers.rows.empty())

@@ -235,7 +235,10 @@ Json analysis_json(const Analysis& a) {
   out["excluded"] = Json::array();
   for (const Exclusion& e : a.excluded)
     out["excluded"].push_back({{"participant", e.participant}, {"right", e.right}, {"of", e.of}});
-  out["left_out"] = {{"fast", a.left_out.fast}, {"dropped", a.left_out.dropped}, {"hidden", a.left_out.hidden}};
+  out["left_out"] = {{"fast", a.left_out.fast},
+                     {"dropped", a.left_out.dropped},
+                     {"hidden", a.left_out.hidden},
+                     {"hidden_catch", a.left_out.hidden_catch}};
   out["settings"] = {{"chance", a.settings.chance},
                      {"confidence", a.settings.confidence},
                      {"ties", std::string(tie_rule_text(a.settings.ties))},

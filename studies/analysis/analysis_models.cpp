@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -28,6 +29,14 @@ std::vector<Level> levels_of(const Rows& rows, TieRule rule) {
     const Decided d = decided(c[0], c[1], c[2], rule);
     out.push_back({x, d.yes, d.of});
   }
+  return out;
+}
+
+// Without the trials in which there was nothing to see: their yes is a false alarm, whatever their level says.
+Rows with_signal(const Rows& rows) {
+  Rows out;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(out),
+               [](const Answer* row) { return row->signal.value_or(true); });
   return out;
 }
 
@@ -128,16 +137,19 @@ Wins wins_of(const Rows& rows, const Places& places) {
 
 std::vector<CurveResult> curves_of(const Groups& groups, const AnalysisSettings& s) {
   std::vector<CurveResult> out;
-  for (const auto& [condition, theirs] : groups.all) out.push_back(curve_of(condition, theirs, s));
+  for (const auto& [condition, theirs] : groups.all)
+    if (const Rows shown = with_signal(theirs); !shown.empty()) out.push_back(curve_of(condition, shown, s));
   return out;
 }
 
-std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& rows, const Groups& groups,
+std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& all, const Groups& groups,
                                       const AnalysisSettings& s) {
   std::vector<MixedResult> out;
-  if (s.random == RandomEffects::none || !rows.front()->participant) return out;
+  const Rows rows = with_signal(all);
+  if (s.random == RandomEffects::none || rows.empty() || !rows.front()->participant) return out;
   if (rows.front()->level || !rows.front()->condition) {
-    for (const auto& [name, theirs] : groups.all) out.push_back(mixed_of(name, theirs, {}, answers, s));
+    for (const auto& [name, theirs] : groups.all)
+      if (const Rows shown = with_signal(theirs); !shown.empty()) out.push_back(mixed_of(name, shown, {}, answers, s));
     return out;
   }
   std::vector<uint32_t> conditions;

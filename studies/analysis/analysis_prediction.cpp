@@ -20,6 +20,8 @@ class Stimuli {
   std::optional<uint32_t> of(const Answer& row) {
     std::string name;
     Values values(scores_.scores.size());
+    // Yes is then a choice of item_a, which says nothing of the score of both together.
+    if (row.item_a && scores_.key != ScoreTable::Key::item) return std::nullopt;
     if (scores_.key == ScoreTable::Key::item) {
       if (!row.item_a) return std::nullopt;
       const std::string& a = answers_.items[*row.item_a];

@@ -263,6 +263,9 @@ TaskText task_text_of(const TaskResult& t, const AnalysisSettings& s) {
 std::string who_is_excluded(const Analysis& a) {
   if (a.catch_rows == 0) return "There were no catch trials.";
   std::string out = fmt::format("Set aside: {}.", counted(a.catch_rows, "catch trial", "catch trials"));
+  if (a.left_out.hidden_catch > 0)
+    out += fmt::format(" {} of them, during which the page was out of sight, {} as wrong.", a.left_out.hidden_catch,
+                       a.left_out.hidden_catch == 1 ? "counts" : "count");
   if (a.excluded.empty()) return out + " Nobody is excluded.";
   out += fmt::format(" Excluded, with fewer than {:.0f} % of them right:", 100 * a.settings.catch_least);
   for (const Exclusion& e : a.excluded)
@@ -297,7 +300,8 @@ AnalysisText analysis_text(const Analysis& a) {
                   "independent, "
                   "which those of one participant are not: the mixed model does not.",
                   a.settings.ties == TieRule::drop    ? "left out"
-                  : a.settings.ties == TieRule::split ? "half for, half against"
+                  : a.settings.ties == TieRule::split ? "half for, half against; where a row is one answer, "
+                                                        "left out of mixed models and of what scores predict"
                                                       : "counted as no",
                   a.settings.chance));
   for (const TaskResult& t : a.tasks) out.tasks.push_back(task_text_of(t, a.settings));

@@ -374,18 +374,27 @@ std::vector<Exclusion> exclude_by_catch(Answers& answers, double least) {
 
 LeftOut leave_out(Answers& answers, const TrialRules& rules) {
   LeftOut out;
+  const auto fast = [&](const Answer& row) { return row.rt_ms && *row.rt_ms < rules.shortest_rt_ms; };
+  const auto dropped = [&](const Answer& row) {
+    return rules.most_frames_dropped && row.frames_dropped > *rules.most_frames_dropped;
+  };
+  const auto out_of_sight = [&](const Answer& row) { return rules.hidden && row.hidden > 0; };
   std::erase_if(answers.rows, [&](const Answer& row) {
-    const bool fast = row.rt_ms && *row.rt_ms < rules.shortest_rt_ms;
-    const bool dropped = rules.most_frames_dropped && row.frames_dropped > *rules.most_frames_dropped;
-    const bool hidden = rules.hidden && row.hidden > 0;
-    if (fast)
+    const bool hidden = out_of_sight(row) && row.catch_kind.empty();
+    if (fast(row))
       ++out.fast;
-    else if (dropped)
+    else if (dropped(row))
       ++out.dropped;
     else if (hidden)
       ++out.hidden;
-    return fast || dropped || hidden;
+    return fast(row) || dropped(row) || hidden;
   });
+  for (Answer& row : answers.rows) {
+    if (!out_of_sight(row)) continue;
+    row.no = row.count();
+    row.yes = row.ties = 0;
+    ++out.hidden_catch;
+  }
   return out;
 }
 

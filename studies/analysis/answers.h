@@ -117,7 +117,9 @@ struct TrialRules {
 // How many rows each rule took out; a row counts for the first that does.
 struct LeftOut {
   size_t fast = 0, dropped = 0, hidden = 0;
+  size_t hidden_catch = 0;  // catch trials out of sight: they stay, and count as wrong
 };
+// Who puts the page out of sight in every catch trial has not passed them: those are not left out, and turn wrong.
 LeftOut leave_out(Answers& answers, const TrialRules& rules);
 
 }  // namespace crowdbench::studies

@@ -55,7 +55,7 @@ const std::vector<DataColumn>& data_columns() {
       {"yes", "answers yes (right, seen, item_a)", [](A, R r, TieRule) { return fmt::format("{}", r.yes); }},
       {"ties", "answers \"cannot tell\"", [](A, R r, TieRule) { return fmt::format("{}", r.ties); }},
       {"no", "answers no", [](A, R r, TieRule) { return fmt::format("{}", r.no); }},
-      {"chosen", "answers that count as yes by the rule for \"cannot tell\"",
+      {"chosen", "answers that count as yes by the rule for \"cannot tell\"; of an odd number halved, one is left out",
        [](A, R r, TieRule t) { return fmt::format("{}", decided(r.yes, r.ties, r.no, t).yes); }},
       {"decided", "answers that count",
        [](A, R r, TieRule t) { return fmt::format("{}", decided(r.yes, r.ties, r.no, t).of); }},

@@ -317,6 +317,9 @@ ScorePredictions predict_by_scores(const std::vector<std::string>& names, const 
     p.slope_interval = percentile(subject.slopes, confidence, *p.calibration_slope);
     p.intercept_interval = percentile(subject.intercepts, confidence, *p.calibration_intercept);
   }
+  if (!subjects.empty())
+    out.best_interval = percentile(subjects.front().areas, 1 - (1 - confidence) / static_cast<double>(subjects.size()),
+                                   out.scores[*out.best].auc);
   hold_contests(subjects, confidence, out);
   return out;
 }

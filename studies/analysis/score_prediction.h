@@ -25,11 +25,12 @@ struct ScoreTable {
 };
 constexpr size_t kMostScores = 64;
 
-// Of a table that has one of the columns `clip`, `condition` and `item`; every other column is a score, empty where
-// there is none. Throws Error at "file:line": none or two of the three, a stimulus twice, what is no finite number, no
-// scores or more than kMostScores.
+// Of a table that has one of the columns `stimulus`, `clip`, `condition` and `item`; every other column is a score,
+// empty where there is none. Throws Error at "file:line": none or two of the four, a stimulus twice, what is no finite
+// number, no scores or more than kMostScores.
 ScoreTable score_table(const Table& table);
-// Of a file: a table, or the study.json that `study export` wrote, whose stimuli have mean scores. Throws Error.
+// Of a file: a table, or the study.json that `study export` wrote, whose stimuli have mean scores. Throws Error, of the
+// latter too for a stimulus twice and for more than kMostScores.
 ScoreTable read_scores(const std::filesystem::path& file);
 
 // Answers to one stimulus by one participant.
@@ -85,6 +86,9 @@ struct ScorePredictions {
   std::vector<ScorePrediction> scores;  // in the order of the table
   std::vector<ScoreContest> contests;   // of fitted scores, the best first
   std::optional<size_t> best;           // the highest AUC
+  // Of the best one's AUC, at 1 - (1 - confidence) / fitted scores (Bonferroni): it was chosen by looking at all of
+  // them.
+  std::optional<Interval> best_interval;
 };
 
 // Intervals are by the bootstrap that draws participants and stimuli anew at once (Owen 2007), which is a little wide;

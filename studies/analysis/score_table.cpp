@@ -67,12 +67,15 @@ ScoreTable scores_of_study(const std::filesystem::path& file) {
   const Parsed study = Parsed::parse(read_text(file, kMostJsonBytes), nullptr, false);
   if (!study.is_object() || !study.contains("stimuli") || !study["stimuli"].is_array())
     refuse_study(out.source, "is no study.json with a list `stimuli`");
+  std::set<std::string> seen;
   for (const Parsed& stimulus : study["stimuli"]) {
     if (!stimulus.is_object() || !stimulus.contains("id") || !stimulus["id"].is_string() ||
         !stimulus.contains("scores") || !stimulus["scores"].is_array())
       refuse_study(out.source, "has a stimulus without `id` and `scores`");
     if (stimulus["scores"].empty()) continue;  // nothing was compared: a catch trial
     out.keys.push_back(stimulus["id"].get<std::string>());
+    if (!seen.insert(out.keys.back()).second)
+      refuse_study(out.source, fmt::format("has the stimulus '{}' twice", printable(out.keys.back(), 60)));
     out.values.emplace_back();
     for (const Parsed& score : stimulus["scores"]) {
       if (!score.is_object() || !score.contains("score") || !score["score"].is_string() || !score.contains("mean") ||
@@ -83,7 +86,8 @@ ScoreTable scores_of_study(const std::filesystem::path& file) {
       out.values.back()[place] = score["mean"].get<double>();
     }
   }
-  if (out.scores.empty()) refuse_study(out.source, "has no scores");
+  if (out.scores.empty() || out.scores.size() > kMostScores)
+    refuse_study(out.source, fmt::format("has {} scores, and 1 to {} are taken", out.scores.size(), kMostScores));
   for (auto& values : out.values) values.resize(out.scores.size());
   return out;
 }

@@ -1,6 +1,7 @@
 #include "studies/analysis/verdict_sentences.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -124,6 +125,16 @@ bool stands_apart(const Worths& worths, size_t best, size_t worst, double confid
   return std::abs(gap.value) > normal_quantile(1 - (1 - confidence) / 2 / pairs) * gap.se;
 }
 
+// "a from b" of every two that are told apart.
+std::vector<std::string> pairs_apart(const RankingResult& r, double confidence) {
+  std::vector<std::string> out;
+  for (size_t i = 0; i < r.items.size(); ++i)
+    for (size_t j = i + 1; j < r.items.size(); ++j)
+      if (stands_apart(r.worths, i, j, confidence))
+        out.push_back(fmt::format("{} from {}", named(r.items[i]), named(r.items[j])));
+  return out;
+}
+
 std::string ranking_sentence(const RankingResult& r, const AnalysisSettings& s) {
   if (r.jod_with_prior.q.empty()) return fmt::format("There is no ranking: {}.", state_text(r.worths.state));
   const auto& q = r.jod_with_prior.q;
@@ -134,9 +145,15 @@ std::string ranking_sentence(const RankingResult& r, const AnalysisSettings& s) 
     if (q[i] < q[worst]) worst = i;
   }
   const std::string all = counted(r.items.size(), "item", "items");
-  if (r.worths.log_worth.size() == q.size() && !stands_apart(r.worths, best, worst, s.confidence))
-    return fmt::format("Of {}, none is distinguishable from another: the widest gap, {} above {}, is {:.2f} JOD.", all,
-                       named(r.items[best]), named(r.items[worst]), q[best] - q[worst]);
+  if (r.worths.log_worth.size() == q.size() && !stands_apart(r.worths, best, worst, s.confidence)) {
+    const std::string widest =
+        fmt::format("{} above {}, is {:.2f} JOD", named(r.items[best]), named(r.items[worst]), q[best] - q[worst]);
+    const auto apart = pairs_apart(r, s.confidence);
+    if (apart.empty())
+      return fmt::format("Of {}, none is distinguishable from another: the widest gap, {}.", all, widest);
+    return fmt::format("Of {}, the widest gap, {}, which is not distinguishable from none; distinguishable {}: {}.",
+                       all, widest, apart.size() == 1 ? "is" : "are", fmt::join(apart, ", "));
+  }
   return fmt::format("Of {}, {} stands highest and {} lowest, {:.2f} JOD apart.", all, named(r.items[best]),
                      named(r.items[worst]), q[best] - q[worst]);
 }
@@ -144,11 +161,12 @@ std::string ranking_sentence(const RankingResult& r, const AnalysisSettings& s) 
 std::string prediction_sentence(const ScorePredictions& p) {
   if (!p.best) return "No score can be held against the answers.";
   const ScorePrediction& best = p.scores[*p.best];
-  std::string out =
-      fmt::format("Of the objective scores, {} predicts the answers best (AUC {:.2f}", named(best.score), best.auc);
-  if (best.auc_interval) out += fmt::format(", {:.2f} to {:.2f}", best.auc_interval->low, best.auc_interval->high);
-  out += ")";
-  if (best.auc_interval && best.auc_interval->low <= 0.5) out += ", not distinguishable from guessing";
+  if (!p.best_interval)
+    return fmt::format("Of the objective scores, {} has the highest AUC, {:.2f}; without an interval none is best.",
+                       named(best.score), best.auc);
+  std::string out = fmt::format("Of the objective scores, {} predicts the answers best (AUC {:.2f}, {:.2f} to {:.2f})",
+                                named(best.score), best.auc, p.best_interval->low, p.best_interval->high);
+  if (p.best_interval->low <= 0.5) out += ", not distinguishable from guessing";
   std::string alike;
   for (const ScoreContest& c : p.contests)
     if (c.a == *p.best && c.interval && !c.distinguishable)

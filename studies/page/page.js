@@ -68,10 +68,15 @@
     document.getElementById('leave').addEventListener('click', () => dialog.showModal())
     dialog.addEventListener('click', async (event) => {
       if (event.target.value === 'stay') dialog.close()
-      if (event.target.value !== 'withdraw') return
-      dialog.close()
+      if (event.target.value !== 'withdraw' || leaving) return
+      // Open until it is done: nothing can be answered meanwhile, which would not be sent any more.
+      const buttons = dialog.querySelectorAll('button')
+      for (const button of buttons) button.disabled = true
       await withdraw()
+      for (const button of buttons) button.disabled = false
+      dialog.close()
     })
+    dialog.addEventListener('cancel', (event) => { if (leaving) event.preventDefault() })
   }
   async function withdraw() {
     leaving = true

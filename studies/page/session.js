@@ -134,7 +134,8 @@
         if (status === 401) {
           this.taken = true
           this.whenTaken()
-        } else if (status === 0 || status >= 500) {
+        } else if (![200, 400, 409, 413].includes(status)) {
+          // Lost, or answered by what stands between (a proxy that is busy): the server has not refused it.
           notice('Your answer is kept in this browser, and not yet at the server. Trying again.')
           await sleep(Math.min(10000, 500 * 2 ** failures++))
         } else {
@@ -151,7 +152,14 @@
     async finish() {
       await this.send()
       if (this.served && !this.taken) {
-        for (let wait = 500; (await this.ask('api/finish', '{}').then((got) => got.status, () => 0)) !== 200; wait *= 2) {
+        for (let wait = 500; ; wait *= 2) {
+          const status = await this.ask('api/finish', '{}').then((got) => got.status, () => 0)
+          if (status === 200) break
+          if (status === 401) {
+            this.taken = true
+            this.whenTaken()
+            return
+          }
           notice('The server does not answer. Please leave this window open.')
           await sleep(Math.min(wait, 10000))
         }

@@ -131,10 +131,13 @@
       }
       this.open(true)
     }
+    // A broken clip says so twice: by its event, and by refusing to play.
     failed() {
-      if (!this.video) return
+      if (!this.video || this.retrying) return
+      this.retrying = true
       Study.notice('The clip stopped. It begins again in a moment; reload the page if it does not.')
       setTimeout(() => {
+        this.retrying = false
         if (!this.video) return
         Study.notice('')
         this.video.load()

@@ -57,19 +57,21 @@ std::string default_instructions(const StudyPlan& plan) {
 
 Each clip shows two crowds, one above the other, with a bar between them. It lasts {} seconds. Look at both, then answer:
 
-> {}
+**{}**
 
 {}
 
-{}. Before it begins there are a few clips to practise on.
+{}.{}
 
 Please sit as you usually do, at an arm's length from the screen, in a room without glare, and stay at that distance. Do not
 zoom, and leave other windows closed: clips that stutter cannot be used.
 )",
                      plan.stimulus.seconds, plan.question_text, ways_to_answer(plan),
-                     plan.stimulus.replays == 0
-                         ? std::string("Each clip is shown once")
-                         : fmt::format("Each clip may be watched again, up to {} times", plan.stimulus.replays));
+                     plan.stimulus.replays == 0 ? std::string("Each clip is shown once")
+                     : plan.stimulus.replays == 1
+                         ? std::string("Each clip may be watched once more")
+                         : fmt::format("Each clip may be watched again, up to {} times", plan.stimulus.replays),
+                     plan.training > 0 ? " The first clips are for practice: their answers do not count." : "");
 }
 
 std::string default_debrief() {

@@ -28,7 +28,7 @@ constexpr int kProofVersion = 1;  // raised when stimuli are to be made and prov
 // Of work: a frame of a half is drawn and written once; one of a stimulus is written, encoded, read and compared.
 constexpr size_t kStackWeight = 3;
 constexpr size_t kWebmWeight = 12;
-// Microseconds and bytes a pixel, measured with 60 mannequins on llvmpipe and two shared cores.
+// Microseconds and bytes a pixel, measured with 60 mannequins on llvmpipe and two cores.
 constexpr double kSampleMicros = 0.1, kWriteMicros = 0.1, kStackMicros = 0.25, kWebmMicros = 1.5;
 constexpr double kHalfBytes = 0.2, kClipBytes = 0.045;
 constexpr double kAnswerSeconds = 4;

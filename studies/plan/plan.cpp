@@ -303,8 +303,9 @@ class PlanReader {
     const TomlTable t(node, "analysis", where_,
                       {"level", "curve", "falling", "guess", "lapse", "threshold", "ties", "random", "link", "margin",
                        "alpha", "power", "confidence", "resamples", "seed"});
-    s.chance = plan_.task == Task::same_different ? 0.0 : 0.5;
+    s.chance = 0.5;
     s.curve.guess = s.chance;
+    // How often "different" is said of halves that are alike is what a participant likes to say, and no chance level.
     if (plan_.task == Task::same_different) s.curve.guess_rate = Rate::free;
     t.choice("curve", {"logistic", "cumgauss", "weibull"}, s.curve.curve);
     t.flag("falling", s.curve.falling);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -162,6 +163,7 @@ struct CsvRow {
   const Shown& shown;
   const std::string& study;
   bool ranked;
+  bool same_different;
 };
 struct CsvColumn {
   const char* name;
@@ -169,16 +171,28 @@ struct CsvColumn {
   bool always = true;  // otherwise only where some row has a value
 };
 
-// Of the frames that the browser was to show, whole showings that were asked for again included.
-std::string dropped_share(const CsvRow& r) {
+// How many of the clip's frames were not shown. The browser counts over all showings, those that were asked for again
+// included: their share, of one showing.
+std::string dropped_frames(const CsvRow& r) {
   const json record = json::parse(r.answer.data, nullptr, false);
-  const auto total = record.is_object() ? member<double>(record, "frames_total") : std::nullopt;
-  if (!total || *total <= 0 || !r.answer.frames_dropped) return {};
-  return fmt::format("{:.4f}", std::min(1.0, *r.answer.frames_dropped / *total));
+  if (!record.is_object() || !r.answer.frames_dropped) return {};
+  const auto total = member<double>(record, "frames_total");
+  const auto frames = member<uint32_t>(record, "frames");
+  if (!total || *total <= 0 || !frames) return {};
+  return fmt::format("{}", std::llround(std::min(1.0, *r.answer.frames_dropped / *total) * *frames));
 }
 std::string level_of(const CsvRow& r) {
   // Catch trials are judged and then taken out; where their clips have no level, a number stands there all the same.
   return r.shown.level.empty() && r.answer.kind == "catch" ? "0" : r.shown.level;
+}
+
+// Of same or different yes is "said different": with `signal`, hits and false alarms.
+std::string expected_word(const CsvRow& r) {
+  return r.same_different ? "different" : analysis_word(r.shown.expected, r.shown, r.ranked);
+}
+std::string signal_of(const CsvRow& r) {
+  if (!r.same_different) return {};
+  return r.shown.expected == "different" ? "1" : "0";
 }
 
 using R = const CsvRow&;
@@ -190,13 +204,14 @@ const std::vector<CsvColumn>& csv_columns() {
       {"condition", [](R r) { return r.shown.condition; }, false},
       {"clip", [](R r) { return r.shown.clip; }, false},
       {"level", level_of, false},
+      {"signal", signal_of, false},
       {"item_a", [](R r) { return r.ranked ? first_item(r.shown) : std::string(); }, false},
       {"item_b", [](R r) { return r.ranked ? second_item(r.shown) : std::string(); }, false},
       {"shown_first", [](R r) { return r.ranked ? r.shown.upper : std::string(); }, false},
       {"answer", [](R r) { return analysis_word(*r.answer.answer, r.shown, r.ranked); }},
-      {"expected", [](R r) { return analysis_word(r.shown.expected, r.shown, r.ranked); }, false},
+      {"expected", expected_word, false},
       {"rt", [](R r) { return optional_text(r.answer.rt); }},
-      {"dropped", dropped_share},
+      {"frames_dropped", dropped_frames},
       {"hidden", [](R r) { return std::string(r.answer.hidden.value_or(0) > 0 ? "1" : "0"); }},
       {"catch", [](R r) { return r.answer.kind == "catch" ? r.shown.kind : std::string(); }, false},
       {"list", [](R r) { return r.who.list; }},
@@ -207,7 +222,8 @@ const std::vector<CsvColumn>& csv_columns() {
       {"replays", [](R r) { return optional_text(r.answer.replays); }},
       {"restarts", [](R r) { return optional_text(r.answer.restarts); }},
       {"pixels_per_degree", [](R r) { return optional_text(r.who.pixels_per_degree); }},
-      {"pixels_per_degree_se", [](R r) { return optional_text(r.who.pixels_per_degree_se); }}};
+      {"pixels_per_degree_se", [](R r) { return optional_text(r.who.pixels_per_degree_se); }},
+      {"state", [](R r) { return r.who.state; }}};
   return all;
 }
 
@@ -282,6 +298,8 @@ std::string answers_csv(const StudyAnswers& answers, const fs::path& out, bool l
   for (const StudyParticipantRow& row : answers.participants) who[row.id] = &row;
   const bool ranked =
       std::any_of(shown.begin(), shown.end(), [](const auto& each) { return each.second.kind == "pair"; });
+  const bool same_different =
+      std::any_of(shown.begin(), shown.end(), [](const auto& each) { return each.second.expected == "same"; });
   std::vector<CsvRow> rows;
   for (const StudyAnswerRow& row : answers.answers) {
     if (row.kind != "main" && row.kind != "catch") continue;
@@ -291,7 +309,7 @@ std::string answers_csv(const StudyAnswers& answers, const fs::path& out, bool l
                   fmt::format("sides.json does not know the stimulus '{}'", printable(row.stimulus.value_or(""), 60)),
                   "name the folder that these answers were given to");
     if (is_row(row, found->second, ranked, levels))
-      rows.push_back(CsvRow{row, *who.at(row.participant), found->second, answers.study, ranked});
+      rows.push_back(CsvRow{row, *who.at(row.participant), found->second, answers.study, ranked, same_different});
   }
   if (rows.empty()) throw Error(out.string(), "no trial that a table holds was answered", "wait for answers");
   return csv_of(rows);

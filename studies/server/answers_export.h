@@ -25,11 +25,14 @@ std::string jspsych_json(const StudyAnswers& answers);
 std::string json_lines(const StudyAnswers& answers);
 
 // One row a trial, in the columns that `study analyze` knows by name (study, participant, trial, condition, clip,
-// level, answer, expected, rt, dropped, hidden, catch; item_a, item_b and shown_first where items are ranked) as far as
-// the study has them, and behind them list, block, stimulus, upper, lower, replays, restarts, pixels_per_degree and its
-// standard error. Left out: training, and trials that have no right answer. `level` is there where all trials have one;
-// levels: only trials that do (others: infinity). out: the exported folder; its sides.json says what each stimulus was.
-// Throws Error.
+// level, signal, answer, expected, rt, frames_dropped, hidden, catch; item_a, item_b and shown_first where items are
+// ranked) as far as the study has them, and behind them list, block, stimulus, upper, lower, replays, restarts,
+// pixels_per_degree and its standard error, and `state`, which is "finished" of who came to the end. frames_dropped: of
+// one showing, the share of all showings that the browser dropped; empty where it does not say. Same or different:
+// `signal` is 1 where the halves differ, and `expected` is always "different", so that yes means "said different".
+// Left out: training, and trials that have no right answer. `level` is there where all trials have one; levels: only
+// trials that do (others: infinity). out: the exported folder; its sides.json says what each stimulus was. Throws
+// Error.
 std::string answers_csv(const StudyAnswers& answers, const std::filesystem::path& out, bool levels = false);
 
 }  // namespace crowdbench::studies

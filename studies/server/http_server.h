@@ -48,7 +48,7 @@ class HttpServer {
 
   int port() const;
   void serve();  // until stop()
-  void stop();   // from any thread
+  void stop();   // from another thread than the one that calls serve(), for which it waits
 
  private:
   struct State;

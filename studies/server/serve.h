@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 
 namespace crowdbench::studies {
@@ -17,9 +18,16 @@ struct ServeSettings {
   std::optional<std::string> origin;
 };
 
+// What a browser that shows the study says as Host and as Origin, in small letters; with the scheme's own port (80,
+// 443) also without it, as browsers say it. port: that is listened on.
+struct ServedNames {
+  std::set<std::string> hosts, origins;
+};
+ServedNames served_names(const ServeSettings& settings, int port);
+
 // Serves until Ctrl-C or SIGTERM, then throws Interrupted. ready: told the URL once it listens. Throws Error: no
 // exported study, answers that cannot be kept, an address that cannot be listened on, an address beyond this machine
-// without an origin.
+// without an origin, a socket that stopped listening.
 void serve_study(const ServeSettings& settings, const std::function<void(const std::string& url)>& ready);
 
 }  // namespace crowdbench::studies

@@ -35,14 +35,19 @@ bool is_hash(const std::string& text) {
          std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
+// Whoever has the link may write: what a participant can fill is bounded, 7 pages x 31 records x 64 KiB.
+constexpr int kMostOfAPage = 30;
+
 // Pages that send a record, with a number where one is shown more than once ("screen-2").
 bool is_page(const std::string& item) {
   static const std::set<std::string> pages = {"consent", "demographics", "calibration", "vision",
                                               "browser", "screen",       "comments"};
   const size_t dash = item.find('-');
   if (!pages.contains(item.substr(0, dash))) return false;
-  return dash == std::string::npos || (item.size() - dash <= 4 && item.size() - dash >= 2 &&
-                                       item.find_first_not_of("0123456789", dash + 1) == std::string::npos);
+  if (dash == std::string::npos) return true;
+  const std::string number = item.substr(dash + 1);
+  return !number.empty() && number.size() <= 2 && number[0] != '0' &&
+         number.find_first_not_of("0123456789") == std::string::npos && std::stoi(number) <= kMostOfAPage;
 }
 
 // A member that is a text, or nothing.

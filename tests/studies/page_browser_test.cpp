@@ -19,7 +19,7 @@ namespace crowdbench::studies {
 namespace {
 namespace fs = std::filesystem;
 
-class StudyBrowser : public ::testing::Test {
+class StudyBrowserSlow : public ::testing::Test {
  protected:
   void SetUp() override {
     CROWDBENCH_SKIP_SANITIZED("StudyServer and StudyFolder: browsers execute nothing of ours");
@@ -90,7 +90,7 @@ const StudyAnswerRow& trial(const StoreContents& all, const std::string& item) {
   return none;
 }
 
-TEST_F(StudyBrowser, AWholeStudyInChromium) {
+TEST_F(StudyBrowserSlow, AWholeStudyInChromium) {
   if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
   serve();
   const nlohmann::json said =
@@ -127,7 +127,7 @@ TEST_F(StudyBrowser, AWholeStudyInChromium) {
         << screen;
 }
 
-TEST_F(StudyBrowser, AWholeStudyInFirefoxByTheKeyboardAlone) {
+TEST_F(StudyBrowserSlow, AWholeStudyInFirefoxByTheKeyboardAlone) {
   if (!has("firefox-esr")) GTEST_SKIP() << "firefox-esr is not installed (firefox-esr)";
   serve();
   const nlohmann::json said = observe(
@@ -142,7 +142,7 @@ TEST_F(StudyBrowser, AWholeStudyInFirefoxByTheKeyboardAlone) {
   EXPECT_EQ(page_record(all, "screen-1").at("full_screen"), "not wanted");
 }
 
-TEST_F(StudyBrowser, WhoWithdrawsLeavesNothing) {
+TEST_F(StudyBrowserSlow, WhoWithdrawsLeavesNothing) {
   if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
   serve();
   const nlohmann::json said = observe("--browser chromium --participant 5f00ac --no-calibration --withdraw 1");
@@ -151,6 +151,15 @@ TEST_F(StudyBrowser, WhoWithdrawsLeavesNothing) {
   EXPECT_TRUE(all.answers.empty());
   ASSERT_EQ(all.participants.size(), 1U);
   EXPECT_EQ(all.participants[0].state, "withdrawn");
+}
+
+TEST(StudyPage, AnswersSurviveWhatStandsBetween) {
+  if (support::run_shell("command -v node >/dev/null").status != 0) GTEST_SKIP() << "node is not installed (nodejs)";
+  const fs::path sources = CROWDBENCH_SOURCE_DIR;
+  const support::Outcome outcome =
+      support::run_shell("node " + shell_quoted((sources / "tests/studies/session_check.mjs").string()) + " " +
+                         shell_quoted((sources / "studies/page").string()) + " 2>&1");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
 }
 
 TEST(StudyPage, IsWholeAndAsksForNothingElsewhere) {

@@ -239,7 +239,7 @@ TEST_F(Scripts, StudyKill) {
   EXPECT_EQ(run("study_kill.mjs", "").status, 2);
 }
 
-// Its work is done by StudyBrowser in tests/studies.
+// Its work is done by StudyBrowserSlow in tests/studies.
 TEST_F(Scripts, StudyObserver) {
   NEEDS(Need{"node", "nodejs"});
   if (!fs::exists(kTop / "node_modules/puppeteer-core")) GTEST_SKIP() << "puppeteer-core is not installed (npm ci)";

@@ -1,10 +1,16 @@
 // cpp-httplib behind the interface of http_api.h. The one source that includes it.
 #include <httplib.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "studies/server/module/http_api.h"
 
@@ -13,6 +19,7 @@ namespace crowdbench::studies::http {
 struct Server {
   httplib::Server server;
   Settings settings;
+  std::atomic<bool> ended{false};  // serve() has returned
 };
 
 namespace {
@@ -88,6 +95,11 @@ void send(const Reply& reply, httplib::Response& response) {
 }
 
 void answer(const Server& of, const httplib::Request& request, httplib::Response& response) {
+  // Many ranges of one file are many times the file; no browser asks for more than one.
+  if (request.ranges.size() > 1) {
+    response.status = 416;
+    return;
+  }
   Reply reply{};
   const Fields fields(request);
   const Request seen = fields.request(request, true);
@@ -149,8 +161,18 @@ Server* open(const Settings* settings, int32_t* port, char* message) {
   return made.release();
 }
 
-const Api kApi = {kApiVersion, &open, [](Server* server) { server->server.listen_after_bind(); },
-                  [](Server* server) { server->server.stop(); }, [](Server* server) { delete server; }};
+void serve(Server* server) {
+  server->server.listen_after_bind();
+  server->ended = true;
+}
+
+// The library takes no notice of a stop before it listens.
+void stop(Server* server) {
+  while (!server->server.is_running() && !server->ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  server->server.stop();
+}
+
+const Api kApi = {kApiVersion, &open, &serve, &stop, [](Server* server) { delete server; }};
 
 }  // namespace
 }  // namespace crowdbench::studies::http

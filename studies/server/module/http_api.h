@@ -55,7 +55,7 @@ struct Api {
   // Listens, and says on which port; null on failure, with a one-line reason in `message` (kMessageBytes long).
   Server* (*open)(const Settings* settings, int32_t* port, char* message);
   void (*serve)(Server* server);  // until stop() is called, from another thread; then waits for what is being answered
-  void (*stop)(Server* server);
+  void (*stop)(Server* server);   // waits until serve(), which another thread calls, listens or has ended
   void (*close)(Server* server);
 };
 

@@ -1,0 +1,88 @@
+// The page's session against a network that misbehaves, without a browser: node session_check.mjs PAGE_FOLDER. What
+// `fetch` answers is said beforehand; status 0 where every answer reached the server as often as it should.
+import assert from 'node:assert/strict'
+import { readFileSync } from 'node:fs'
+import { join } from 'node:path'
+import vm from 'node:vm'
+
+// The page's scripts with a browser's storage, and time that does not pass.
+function page(respond, files = ['text.js', 'session.js']) {
+  const storage = () => {
+    const kept = new Map()
+    return { getItem: (key) => kept.get(key) ?? null, setItem: (key, value) => kept.set(key, value), removeItem: (key) => kept.delete(key) }
+  }
+  const asked = []
+  const world = vm.createContext({
+    URLSearchParams, TextEncoder, Blob, URL, crypto: globalThis.crypto, setTimeout: (wake) => setImmediate(wake), clearTimeout: () => {},
+    history: { replaceState: () => {} }, jsPsychModule: { ParameterType: {} },
+    document: { getElementById: () => ({}), createElement: () => ({ canPlayType: () => '' }) },
+    fetch: async (path, options) => {
+      asked.push({ path, body: options?.body })
+      assert.ok(asked.length < 50, 'asks for ever')
+      return respond(path, asked.length)
+    }
+  })
+  world.window = world
+  Object.assign(world, { location: { search: '', pathname: '/' }, localStorage: storage(), sessionStorage: storage() })
+  for (const file of files) vm.runInContext(readFileSync(join(process.argv[2], file), 'utf8'), world)
+  return { Study: world.Study ?? vm.runInContext('Study', world), asked }
+}
+const answers = (status) => ({ status, ok: status === 200, json: async () => ({}) })
+function session(statuses) {
+  const { Study, asked } = page((path, number) => answers(statuses[number - 1] ?? 200))
+  const made = new Study.Session('a'.repeat(64))
+  made.served = true
+  return { made, asked }
+}
+
+// What a proxy says is no refusal by the server: the answer stays, and is sent again.
+for (const status of [403, 404, 408, 421, 429, 502]) {
+  const { made, asked } = session([status, status])
+  made.add({ item: 't001' })
+  await made.send()
+  assert.equal(asked.length, 3, `after ${status} twice`)
+  assert.equal(made.state.outbox.length, 0)
+}
+// What the server refuses it would refuse again.
+for (const status of [400, 409, 413]) {
+  const { made, asked } = session([status])
+  made.add({ item: 't001' })
+  await made.send()
+  assert.equal(asked.length, 1, `after ${status}`)
+}
+// The end, where another window has taken over meanwhile.
+{
+  const { made, asked } = session(Array(60).fill(401))
+  let told = 0
+  made.whenTaken = () => { ++told }
+  await made.finish()
+  assert.equal(asked.length, 1)
+  assert.equal(told, 1)
+  assert.equal(made.state.finished, false)
+}
+// A clip is asked for under its contents, and one that was compressed on its way is whole.
+{
+  const sent = new Uint8Array(10)
+  const { Study, asked } = page(() => ({
+    status: 200, ok: true, body: new Blob([sent]).stream(),
+    headers: { get: (name) => ({ 'Content-Length': '3', 'Content-Encoding': 'gzip' })[name] ?? null }
+  }), ['text.js', 'clips.js'])
+  const file = { src: 'clips/s001.mp4', type: 'video/mp4', sha256: 'b8c2'.repeat(16) }
+  const clips = new Study.Clips({ stimuli: { s001: { files: [file] } } })
+  clips.type = file.type
+  // The contents are checked too, and are not these.
+  await assert.rejects(clips.load(['s001'], () => {}), /arrived damaged/)
+  assert.equal(asked[0].path, 'clips/s001.mp4?b8c2b8c2b8c2b8c2')
+}
+// A clip that is broken says so twice, and is loaded again once.
+{
+  const { Study } = page(() => answers(200), ['text.js', 'session.js', 'trial.js'])
+  let loads = 0
+  const trial = Object.assign(Object.create(Study.TrialPlugin.prototype), { video: { load: () => { ++loads } }, play: () => {} })
+  for (let failures = 1; failures <= 2; ++failures) {
+    trial.failed()
+    trial.failed()
+    await new Promise((wake) => setTimeout(wake, 20))
+    assert.equal(loads, failures)
+  }
+}
