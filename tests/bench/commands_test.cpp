@@ -384,7 +384,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
                     R"({"format": 1, "study": "abc", "task": "forced-choice", "stimuli": {"s1": {}},
                         "answers": [{"value": "upper"}, {"value": "lower"}], "lists": [{"id": "1",
                         "trials": [{"trial": "t1", "stimulus": "s1", "block": 1, "kind": "main"}]}]})");
-         const Outcome served = run("study serve served --port 0", true, "timeout -s INT 1");
+         const Outcome served = run("study serve served --port 0", true, "timeout --foreground -s INT 1");
          EXPECT_NE(served.text.find("http://127.0.0.1:"), std::string::npos) << served.text;
          EXPECT_NE(served.text.find("every answer that was acknowledged is in served/answers.sqlite"),
                    std::string::npos)
