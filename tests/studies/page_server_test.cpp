@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "store/store.h"
+#include "studies/analysis/analysis.h"
 #include "studies/analysis/answers.h"
 #include "studies/server/answers_export.h"
 #include "studies/server/serve.h"
@@ -96,6 +97,9 @@ TEST_F(StudyServer, ServesThePageAndNothingElse) {
   const HttpAnswer part = http_request(port_, "GET", "/clip.mp4", "Range: bytes=2-5\r\n");
   EXPECT_EQ(part.status, 206);
   EXPECT_EQ(part.body, "2345");
+  const HttpAnswer parts = http_request(port_, "GET", "/clip.mp4", "Range: bytes=0-,0-,0-\r\n");
+  EXPECT_EQ(parts.status, 416) << "a file many times over";
+  EXPECT_EQ(parts.body, "");
   EXPECT_EQ(nlohmann::json::parse(http_request(port_, "GET", "/api/study").body).at("study"), support::kStudyHash);
   for (const char* path :
        {"/../sides.json", "/%2e%2e/sides.json", "/..%2fsides.json", "/clips/../../sides.json", "/link.json",
@@ -159,7 +163,8 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
     changed[name] = value;
     EXPECT_EQ(send(token, changed), 400) << name << " " << value;
   }
-  EXPECT_EQ(send(token, {{"item", "diary"}, {"kind", "page"}}), 400);
+  for (const char* page : {"diary", "screen-", "screen-0", "screen-05", "screen-31", "screen-100", "screen-x"})
+    EXPECT_EQ(send(token, {{"item", page}, {"kind", "page"}}), 400) << page;
   EXPECT_EQ(
       send(token,
            {{"item", "calibration"}, {"kind", "page"}, {"pixels_per_degree", 36.5}, {"pixels_per_degree_se", 3.25}}),
@@ -314,6 +319,8 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   const Table parsed = parse_table(answers_csv(answers, out_), "answers.csv");
   add_answers(table, parsed, columns_by_name(parsed));
   ASSERT_EQ(table.rows.size(), 4U) << "training is left out";
+  EXPECT_EQ(parsed.columns.back(), "state");
+  EXPECT_EQ(parsed.rows[0].fields.back(), "started");
   EXPECT_EQ(parsed.rows[0].fields[15], "flat, near") << parsed.columns[15];
   EXPECT_EQ(table.conditions, (std::vector<std::string>{"switch_m=20", "switch_m=10"}));
   EXPECT_EQ(table.rows[0].level, 20.0);
@@ -347,10 +354,98 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(records[1].at("answer"), "upper");
   // What the page saves where no server of ours is comes to the same table.
   write_file(folder_ / "saved.json", std::string_view(records.dump()));
-  const StudyAnswers saved = read_study_answers({folder_ / "saved.json"}, support::kStudyHash);
+  StudyAnswers saved = read_study_answers({folder_ / "saved.json"}, support::kStudyHash);
+  saved.participants[0].state = answers.participants[0].state;  // the page saves at the end
   EXPECT_EQ(answers_csv(saved, out_), answers_csv(answers, out_));
   EXPECT_THROW(read_study_answers({folder_ / "saved.json", folder_ / "saved.json"}, support::kStudyHash), Error);
   EXPECT_THROW(read_study_answers({folder_ / "saved.json"}, std::string(64, 'b')), Error);
+}
+
+// Answers of one participant in a row of trials: what the page saves, with `more` members each.
+std::string saved_answers(const std::vector<nlohmann::json>& more) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const nlohmann::json& each : more) {
+    nlohmann::json row = record("t003", "lower");
+    row["item"] = "t" + std::to_string(100 + all.size());
+    row["study"] = support::kStudyHash;
+    row["participant"] = participant(1);
+    row["list"] = "1";
+    row.update(each);
+    all.push_back(row);
+  }
+  return all.dump();
+}
+
+TEST(StudyAnswerTables, TrialsWithTooManyDroppedFramesAreLeftOutByThePlan) {
+  if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
+  const support::ScratchFolder folder;
+  support::write_study_folder(folder / "out", {{"s001", nlohmann::json::object()}, {"s002", nlohmann::json::object()}});
+  write_file(folder / "out/page/index.html", std::string_view(" "));
+  // Of 150 frames 123 may be missing, whatever 0.82 * 150 is in binary; those of two showings are halved.
+  write_file(folder / "study.toml",
+             std::string_view("[conditions]\ntest = \"flat\"\n[stimulus]\nseconds = 5\nfps = 30\n[exclude]\n"
+                              "most_dropped = 0.82\n"));
+  write_file(
+      folder / "saved.json",
+      std::string_view(saved_answers({{{"frames", 150}, {"frames_total", 150}, {"frames_dropped", 123}},
+                                      {{"frames", 150}, {"frames_total", 300}, {"frames_dropped", 246}},
+                                      {{"frames", 150}, {"frames_total", 300}, {"frames_dropped", 248}},
+                                      {{"frames", 150}, {"frames_total", nullptr}, {"frames_dropped", nullptr}}})));
+  const support::Outcome table = support::run_driver("cd '" + folder.path().string() + "' && ",
+                                                     "study answers saved.json --study out --csv t.csv");
+  ASSERT_EQ(table.status, 0) << table.text;
+  const support::Outcome analysed =
+      support::run_driver("cd '" + folder.path().string() + "' && ",
+                          "study analyze t.csv --plan study.toml --random none --resamples 0 --json");
+  const nlohmann::json said = nlohmann::json::parse(analysed.text, nullptr, false);
+  ASSERT_TRUE(said.is_object()) << analysed.text;
+  EXPECT_EQ(said.at("left_out").at("dropped"), 1) << analysed.text;
+  EXPECT_EQ(said.at("rows"), 3);
+}
+
+TEST(StudyAnswerTables, OfSameOrDifferentHitsAndFalseAlarmsAreTold) {
+  const support::ScratchFolder folder;
+  support::write_study_folder(folder.path(), nlohmann::json::object());
+  nlohmann::json sides = nlohmann::json::parse(read_text(folder / "sides.json"));
+  nlohmann::json& stimuli = sides["stimuli"];
+  stimuli["s001"]["expected"] = "different";
+  stimuli["s002"] = stimuli["s001"];
+  stimuli["s002"]["kind"] = "alike";
+  stimuli["s002"]["expected"] = "same";
+  write_file(folder / "sides.json", std::string_view(sides.dump()));
+  std::vector<nlohmann::json> given;
+  for (int i = 0; i < 40; ++i)  // 15 of 20 hits, 5 of 20 false alarms
+    given.push_back(
+        {{"stimulus", i < 20 ? "s001" : "s002"}, {"answer", i % 20 < (i < 20 ? 15 : 5) ? "different" : "same"}});
+  write_file(folder / "saved.json", std::string_view(saved_answers(given)));
+  const Table table = parse_table(
+      answers_csv(read_study_answers({folder / "saved.json"}, support::kStudyHash), folder.path()), "t.csv");
+  Answers answers;
+  add_answers(answers, table, columns_by_name(table));
+  const Analysis a = analyse(std::move(answers), {.random = RandomEffects::none, .resamples = 0});
+  const ConditionResult& c = a.tasks.at(0).conditions.at(0);
+  ASSERT_TRUE(c.detection.has_value());
+  EXPECT_EQ(c.yes, 20U) << "said different";
+  EXPECT_NEAR(c.detection->d_prime, 2 * 0.6744898, 1e-6) << "z(3/4) - z(1/4)";
+  EXPECT_FALSE(c.is_tested()) << "against no chance level";
+  ASSERT_EQ(a.tasks[0].curves.size(), 1U);
+}
+
+TEST(StudyServerNames, AreThoseThatBrowsersSay) {
+  const auto names = [](const char* address, int port, std::optional<std::string> origin) {
+    return served_names({"out", "answers.sqlite", address, port, std::move(origin)}, port);
+  };
+  const ServedNames own = names("127.0.0.1", 80, std::nullopt);
+  for (const char* host : {"127.0.0.1", "127.0.0.1:80", "localhost", "[::1]"})
+    EXPECT_TRUE(own.hosts.contains(host)) << host;
+  EXPECT_TRUE(own.origins.contains("http://localhost"));
+  EXPECT_FALSE(names("127.0.0.1", 8000, std::nullopt).hosts.contains("localhost"));
+  const ServedNames far = names("127.0.0.1", 8000, "https://Study.Example.org:443");
+  EXPECT_TRUE(far.hosts.contains("study.example.org"));
+  EXPECT_TRUE(far.hosts.contains("study.example.org:443"));
+  EXPECT_TRUE(far.origins.contains("https://study.example.org"));
+  EXPECT_FALSE(names("127.0.0.1", 8000, "https://study.example.org:80").origins.contains("https://study.example.org"))
+      << "80 is not the port of https";
 }
 
 TEST(StudyFolder, SaysWhereATrialsFileIsWrong) {

@@ -54,6 +54,19 @@ TEST(StudyPlan, FactorsMakeConditions) {
   EXPECT_FALSE(other.conditions[3].spacing_by_bodies);
 }
 
+TEST(StudyPlan, InstructionsSayWhatThePlanHas) {
+  const std::string once = parsed("").instructions;
+  EXPECT_NE(once.find("\n**Which crowd looks better?**\n"), std::string::npos) << once;
+  EXPECT_NE(once.find("Each clip is shown once. The first clips are for practice: their answers do not count."),
+            std::string::npos)
+      << once;
+  EXPECT_EQ(
+      parse_study_plan("training = 0\n[conditions]\ntest = \"flat\"\n", "study.toml", {}).instructions.find("practice"),
+      std::string::npos);
+  EXPECT_NE(parsed("[stimulus]\nreplays = 1\n").instructions.find("Each clip may be watched once more."),
+            std::string::npos);
+}
+
 TEST(StudyPlan, FaultsAreSaidPrecisely) {
   const std::string test = "[conditions]\ntest = \"hybrid(mesh,flat)\"\n";
   const std::vector<std::array<std::string, 2>> faults = {

@@ -1,11 +1,13 @@
 // What is said of answers: two conditions against each other, scores against answers, whether it was planned, the forms
 // of other tools, and what tables of the worst kind end in.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <regex>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "core/probability.h"
 #include "core/random.h"
 #include "studies/analysis/analysis.h"
@@ -16,6 +18,7 @@
 #include "studies/analysis/verdict_sentences.h"
 #include "tests/studies/answer_tables.h"
 #include "tests/studies/ground_truth.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -143,6 +146,11 @@ TEST(Scores, AreHeldAgainstAnswers) {
     } else {
       EXPECT_TRUE(c.distinguishable) << c.interval->low;
     }
+  ASSERT_TRUE(p.best_interval.has_value());
+  EXPECT_LT(p.best_interval->low, truth.auc_interval->low) << "it is the best of three";
+  TaskResult unsure = a.tasks[0];
+  unsure.prediction->best_interval.reset();
+  EXPECT_NE(verdict_sentences(unsure, settings).back().find("without an interval none is best"), std::string::npos);
   const std::vector<std::string> said = verdict_sentences(a.tasks[0], settings);
   EXPECT_NE(said.back().find("truth predicts the answers best"), std::string::npos) << said.back();
   EXPECT_NE(said.back().find("not distinguishable from it: same_order."), std::string::npos) << said.back();
@@ -183,6 +191,50 @@ TEST(Scores, OfItemsDoNotCareWhichStandsFirst) {
   EXPECT_GT(one.scores[0].auc, 0.6);
   EXPECT_TRUE(one.scores[0].falls) << "less error is chosen";
   EXPECT_EQ(one.answers, 30U);
+}
+
+TEST(Scores, OfClipsSayNothingOfAChoiceOfTwoItems) {
+  const ScoreTable table = score_table(parse_table("clip,error\na,0\nb,2\n", "s.csv"));
+  try {
+    analyse(answers_of("clip,item_a,item_b,yes,no\na,mesh,flat,9,1\nb,mesh,flat,2,8\n"), {.resamples = 0}, table);
+    ADD_FAILURE() << "a direction was made up";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("do not say which of two items is chosen"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Scores, OfAStudyAreHeldToTheLimitsOfTables) {
+  const support::ScratchFolder folder;
+  const auto fault = [&](const std::string& stimuli) -> std::string {
+    write_file(folder / "study.json", "{\"stimuli\": [" + stimuli + "]}");
+    try {
+      read_scores(folder / "study.json");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string one = R"({"id": "s1", "scores": [{"score": "ssim", "mean": 1}]})";
+  EXPECT_EQ(fault(one), "");
+  EXPECT_NE(fault(one + "," + one).find("has the stimulus 's1' twice"), std::string::npos);
+  std::string many;
+  for (size_t i = 0; i <= kMostScores; ++i)
+    many += (i > 0 ? "," : "") + fmt::format(R"({{"score": "x{}", "mean": 1}})", i);
+  EXPECT_NE(fault(R"({"id": "s1", "scores": [)" + many + "]}").find("has 65 scores"), std::string::npos);
+}
+
+TEST(Rankings, SayWhichPairsAreApartWhereTheWidestGapIsNot) {
+  // a and b are known well, c hardly.
+  const auto said = [](const char* text) {
+    const AnalysisSettings settings{.random = RandomEffects::none, .resamples = 0};
+    const Analysis a = analyse(answers_of(text), settings);
+    return verdict_sentences(a.tasks[0], settings).back();
+  };
+  const std::string some = said("item_a,item_b,yes,no\na,b,600,400\nb,c,5,1\n");
+  EXPECT_NE(some.find("not distinguishable from none; distinguishable is: a from b."), std::string::npos) << some;
+  const std::string none = said("item_a,item_b,yes,no\na,b,6,4\nb,c,3,2\n");
+  EXPECT_NE(none.find("none is distinguishable from another"), std::string::npos) << none;
 }
 
 TEST(Scores, RefuseWithTheLine) {
@@ -352,6 +404,25 @@ TEST(HostileTables, TrialsAreLeftOutByTheirRules) {
   EXPECT_EQ(a.rows, 2U);
   const std::string page = analysis_markdown(a);
   EXPECT_NE(page.find("Left out, answered within 200 ms: 1 trial."), std::string::npos) << page;
+}
+
+TEST(HostileTables, WhoHidesThePageInCatchTrialsHasNotPassedThem) {
+  AnalysisSettings settings{.random = RandomEffects::none, .catch_least = 0.5, .resamples = 0};
+  settings.trials.hidden = true;
+  const Analysis a =
+      analyse(answers_of("participant,answer,expected,hidden,catch\n1,upper,upper,1,broken\n1,upper,upper,0,\n"
+                         "2,upper,upper,0,broken\n2,upper,lower,0,\n2,upper,lower,1,\n"),
+              settings);
+  ASSERT_EQ(a.excluded.size(), 1U);
+  EXPECT_EQ(a.excluded[0].participant, "1");
+  EXPECT_EQ(a.excluded[0].right, 0U);
+  EXPECT_EQ(a.catch_rows, 2U);
+  EXPECT_EQ(a.left_out.hidden, 1U);
+  EXPECT_EQ(a.left_out.hidden_catch, 1U);
+  EXPECT_EQ(a.rows, 1U);
+  const std::string page = analysis_markdown(a);
+  EXPECT_NE(page.find("1 of them, during which the page was out of sight, counts as wrong."), std::string::npos)
+      << page;
 }
 
 }  // namespace
