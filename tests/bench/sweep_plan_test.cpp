@@ -14,6 +14,7 @@
 #include "bench/sweep/sweep_table.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "scene/gltf/gltf_files.h"
 #include "test_paths.h"
 #include "tests/support/scratch_folder.h"
 
@@ -221,6 +222,10 @@ TEST(SweepPlan, KeysHoldWhatTheCharactersFilesHold) {
   write_file(folder / "in/b.gltf", std::string_view(R"({"images": [{"uri": "a%20b.png"}, {"uri": "../a.bin"}]})"));
   write_file(folder / "in/a b.png", std::string_view("one"));
   const std::string third = key("in/b.gltf");
+  std::vector<std::pair<std::string, bool>> named_files;
+  scene::each_gltf_file(read_file(folder / "in/b.gltf"), folder / "in",
+                        [&](const std::string& uri, const auto& bytes) { named_files.emplace_back(uri, !!bytes); });
+  EXPECT_EQ(named_files, (std::vector<std::pair<std::string, bool>>{{"a%20b.png", true}, {"../a.bin", false}}));
   write_file(folder / "a.bin", std::string_view("three"));
   EXPECT_EQ(key("in/b.gltf"), third);
   write_file(folder / "in/a b.png", std::string_view("two"));
