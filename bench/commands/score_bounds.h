@@ -29,8 +29,8 @@ struct ScoreBound {
   bool above = true;  // fails above it; else below it
 };
 
-// above, below: "SCORE=VALUE" each. Throws Error: not of that shape, no such score (the nearest is named), a bound on the
-// side on which the score is better, so that it would refuse good pictures.
+// above, below: "SCORE=VALUE" each. Throws Error: not of that shape, no such score (the nearest is named), a bound on
+// the side on which the score is better, so that it would refuse good pictures.
 std::vector<ScoreBound> parse_bounds(const std::vector<std::string>& above, const std::vector<std::string>& below,
                                      metrics::ScoreTable table);
 
