@@ -49,6 +49,8 @@ std::string_view without_map(std::string_view script) {
 
 }  // namespace
 
+void require_page() { scripts(); }
+
 void write_page(const std::filesystem::path& folder) {
   const std::array<Script, 3>& vendored = scripts();
   for (const PageFile& file : page_files()) write_file(folder / file.name, file.text);

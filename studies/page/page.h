@@ -12,5 +12,7 @@ namespace crowdbench::studies {
 // source maps) and LICENCES.txt into `folder`, which exists; files of these names are replaced, others stay. Throws
 // Error: no such folder, a full disk, a program that was built without the npm packages.
 void write_page(const std::filesystem::path& folder);
+// Throws Error where write_page would for want of the npm packages: before long work that ends with it.
+void require_page();
 
 }  // namespace crowdbench::studies

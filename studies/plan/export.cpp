@@ -69,12 +69,12 @@ class Exporter {
 
  private:
   void make_folders() const {
+    require_page();
     make_folder(out_);
     const std::string before = exported_hash(out_);
     if (!before.empty() && before != frozen_.current_hash())
       throw Error(out_.string(), "holds the export of another plan", "choose another folder, or remove this one");
     for (const char* const name : {"work", "page", "page/clips"}) make_folder(out_ / name);
-    write_page(out_ / "page");  // a program without it says so before anything is drawn
   }
 
   fs::path half_file(const PlannedHalf& half) { return out_ / "work" / (keys_.at(half.key) + ".mp4"); }
@@ -205,7 +205,8 @@ class Exporter {
   void write_outputs() {
     const ExportFacts facts = {
         plan_, frozen_, design_, halves_, stimuli_, settings_, context_.renderer(), context_.version()};
-    write_page_files(facts, out_ / "page");
+    write_page(out_ / "page");
+    write_page_files(facts, out_ / "page");  // last: it gives all of them one date
     write_file(out_ / "sides.json", sides_json(facts).dump(2) + "\n");
     write_file(out_ / "study.json", study_json(facts).dump(2) + "\n");
   }
