@@ -203,7 +203,7 @@ TEST(SweepPlan, KeysSayWhatIsShownAndNothingElse) {
 // A character's file that has changed, or a buffer that it names, is another character.
 TEST(SweepPlan, KeysHoldWhatTheCharactersFilesHold) {
   const support::ScratchFolder scratch;
-  const std::filesystem::path folder = scratch.path();
+  const std::filesystem::path& folder = scratch.path();
   const auto key = [&](const std::string& source) {
     const Plan plan = plan_of("[axes]\nseed = [1]\n[[scenario.character]]\nsource = \"" + source + "\"\n", folder);
     return plan.key(plan.conditions[0], plan.conditions[0].points[0], 0);

@@ -1,4 +1,5 @@
 // Sweeps as a user runs them: points that fail, a stop in the middle, shards and what they are merged to.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <map>
