@@ -10,6 +10,7 @@
 #include "bench/commands/score_json.h"
 #include "bench/experiments/distance_rows.h"
 #include "bench/experiments/score_rows.h"
+#include "core/csv.h"
 #include "core/error.h"
 #include "core/statistics.h"
 #include "reports/page/distance_page.h"
@@ -126,13 +127,6 @@ void print_causes(const DistanceReport& report) {
                                    [&](const DistanceCauses& frame) { return frame.representation == r; });
     if (told != report.result.causes.end()) print_untold(told->errors);
   }
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string out(1, '"');
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + '"';
 }
 
 // The median of `against` over the counted agents as far away as the bin's.

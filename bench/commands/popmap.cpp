@@ -25,7 +25,6 @@
 #include "metrics/pseudocolour.h"
 #include "renderers/gl/context.h"
 #include "reports/page/pop_page.h"
-#include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
 #include "scene/pose/normalise.h"
 
@@ -275,10 +274,7 @@ PopRequest read_options(const Options& options, metrics::ScoreTable table) {
   request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
   if (!options.heights.empty()) request.heights_px = parse_numbers(options.heights, "--height-px", 4, 4096);
   request.fade = options.fade;
-  scene::CharacterEntry entry = options.character.entry();
-  if (!options.clip.empty()) entry.clips = {options.clip};
-  request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
-  print_warnings(*request.character);
+  request.character = open_subject(options.character, options.clip);
   request.clip = request.character->placement.default_clip;
   if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
   options.antialiasing.change(request.antialiasing);

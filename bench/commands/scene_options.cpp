@@ -164,6 +164,14 @@ void print_warnings(const scene::Character& character) {
                printable(character.name), all.size() - kMost);
 }
 
+std::shared_ptr<const scene::Character> open_subject(const CharacterOptions& options, const std::string& clip) {
+  scene::CharacterEntry entry = options.entry();
+  if (!clip.empty()) entry.clips = {clip};
+  auto character = std::make_shared<const scene::Character>(scene::open_character(entry));
+  print_warnings(*character);
+  return character;
+}
+
 scene::Cast open_cast(const scene::Scenario& scenario, const std::filesystem::path& folder,
                       const scene::KeyPlaces& places) {
   scene::Cast cast = scene::load_cast(scenario, folder, places);

@@ -74,6 +74,8 @@ std::unique_ptr<gl::Context> open_context(const std::string& device);
 
 // What loading found odd in a character, on stderr: three lines at most, and where the rest is told.
 void print_warnings(const scene::Character& character);
+// The one character of a command that shows no scenario, for `clip` (empty: its default one), and print_warnings of it.
+std::shared_ptr<const scene::Character> open_subject(const CharacterOptions& options, const std::string& clip);
 // scene::load_cast, and print_warnings of each character.
 scene::Cast open_cast(const scene::Scenario& scenario, const std::filesystem::path& folder = {},
                       const scene::KeyPlaces& places = {});

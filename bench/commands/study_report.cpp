@@ -11,6 +11,7 @@
 #include "studies/analysis/analysis_output.h"
 #include "studies/analysis/analysis_text.h"
 #include "studies/analysis/psychometric.h"
+#include "studies/analysis/text_numbers.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -19,8 +20,6 @@ using namespace studies;
 using reports::StudyPoint;
 
 constexpr int kLinePoints = 120;
-
-std::string shown(const std::string& name) { return name.empty() ? "all" : printable(name, 80); }
 
 reports::StudyChart chart_of(Part part) {
   switch (part) {
@@ -60,7 +59,7 @@ std::vector<Level> levels_of(const Analysis& a, const TaskResult& t, const Curve
 
 reports::StudyCurve curve_of(const Analysis& a, const TaskResult& t, const CurveResult& c) {
   reports::StudyCurve out;
-  out.name = shown(c.condition);
+  out.name = text::named(c.condition);
   out.level = a.settings.curve.level;
   const std::vector<Level> levels = levels_of(a, t, c);
   for (const Level& level : levels) {
@@ -90,7 +89,7 @@ std::vector<StudyPoint> ranking_of(const RankingResult& r) {
   std::vector<StudyPoint> out;
   const std::vector<double>& q = r.jod_with_prior.q;
   for (size_t i = 0; i < q.size(); ++i) {
-    StudyPoint point{shown(r.items[i]), q[i], std::nullopt, std::nullopt, fmt::format("{:+.2f} JOD", q[i])};
+    StudyPoint point{text::named(r.items[i]), q[i], std::nullopt, std::nullopt, fmt::format("{:+.2f} JOD", q[i])};
     if (r.intervals && !r.intervals->q.empty()) {
       point.low = r.intervals->q[i].low;
       point.high = r.intervals->q[i].high;
@@ -106,7 +105,7 @@ std::vector<StudyPoint> prediction_of(const ScorePredictions& p) {
   std::vector<StudyPoint> out;
   for (const ScorePrediction& s : p.scores) {
     if (s.state != PredictionState::fitted) continue;
-    StudyPoint point{shown(s.score), s.auc, std::nullopt, std::nullopt, fmt::format("{:.3f}", s.auc)};
+    StudyPoint point{text::named(s.score), s.auc, std::nullopt, std::nullopt, fmt::format("{:.3f}", s.auc)};
     if (s.auc_interval) {
       point.low = s.auc_interval->low;
       point.high = s.auc_interval->high;
@@ -125,7 +124,7 @@ reports::StudyTask task_of(const Analysis& a, const TaskResult& t, const TaskTex
   for (const Section& section : text.sections) out.sections.push_back(section_of(section));
   for (const ConditionResult& c : t.conditions)
     out.shares.push_back(
-        {shown(c.name), static_cast<double>(c.yes), static_cast<double>(c.ties), static_cast<double>(c.no)});
+        {text::named(c.name), static_cast<double>(c.yes), static_cast<double>(c.ties), static_cast<double>(c.no)});
   for (const CurveResult& c : t.curves) out.curves.push_back(curve_of(a, t, c));
   if (t.ranking) out.ranking = ranking_of(*t.ranking);
   if (t.prediction) out.prediction = prediction_of(*t.prediction);

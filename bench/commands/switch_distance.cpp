@@ -10,7 +10,6 @@
 #include "core/error.h"
 #include "core/json.h"
 #include "core/progress.h"
-#include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
 #include "scene/pose/normalise.h"
 
@@ -104,10 +103,7 @@ SwitchRequest read_request(const Options& options) {
   const PictureSize size = parse_size(options.size);
   request.width = size.width;
   request.height = size.height;
-  scene::CharacterEntry entry = options.character.entry();
-  if (!options.clip.empty()) entry.clips = {options.clip};
-  request.character = std::make_shared<const scene::Character>(scene::open_character(entry));
-  print_warnings(*request.character);
+  request.character = open_subject(options.character, options.clip);
   request.clip = request.character->placement.default_clip;
   if (!options.clip.empty()) request.clip = scene::require_clip_or_none(*request.character, options.clip);
   request.bake_budget = options.bake_budget_mib << 20;

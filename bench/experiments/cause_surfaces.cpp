@@ -7,6 +7,7 @@
 
 #include "renderers/impostor/tiles/plane.h"
 #include "renderers/impostor/tiles/tile_capture.h"
+#include "scene/pose/hidden.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -144,7 +145,7 @@ View view_of(const Drawer& drawer, const scene::Frame& frame, size_t character, 
   const glm::dvec3 to_eye = model_from_world(-glm::dvec3(agent.position), agent.heading) / scale - view.centre;
   view.basis = picked_basis(sampling.grid, to_eye);
   const scene::Mesh& mesh = drawer.cast.characters[character]->mesh;
-  const auto positions = renderers::posed_positions(mesh, drawer.cast.banks[character]->palette(agent.pose));
+  const auto positions = scene::shown_positions(mesh, drawer.cast.banks[character]->palette(agent.pose));
   if (sampling.lies == renderers::ViewLies::nearest)
     view.plane = renderers::fit_plane(renderers::surface_moments(positions, mesh.indices), view.centre, view.basis);
   for (const glm::vec3& p : positions) view.radius = std::max(view.radius, glm::distance(glm::dvec3(p), view.centre));

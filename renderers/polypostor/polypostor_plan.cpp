@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "renderers/bake/emission.h"
 #include "renderers/polypostor/polypostor_key.h"
+#include "scene/pose/hidden.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -102,7 +103,7 @@ PolypostorPlan plan_polypostors(const scene::Character& character, const std::sh
     const scene::Mesh& mesh = tier.cut.character->mesh;
     tier.tones = vertex_tones(*tier.cut.character);
     for (const auto& palette : plan.palettes) {
-      tier.positions.push_back(posed_positions(mesh, palette));
+      tier.positions.push_back(scene::shown_positions(mesh, palette));
       tier.normals.push_back(posed_normals(mesh, palette));
     }
     const std::vector<Sides> sides = sides_of(*tier.cut.character);

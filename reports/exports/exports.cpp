@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/csv.h"
 #include "core/error.h"
 #include "core/json.h"
 #include "core/statistics.h"
@@ -34,16 +35,7 @@ Json number(double value) {
 
 std::string csv_field(const Json& value) {
   if (value.is_null()) return {};
-  if (!value.is_string()) return value.dump();
-  const auto& text = value.text();
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted(1, '"');
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  quoted += '"';
-  return quoted;
+  return value.is_string() ? crowdbench::csv_field(value.text()) : value.dump();
 }
 
 Json json_of(const Value& value) {

@@ -84,6 +84,12 @@ std::vector<glm::dvec3> shown_positions(const Mesh& mesh, const std::vector<glm:
   return positions;
 }
 
+std::vector<glm::vec3> shown_positions(const Mesh& mesh, std::span<const Mat3x4> palette) {
+  std::vector<glm::vec3> positions = skin_points(mesh, palette);
+  put_aside(positions, hidden_vertices(mesh, stretches(palette), [&](uint32_t v) { return positions[v]; }));
+  return positions;
+}
+
 std::vector<uint32_t> never_shown(const Character& character) {
   std::vector<uint32_t> out;
   bool first = true;

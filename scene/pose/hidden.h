@@ -38,6 +38,8 @@ void put_aside(Positions& positions, std::span<const uint32_t> hidden) {
 
 // As skin_positions() of scene/pose/pose.h, what the pose hides put aside.
 std::vector<glm::dvec3> shown_positions(const Mesh& mesh, const std::vector<glm::dmat4>& palette);
+// The same of skin_points() of scene/pose/pose_bank.h.
+std::vector<glm::vec3> shown_positions(const Mesh& mesh, std::span<const Mat3x4> palette);
 
 // Vertices that no clip shows at its ends and in its middle, though the bind pose may. None where there are no clips.
 std::vector<uint32_t> never_shown(const Character& character);

@@ -36,19 +36,7 @@ std::vector<Pose> poses_of(const PoseBank& bank, bool between) {
 }
 
 std::vector<glm::vec3> posed(const Mesh& mesh, const PoseBank& bank, const Pose& pose) {
-  const std::vector<Mat3x4> palette = bank.palette(bank.sample(pose.bank_clip, pose.phase));
-  std::vector<glm::vec3> out(mesh.positions.size());
-  for (size_t v = 0; v < out.size(); ++v) {
-    const glm::vec4 position(mesh.positions[v], 1.0F);
-    for (int i = 0; i < kInfluences; ++i) {
-      const float weight = mesh.weights[v][i];
-      if (weight == 0) continue;
-      const Mat3x4& m = palette[mesh.joints[v][i]];
-      out[v] += weight *
-                glm::vec3(glm::dot(m.rows[0], position), glm::dot(m.rows[1], position), glm::dot(m.rows[2], position));
-    }
-  }
-  return out;
+  return skin_points(mesh, bank.palette(bank.sample(pose.bank_clip, pose.phase)));
 }
 
 std::vector<std::vector<glm::vec3>> shown_poses(const Character& character, const PoseBank& bank) {

@@ -35,8 +35,29 @@ BankClip describe(const Character& character, int clip) {
   return out;
 }
 
-// The mesh as posed, what the pose hides put aside.
-std::vector<glm::vec3> shown_points(const Mesh& mesh, std::span<const Mat3x4> palette) {
+// Bounds of what masks leave, where there are any; `matrices` of `joints` a sample.
+void leave_out_what_masks_cut(const Character& character, const std::vector<Mat3x4>& matrices, size_t joints,
+                              glm::vec3& low, glm::vec3& high) {
+  DrawnExtent extent(character);
+  if (!extent.cuts() || matrices.empty()) return;
+  low = glm::vec3(std::numeric_limits<float>::max());
+  high = glm::vec3(std::numeric_limits<float>::lowest());
+  std::vector<double> along(character.mesh.positions.size());
+  for (size_t first = 0; first < matrices.size(); first += joints) {
+    const std::vector<glm::vec3> points =
+        shown_positions(character.mesh, std::span<const Mat3x4>{matrices.data() + first, joints});
+    for (int axis = 0; axis < 3; ++axis)
+      for (const float sign : {-1.0F, 1.0F}) {
+        for (size_t v = 0; v < along.size(); ++v) along[v] = sign * points[v][axis];
+        const float most = sign * static_cast<float>(extent.most(along));
+        (sign < 0 ? low : high)[axis] = sign < 0 ? std::min(low[axis], most) : std::max(high[axis], most);
+      }
+  }
+}
+
+}  // namespace
+
+std::vector<glm::vec3> skin_points(const Mesh& mesh, std::span<const Mat3x4> palette) {
   std::vector<glm::vec3> points(mesh.positions.size(), glm::vec3(0.0F));
   for (size_t v = 0; v < points.size(); ++v) {
     const glm::vec4 position(mesh.positions[v], 1.0F);
@@ -48,30 +69,8 @@ std::vector<glm::vec3> shown_points(const Mesh& mesh, std::span<const Mat3x4> pa
                                       glm::dot(m.rows[2], position));
     }
   }
-  put_aside(points, hidden_vertices(mesh, stretches(palette), [&](uint32_t v) { return points[v]; }));
   return points;
 }
-
-// Bounds of what masks leave, where there are any; `matrices` of `joints` a sample.
-void leave_out_what_masks_cut(const Character& character, const std::vector<Mat3x4>& matrices, size_t joints,
-                              glm::vec3& low, glm::vec3& high) {
-  DrawnExtent extent(character);
-  if (!extent.cuts() || matrices.empty()) return;
-  low = glm::vec3(std::numeric_limits<float>::max());
-  high = glm::vec3(std::numeric_limits<float>::lowest());
-  std::vector<double> along(character.mesh.positions.size());
-  for (size_t first = 0; first < matrices.size(); first += joints) {
-    const std::vector<glm::vec3> points = shown_points(character.mesh, {matrices.data() + first, joints});
-    for (int axis = 0; axis < 3; ++axis)
-      for (const float sign : {-1.0F, 1.0F}) {
-        for (size_t v = 0; v < along.size(); ++v) along[v] = sign * points[v][axis];
-        const float most = sign * static_cast<float>(extent.most(along));
-        (sign < 0 ? low : high)[axis] = sign < 0 ? std::min(low[axis], most) : std::max(high[axis], most);
-      }
-  }
-}
-
-}  // namespace
 
 PoseBank::PoseBank(const Character& character, const std::vector<int>& clips, double rate) {
   assert(rate > 0.0);
@@ -158,7 +157,8 @@ void PoseBank::add_sample(const Character& character, const std::vector<glm::dma
   }
   const size_t first = matrices_.size();
   for (const glm::dmat4& matrix : palette) matrices_.push_back(to_rows(matrix));
-  for (const glm::vec3& posed : shown_points(character.mesh, {matrices_.data() + first, palette.size()})) {
+  for (const glm::vec3& posed :
+       shown_positions(character.mesh, std::span<const Mat3x4>{matrices_.data() + first, palette.size()})) {
     bounds_min_ = glm::min(bounds_min_, posed);
     bounds_max_ = glm::max(bounds_max_, posed);
   }

@@ -16,6 +16,9 @@ struct Mat3x4 {
   glm::vec4 rows[3];
 };
 
+// Vertices as a palette poses them, in its space: in floats, as the GPU reckons.
+std::vector<glm::vec3> skin_points(const Mesh& mesh, std::span<const Mat3x4> palette);
+
 struct BankClip {
   int clip = -1;                   // into Character::clips, -1: the bind pose
   uint32_t first_sample = 0;       // samples are counted over the whole bank

@@ -8,6 +8,7 @@
 #include "scene/character/drawn.h"
 #include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/stand.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -56,14 +57,6 @@ bool cut_away(const Character& character, const Material& material, const uint32
     for (int x = from.x; x <= to.x; ++x)
       if (static_cast<float>(image.at(x, y)[3]) / 255.0F >= threshold) return false;
   return true;
-}
-
-glm::dvec3 posed(const Mesh& mesh, uint32_t v, const std::vector<glm::dmat4>& palette) {
-  glm::dvec4 sum(0.0);
-  for (int i = 0; i < kInfluences; ++i)
-    if (const double weight = mesh.weights[v][i]; weight != 0)
-      sum += weight * (palette[mesh.joints[v][i]] * glm::dvec4(mesh.positions[v], 1.0));
-  return glm::dvec3(sum);
 }
 
 double size_of(const std::vector<glm::dvec3>& points) {
@@ -131,7 +124,8 @@ size_t drop_invisible(Character& character) {
   const auto has_area_in_a_clip = [&](const uint32_t* t) {
     if (poses.empty()) pose_clips();
     return std::ranges::any_of(poses, [&](const auto& palette) {
-      return has_area(posed(mesh, t[0], palette), posed(mesh, t[1], palette), posed(mesh, t[2], palette), bind_size);
+      return has_area(skin_one(mesh, t[0], palette), skin_one(mesh, t[1], palette), skin_one(mesh, t[2], palette),
+                      bind_size);
     });
   };
   return keep_drawn(character.mesh, [&](const uint32_t* t, const Primitive& primitive) {

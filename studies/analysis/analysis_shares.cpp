@@ -109,17 +109,13 @@ ConditionResult condition_of(const std::string& name, const Rows& rows, const An
   return out;
 }
 
-uint64_t lacking(const std::optional<uint64_t>& needed, uint64_t have) {
-  return needed && *needed > have ? *needed - have : 0;
-}
-
 // "Different" among several is not what it was alone.
 template <typename Result>
 void require_corrected(Result& e, double holm, double alpha, uint64_t trials, uint64_t participants) {
   if (e.verdict != Verdict::different || holm <= alpha) return;
   e.verdict = Verdict::not_enough_data;
-  e.more_trials = lacking(e.trials_needed, trials);
-  e.more_participants = lacking(e.participants_needed, participants);
+  e.more_trials = still_needed(e.trials_needed, trials);
+  e.more_participants = still_needed(e.participants_needed, participants);
 }
 
 void correct_for_many(std::vector<ConditionResult>& conditions) {

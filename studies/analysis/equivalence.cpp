@@ -143,11 +143,11 @@ std::optional<uint64_t> trials_for_difference(double share, const EquivalenceSet
   return static_cast<uint64_t>(std::ceil(2 * share * (1 - share) * z * z / (s.margin * s.margin)));
 }
 
-uint64_t missing(const std::optional<uint64_t>& needed, uint64_t have) {
+}  // namespace
+
+uint64_t still_needed(const std::optional<uint64_t>& needed, uint64_t have) {
   return needed && *needed > have ? *needed - have : 0;
 }
-
-}  // namespace
 
 std::string_view verdict_text(Verdict verdict) {
   switch (verdict) {
@@ -224,8 +224,8 @@ Equivalence judge_equivalence(std::span<const Share> shares, const EquivalenceSe
   out.verdict = inside ? Verdict::equivalent : apart ? Verdict::different : Verdict::not_enough_data;
   out.trials_needed = trials_for(s);
   if (out.verdict == Verdict::not_enough_data) {
-    out.more_trials = missing(out.trials_needed, of);
-    out.more_participants = missing(out.participants_needed, shares.size());
+    out.more_trials = still_needed(out.trials_needed, of);
+    out.more_participants = still_needed(out.participants_needed, shares.size());
   }
   return out;
 }
@@ -269,8 +269,8 @@ DifferenceEquivalence judge_difference(std::span<const SharePair> pairs, bool kn
   const auto all = static_cast<double>(first.of + second.of);
   out.trials_needed = trials_for_difference((static_cast<double>(first.chosen + second.chosen) + 1) / (all + 2), s);
   if (out.verdict == Verdict::not_enough_data) {
-    out.more_trials = missing(out.trials_needed, std::min(first.of, second.of));
-    out.more_participants = missing(out.participants_needed, out.participants);
+    out.more_trials = still_needed(out.trials_needed, std::min(first.of, second.of));
+    out.more_participants = still_needed(out.participants_needed, out.participants);
     if (!enough) out.more_participants = std::max<uint64_t>(2 - out.participants, out.more_participants);
   }
   return out;

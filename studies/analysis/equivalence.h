@@ -41,6 +41,8 @@ struct Share {
 
 enum class Verdict { equivalent, different, not_enough_data };
 std::string_view verdict_text(Verdict verdict);  // "equivalent", "different", "not enough data"
+// How many more; 0 where enough are there, or where no number would be enough.
+uint64_t still_needed(const std::optional<uint64_t>& needed, uint64_t have);
 
 struct Equivalence {
   Verdict verdict = Verdict::not_enough_data;

@@ -5,23 +5,13 @@
 #include <algorithm>
 #include <map>
 
+#include "core/csv.h"
 #include "core/files.h"
 #include "core/json.h"
 #include "studies/analysis/r_script.h"
 
 namespace crowdbench::studies {
 namespace {
-
-// A field of CSV, quoted where it has to be.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos && !text.starts_with(' ') && !text.ends_with(' ')) return text;
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"') out += '"';
-    out += c;
-  }
-  return out + "\"";
-}
 
 std::string name_of(const std::vector<std::string>& names, const std::optional<uint32_t>& index) {
   return index ? names[*index] : "";
@@ -83,7 +73,7 @@ std::string data_csv(const Analysis& a) {
   for (const Answer& row : a.answers.rows) {
     bool first = true;
     for (const DataColumn& column : columns) {
-      out += (first ? "" : ",") + field(column.text(a.answers, row, a.settings.ties));
+      out += (first ? "" : ",") + csv_field(column.text(a.answers, row, a.settings.ties));
       first = false;
     }
     out += "\n";
@@ -131,8 +121,9 @@ void add_pwcmp(const Analysis& a, Numbers& tasks, std::vector<ExportedFile>& out
       counted += count;
       if (counted > kMostTableRows) continue;
       for (uint64_t i = 0; i < count; ++i)
-        text += fmt::format("{},1,{},{},{},{}\n", field(who.empty() ? "1" : who), field(scene.empty() ? "all" : scene),
-                            field(a.answers.items[*row.item_a]), field(a.answers.items[*row.item_b]), selection);
+        text += fmt::format("{},1,{},{},{},{}\n", csv_field(who.empty() ? "1" : who),
+                            csv_field(scene.empty() ? "all" : scene), csv_field(a.answers.items[*row.item_a]),
+                            csv_field(a.answers.items[*row.item_b]), selection);
     }
   }
   if (by_task.empty()) return;

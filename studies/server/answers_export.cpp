@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "core/csv.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "store/store.h"
@@ -132,13 +133,6 @@ std::map<std::string, Shown> read_sides(const fs::path& out) {
 }
 
 // ---- writing
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n\t ") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 // Of two items that are ranked, the one that `item_a` names: whichever stands above, a pair is one pair.
 const std::string& first_item(const Shown& s) { return std::min(s.upper, s.lower); }

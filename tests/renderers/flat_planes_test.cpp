@@ -11,6 +11,7 @@
 #include "renderers/impostor/tiles/tile_capture.h"
 #include "renderers/impostor/views/view_grid.h"
 #include "scene/cast/cast.h"
+#include "scene/pose/hidden.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 #include "tests/support/sanitized.h"
@@ -159,7 +160,7 @@ TEST_F(FlatGl, AFootSlidesLessThanItsOffsetTimesTheAngularError) {
   const double texel = ways[0]->texel_metres(0);
   const auto& bank = *cast.banks[0];
   const glm::dvec3 centre =
-      enclosing_sphere({posed_positions(cast.characters[0]->mesh, bank.palette(bank.sample(0, 0)))}).centre;
+      enclosing_sphere({scene::shown_positions(cast.characters[0]->mesh, bank.palette(bank.sample(0, 0)))}).centre;
   const glm::dvec3 foot{0.30, 0.04, 0.2};
   Renderer renderer(context(), cast);
   std::vector<double> sums(ways.size());

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "scene/mannequin/mannequin.h"
+#include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
 
 namespace crowdbench::renderers {
@@ -40,7 +41,7 @@ TEST(StoredFrames, EachClipHasItsOwnNumberOnTheCurves) {
   EXPECT_EQ(frames.size(), frames.clips[0].frames + frames.clips[1].frames + 1);
   EXPECT_EQ(most_frames(frames), count.of(idle));
   // The third frame of the second clip is its pose at that phase.
-  const auto stored = posed_positions(w.character.mesh, frames.palette(frames.clips[1].first_frame + 2));
+  const auto stored = scene::shown_positions(w.character.mesh, frames.palette(frames.clips[1].first_frame + 2));
   const auto posed = scene::skin_positions(
       w.character.mesh, scene::model_matrices(w.character, w.idle, 2.0 / static_cast<double>(frames.clips[1].frames)));
   for (size_t v = 0; v < stored.size(); ++v) EXPECT_LT(glm::length(glm::dvec3(stored[v]) - posed[v]), 1e-5);

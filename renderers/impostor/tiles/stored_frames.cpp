@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/hash.h"
+#include "scene/pose/hidden.h"
 
 namespace crowdbench::renderers {
 
@@ -36,7 +37,7 @@ std::vector<scene::Mat3x4> StoredFrames::palette(size_t frame) const {
 
 std::vector<std::vector<glm::vec3>> StoredFrames::positions(const scene::Mesh& mesh) const {
   std::vector<std::vector<glm::vec3>> out;
-  for (size_t f = 0; f < size(); ++f) out.push_back(posed_positions(mesh, palette(f)));
+  for (size_t f = 0; f < size(); ++f) out.push_back(scene::shown_positions(mesh, palette(f)));
   return out;
 }
 

@@ -52,7 +52,7 @@ struct StoredFrames {
   size_t size() const { return poses.size(); }
   const std::shared_ptr<const scene::PoseBank>& bank(bool moves) const { return moves ? moving : still; }
   std::vector<scene::Mat3x4> palette(size_t frame) const;
-  // posed_positions of every frame.
+  // scene::shown_positions of every frame.
   std::vector<std::vector<glm::vec3>> positions(const scene::Mesh& mesh) const;
 };
 

@@ -14,7 +14,6 @@
 #include "renderers/mesh/mesh.h"
 #include "renderers/shaders/bindings.shared.h"
 #include "scene/cast/cast.h"
-#include "scene/pose/hidden.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -28,24 +27,6 @@ struct CaptureView {
 };
 
 }  // namespace
-
-std::vector<glm::vec3> posed_positions(const scene::Mesh& mesh, const std::vector<scene::Mat3x4>& palette) {
-  std::vector<glm::vec3> positions(mesh.positions.size());
-  for (size_t v = 0; v < positions.size(); ++v) {
-    const glm::vec4 p(mesh.positions[v], 1.0F);
-    glm::vec3 sum(0.0F);
-    for (int k = 0; k < scene::kInfluences; ++k) {
-      const float weight = mesh.weights[v][k];
-      if (weight == 0.0F) continue;
-      const scene::Mat3x4& m = palette[mesh.joints[v][k]];
-      sum += weight * glm::vec3(glm::dot(m.rows[0], p), glm::dot(m.rows[1], p), glm::dot(m.rows[2], p));
-    }
-    positions[v] = sum;
-  }
-  scene::put_aside(positions,
-                   scene::hidden_vertices(mesh, scene::stretches(palette), [&](uint32_t v) { return positions[v]; }));
-  return positions;
-}
 
 // Based on: Badoiu and Clarkson 2003, "Smaller core-sets for balls": steps of 1 / (i + 1) towards the farthest point.
 CaptureSphere enclosing_sphere(const std::vector<std::vector<glm::vec3>>& sets) {

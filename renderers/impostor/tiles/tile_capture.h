@@ -24,9 +24,6 @@ struct CaptureSphere {
   double radius = 0;
 };
 
-// Positions of every vertex posed by a palette, model space, metres; what the pose hides is put aside
-// (scene/pose/hidden.h).
-std::vector<glm::vec3> posed_positions(const scene::Mesh& mesh, const std::vector<scene::Mat3x4>& palette);
 // A sphere that holds all the points, within about one percent of the smallest one. Points: any number of sets.
 CaptureSphere enclosing_sphere(const std::vector<std::vector<glm::vec3>>& sets);
 // The whole texels of level 0 that hold the projection of the points onto a view's plane. Triangles lie between their
