@@ -2,6 +2,7 @@
 // with nlohmann-json itself, by whoever checks them.
 #pragma once
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>

@@ -45,8 +45,9 @@ void expand_odd(const float* __restrict a, const float* __restrict b, float* __r
 // out[2 i] around in[i], out[2 i + 1] between in[i] and the next; `in` has one element before and one behind.
 CROWDBENCH_VECTORISED
 void interleave(const float* __restrict in, float* __restrict out, size_t pairs) {
+  const float* before = in - 1;
   for (size_t i = 0; i < pairs; ++i) {
-    out[2 * i] = 2 * kOuter * (in[i - 1] + in[i + 1]) + 2 * kCentre * in[i];
+    out[2 * i] = 2 * kOuter * (before[i] + before[i + 2]) + 2 * kCentre * in[i];
     out[2 * i + 1] = 2 * kInner * (in[i] + in[i + 1]);
   }
 }

@@ -10,6 +10,7 @@
 // Differs from Mustache: a name without a value and a value that no place uses are mistakes, not empty text.
 #pragma once
 #include <concepts>
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <string>

@@ -12,6 +12,7 @@
 #include "renderers/gl/context.h"
 #include "scene/cast/open_character.h"
 #include "test_paths.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -43,6 +44,7 @@ TEST_P(FigureHeight, IsTheRowsOfItsPicture) {
   const bool shared = name.find('.') != std::string::npos;
   const std::filesystem::path path = std::filesystem::path(CROWDBENCH_SHARED_DIR) / "characters" / name;
   if (shared && !std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  if (shared) CROWDBENCH_SKIP_SANITIZED("the mannequin");
   scene::CharacterEntry entry;
   entry.source = shared ? path.string() : name;
   entry.clips = {GetParam().clip};

@@ -1,5 +1,6 @@
 // The driver as a new user meets it, from outside: it stops when told to, says what it does and for how long, names
 // what was wrong and what would be right, calls one thing by one name, and never says that what was not written was.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -174,9 +174,9 @@ TEST(Cvvdp, Refusals) {
   };
   const auto contains = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   const Image8 a = noise(8, 8, 1);
-  for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {9, 1}}) {
-    const std::string said =
-        refusal([&] { cvvdp(noise(width, height, 1), noise(width, height, 2), default_display()); });
+  for (const auto& size : {std::pair{1, 1}, {1, 9}, {9, 1}}) {
+    const auto picture = [&](uint64_t seed) { return noise(size.first, size.second, seed); };
+    const std::string said = refusal([&] { cvvdp(picture(1), picture(2), default_display()); });
     EXPECT_TRUE(contains(said, "a side is below 2 pixels")) << said;
   }
   EXPECT_TRUE(contains(refusal([&] { cvvdp(a, noise(8, 9, 1), default_display()); }), "differ in size"));
@@ -256,8 +256,8 @@ TEST(CvvdpGroundTruth, HeatMaps) {
     score(*one);
     const json rows = expected.value("map", json());
     // The reference's values are 1 - JOD / 10, kept in half precision and written with four digits.
-    const auto compare = [&](int x, int y, double value) {
-      EXPECT_NEAR(1 - *jod.at(x, y) / 10, value, 1e-3 * value + 2e-6) << key << " at " << x << ", " << y;
+    const auto compare = [&, name = key](int x, int y, double value) {
+      EXPECT_NEAR(1 - *jod.at(x, y) / 10, value, 1e-3 * value + 2e-6) << name << " at " << x << ", " << y;
       ++checked;
     };
     for (int y = 0; rows.is_array() && y < jod.height; ++y)

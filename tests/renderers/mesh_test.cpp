@@ -465,7 +465,7 @@ TEST_F(MeshGl, SeveralCharacterTypesKeepTheirAgentsApart) {
   scene::Frame frame = frame_of_one(4.0, 0.5, size, size, fov_deg(size, 160));  // 40 pixels a metre
   add_agent(frame, cast, {-0.75, 0, 0}, 11);
   add_agent(frame, cast, {0, 0, 0}, 12);
-  std::swap(frame.agents[0], frame.agents.emplace_back());
+  frame.agents.insert(frame.agents.begin(), std::vector<scene::FrameAgent>());
   add_agent(frame, cast, {0.75, 0, 0}, 13);
   ASSERT_EQ(frame.agents[0].size(), 1U);  // one square card, two tall ones
   ASSERT_EQ(frame.agents[1].size(), 2U);

@@ -13,6 +13,7 @@
 #include "core/random.h"
 #include "gltf_builder.h"
 #include "scene/pose/pose.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -24,9 +25,8 @@ using test::Builder;
 using test::load;
 namespace fs = std::filesystem;
 
-// More CPU time than this is a hang; generous for sanitizers. Not wall time: a busy machine is no fault of the
-// loader's.
-constexpr double kMostSeconds = 5.0;
+// More CPU time than this is a hang. Not wall time: a busy machine is no fault of the loader's.
+constexpr double kMostSeconds = support::kSanitized ? 30.0 : 5.0;
 
 // What f throws, or kNoError.
 constexpr const char* kNoError = "no error";

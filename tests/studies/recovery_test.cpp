@@ -21,6 +21,7 @@
 #include "studies/analysis/quest_plus.h"
 #include "studies/analysis/simulated.h"
 #include "tests/studies/ground_truth.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -190,6 +191,7 @@ TEST(Recovery, QuestPlusNeedsFewerTrials) {
 }
 
 TEST(Recovery, PowerIsThatOfLme4) {
+  CROWDBENCH_SKIP_SANITIZED("ThresholdOfMixedModelIsCovered");
   const Expected& expected = test::statistics_expected();
   const size_t n = seeds(40);
   for (const auto& [name, c] : expected.at("power_simulation").items()) {
