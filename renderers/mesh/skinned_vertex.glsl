@@ -15,10 +15,10 @@ uvec4 skinned_record(vec3 position, vec3 normal) {
 
 vec3 skinned_position(uvec4 record) { return uintBitsToFloat(record.xyz); }
 
-// Not of unit length.
+// Of unit length: what is interpolated between vertices leans towards the longer one.
 vec3 skinned_normal(uvec4 record) {
   vec2 p = unpackSnorm2x16(record.w);
   float z = 1.0 - abs(p.x) - abs(p.y);
   float fold = max(-z, 0.0);
-  return vec3(p.x >= 0.0 ? p.x - fold : p.x + fold, p.y >= 0.0 ? p.y - fold : p.y + fold, z);
+  return normalize(vec3(p.x >= 0.0 ? p.x - fold : p.x + fold, p.y >= 0.0 ? p.y - fold : p.y + fold, z));
 }

@@ -16,6 +16,10 @@ struct Unrolled {
   std::vector<uint32_t> agents;  // in that order
   std::vector<double> phases;
   std::vector<double> sums;  // sums[i] of phases[0 .. i - 1]
+  // How many lie before a phase.
+  size_t before(double phase) const {
+    return static_cast<size_t>(std::lower_bound(phases.begin(), phases.end(), phase) - phases.begin());
+  }
   double mean(size_t first, size_t end) const { return (sums[end] - sums[first]) / static_cast<double>(end - first); }
 };
 
@@ -53,23 +57,48 @@ std::vector<size_t> runs_of_one_phase(const Unrolled& all) {
   return runs;
 }
 
-// The same of clusters: as many agents in each at first, then each agent to the nearest mean.
-std::vector<size_t> runs_of_clusters(const Unrolled& all, uint32_t poses) {
+// Each agent to the nearest mean, until none changes.
+std::vector<size_t> improved(const Unrolled& all, std::vector<size_t> runs) {
   const size_t n = all.phases.size();
-  std::vector<size_t> runs;
-  for (uint32_t k = 0; k <= poses; ++k) runs.push_back(n * k / poses);
   for (int i = 0; i < kIterations; ++i) {
     std::vector<size_t> next = {0};
     for (size_t k = 0; k + 2 < runs.size(); ++k) {
       const double border = 0.5 * (all.mean(runs[k], runs[k + 1]) + all.mean(runs[k + 1], runs[k + 2]));
-      const auto at = std::lower_bound(all.phases.begin(), all.phases.end(), border) - all.phases.begin();
-      if (static_cast<size_t>(at) > next.back()) next.push_back(static_cast<size_t>(at));
+      const size_t at = all.before(border);
+      if (at > next.back()) next.push_back(at);
     }
     if (next.back() < n) next.push_back(n);
     if (next == runs) break;
     runs = std::move(next);
   }
   return runs;
+}
+
+double squared_error(const Unrolled& all, const std::vector<size_t>& runs) {
+  double sum = 0;
+  for (size_t k = 0; k + 1 < runs.size(); ++k) {
+    const double mean = all.mean(runs[k], runs[k + 1]);
+    for (size_t i = runs[k]; i < runs[k + 1]; ++i) sum += (all.phases[i] - mean) * (all.phases[i] - mean);
+  }
+  return sum;
+}
+
+// Runs of clusters: the better of those that begin with as many agents in each and with as wide a range in each.
+std::vector<size_t> runs_of_clusters(const Unrolled& all, uint32_t poses) {
+  const size_t n = all.phases.size();
+  std::vector<size_t> counts = {0};
+  std::vector<size_t> widths = {0};
+  const double range = all.phases.back() - all.phases.front();
+  for (uint32_t k = 1; k < poses; ++k) {
+    counts.push_back(n * k / poses);
+    const size_t at = all.before(all.phases.front() + range * k / poses);
+    if (at > widths.back() && at < n) widths.push_back(at);
+  }
+  counts.push_back(n);
+  widths.push_back(n);
+  const std::vector<size_t> a = improved(all, counts);
+  const std::vector<size_t> b = improved(all, widths);
+  return squared_error(all, b) < squared_error(all, a) ? b : a;
 }
 
 }  // namespace

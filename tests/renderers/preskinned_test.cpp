@@ -49,10 +49,10 @@ TEST_F(PreskinnedGl, DrawsWhatTheMeshDraws) {
   const Capture test = draw(walker(), frame, "preskinned");
   EXPECT_GT(covered(mesh), 2000U);
   EXPECT_LE(different_ids(mesh, test), 2U);
-  EXPECT_LE(worst_colour_difference(mesh, test), 1);
+  EXPECT_LE(worst_colour_difference(mesh, test), 2);
 }
 
-// One MiB holds 25 posed meshes of 2,600 vertices: agents after those are skinned into the same slots.
+// One MiB holds 21 posed meshes of 3,000 vertices: agents after those are skinned into the same slots.
 TEST_F(PreskinnedGl, BatchesDrawEveryAgentInItsOwnPose) {
   const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 5000}));
   const scene::Frame frame = row_of(cast, 40);
