@@ -2,6 +2,8 @@
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
 #include "renderers/polypostor/polypostor.h"
+#include "renderers/preskinned/preskinned.h"
+#include "renderers/pseudo/pseudo.h"
 #include "renderers/relief/relief.h"
 #include "renderers/representation.h"
 #include "renderers/rigid/rigid.h"
@@ -19,6 +21,8 @@ const std::vector<RepresentationType>& representation_types() {
       relief_type,
       rigid_type,
       polypostor_type,
+      preskinned_type,
+      pseudo_type,
   };
   // clang-format on
   return types;

@@ -15,8 +15,8 @@ namespace {
 
 class MeshRepresentation : public Representation {
  public:
-  MeshRepresentation(const MakeContext& make, MeshUse use, const MeshLevelOptions& level, float peak = 0)
-      : floor_(use == MeshUse::static_pose), draw_(make.context, use) {
+  MeshRepresentation(const MakeContext& make, MeshUse use, const MeshLevelOptions& level, int passes, float peak = 0)
+      : floor_(use == MeshUse::static_pose), draw_(make.context, use, passes) {
     const auto start = std::chrono::steady_clock::now();
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
@@ -93,7 +93,7 @@ MeshLevelOptions level_options(const OptionReader& reader) {
 }  // namespace
 
 std::unique_ptr<Representation> make_mesh_capture(const MakeContext& make, float peak) {
-  return std::make_unique<MeshRepresentation>(make, MeshUse::capture, MeshLevelOptions{}, peak);
+  return std::make_unique<MeshRepresentation>(make, MeshUse::capture, MeshLevelOptions{}, 1, peak);
 }
 
 const RepresentationType mesh_type = {
@@ -104,11 +104,13 @@ const RepresentationType mesh_type = {
          {"ratio", "0..1", "0", "instead: at most this share of the character's triangles; 0: all"},
          {"error", "0..100", "0",
           "instead: as few as stay within so many metres of the whole mesh in the poses of the clips in use; 0: all"},
-         {"lod", "0..63", "0", "instead: the level that the character's file holds (MSFT_lod, or names in _LOD1)"}},
+         {"lod", "0..63", "0", "instead: the level that the character's file holds (MSFT_lod, or names in _LOD1)"},
+         {"passes", "1..16", "1", "times that a frame draws the triangles: all but the last write depth alone"}},
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(mesh_type, spec);
       return std::make_unique<MeshRepresentation>(
-          context, reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level_options(reader));
+          context, reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level_options(reader),
+          static_cast<int>(reader.integer("passes", 1, 16)));
     },
     .reference = true,
     .floor = "the same triangles in one pose, without skinning",

@@ -1,6 +1,14 @@
 #version 450 core
-// Linear blend skinning of one character type, instanced. CB_STATIC: the floor, positions already posed, no palette.
+// Linear blend skinning of one character type, instanced. Without posing here:
+//   CB_STATIC       positions already posed, in model space
+//   CB_SKINNED      vertices that skin.comp wrote, in the world, a slot an instance
+//   CB_SHARED_POSE  the same in model space, one slot for all
+// CB_DEPTH: a pass that writes depth alone. CB_INVARIANT: such a pass and others of the same frame agree to the bit.
 #include "renderers/shaders/frame.glsl"
+
+#ifdef CB_INVARIANT
+invariant gl_Position;
+#endif
 
 #ifdef CB_SAMPLED
 #define CB_WITHIN centroid
@@ -10,7 +18,12 @@
 layout(location = CB_ATTRIBUTE_POSITION) in vec4 in_position;  // w: the material's index
 layout(location = CB_ATTRIBUTE_NORMAL) in vec4 in_normal;
 layout(location = CB_ATTRIBUTE_UV) in vec2 in_uv;
-#ifndef CB_STATIC
+#if defined(CB_SKINNED) || defined(CB_SHARED_POSE)
+#include "renderers/mesh/skinned_vertex.glsl"
+layout(binding = CB_TEXTURE_SKINNED) uniform usamplerBuffer skinned;
+layout(location = CB_LOCATION_VERTICES) uniform uint vertices;
+layout(location = CB_LOCATION_SLOT) uniform uint slot;
+#elif !defined(CB_STATIC)
 layout(location = CB_ATTRIBUTE_JOINTS) in uvec4 in_joints;
 layout(location = CB_ATTRIBUTE_WEIGHTS) in vec4 in_weights;
 #include "renderers/shaders/palette.glsl"
@@ -29,9 +42,11 @@ layout(location = CB_ATTRIBUTE_AGENT) in uint in_agent;
 #include "renderers/impostor/tiles/capture.glsl"
 #endif
 
+#ifndef CB_DEPTH
 layout(location = 0) CB_WITHIN out vec4 v_normal_u;  // world normal, not unit; u. Few outputs: each costs every triangle's set-up
 layout(location = 1) CB_WITHIN out float v_v;
 layout(location = 2) flat out uint v_outfit_material;  // outfit in the low 16 bits, material above
+#endif
 #ifdef CB_IDS
 layout(location = 5) flat out uint v_id;
 #endif
@@ -47,11 +62,23 @@ out vec3 f_world;  // captured by the skinning test
 void main() {
   vec3 world;
   vec3 normal;
-#ifdef CB_STATIC
+#ifdef CB_SKINNED
+  uvec4 record = texelFetch(skinned, int((slot + uint(gl_InstanceID)) * vertices) + gl_VertexID);
+  world = skinned_position(record);
+  normal = skinned_normal(record);
+#elif defined(CB_STATIC) || defined(CB_SHARED_POSE)
+#ifdef CB_SHARED_POSE
+  uvec4 record = texelFetch(skinned, int(slot * vertices) + gl_VertexID);
+  vec3 model = skinned_position(record);
+  vec3 model_normal = skinned_normal(record);
+#else
+  vec3 model = in_position.xyz;
+  vec3 model_normal = in_normal.xyz;
+#endif
   vec4 position_scale = agent_position_scale(in_agent);
   vec2 heading = agent_heading_blend(in_agent).xy;
-  world = position_scale.xyz + position_scale.w * turn(in_position.xyz, heading);
-  normal = turn(in_normal.xyz, heading);
+  world = position_scale.xyz + position_scale.w * turn(model, heading);
+  normal = turn(model_normal, heading);
 #else
   uint base = uint(gl_InstanceID) * joints * 3u;
   uvec4 at = base + in_joints * 3u;
@@ -63,13 +90,15 @@ void main() {
   world = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
   normal = vec3(dot(row0.xyz, in_normal.xyz), dot(row1.xyz, in_normal.xyz), dot(row2.xyz, in_normal.xyz));
 #endif
-  v_normal_u = vec4(normal, in_uv.x);
 #ifdef CB_FEEDBACK
   f_world = world;
 #endif
+#ifndef CB_DEPTH
+  v_normal_u = vec4(normal, in_uv.x);
   v_v = in_uv.y;
   uvec2 identity = agent_identity(in_agent).xy;
   v_outfit_material = identity.x | uint(in_position.w) << 16u;
+#endif
 #ifdef CB_IDS
   v_id = identity.y;
 #endif

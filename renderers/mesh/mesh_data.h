@@ -19,6 +19,15 @@ struct MeshVertex {
   uint16_t weights[4];  // unsigned normalised; sums to 65535 exactly
 };
 
+// What skinning reads of a vertex, as skin.comp fetches it: two texels of four uints.
+struct RestVertex {
+  float position[3];
+  uint32_t normal;
+  uint16_t joints[4];
+  uint16_t weights[4];
+};
+static_assert(sizeof(RestVertex) == 32);
+
 // Vertices that some characters need more of; parallel to the vertices, empty when not needed.
 struct MeshExtras {
   std::vector<glm::vec4> colours;

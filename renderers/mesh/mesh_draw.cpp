@@ -56,6 +56,19 @@ std::vector<PosedVertex> pose_vertices(const MeshData& data, const scene::Charac
   return out;
 }
 
+std::vector<RestVertex> rest_vertices(const MeshData& data) {
+  std::vector<RestVertex> out;
+  out.reserve(data.vertices.size());
+  for (const MeshVertex& v : data.vertices) {
+    RestVertex& rest = out.emplace_back();
+    std::copy_n(v.position, 3, rest.position);
+    rest.normal = v.normal;
+    std::copy_n(v.joints, 4, rest.joints);
+    std::copy_n(v.weights, 4, rest.weights);
+  }
+  return out;
+}
+
 bool samples_between_texels(scene::MinFilter filter) {
   return filter == scene::MinFilter::linear_mipmap_linear || filter == scene::MinFilter::linear_mipmap_nearest;
 }
@@ -145,11 +158,15 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
         {CB_ATTRIBUTE_NORMAL, 4, GL_INT_2_10_10_10_REV, true, false, offsetof(V, normal)},
         {CB_ATTRIBUTE_UV, 2, GL_FLOAT, false, false, offsetof(V, uv)},
     };
-    if (use != MeshUse::static_pose) {
+    if (use == MeshUse::skinned || use == MeshUse::capture) {
       attributes.push_back({CB_ATTRIBUTE_JOINTS, 4, GL_UNSIGNED_SHORT, false, true, offsetof(V, joints)});
       attributes.push_back({CB_ATTRIBUTE_WEIGHTS, 4, GL_UNSIGNED_SHORT, true, false, offsetof(V, weights)});
     }
     out.vertex_array = gl::VertexArray(context, out.vertices, sizeof(V), attributes, &out.indices);
+  }
+  if (use == MeshUse::preskinned || use == MeshUse::shared_pose) {
+    out.rest = gl::Buffer(context, rest_vertices(data));
+    out.rest_texels = gl::Texture::make_buffer(context, GL_RGBA32UI, out.rest);
   }
   if (!data.extras.colours.empty()) {
     add_stream(out.colours, CB_ATTRIBUTE_COLOUR, 4, sizeof(glm::vec4), data.extras.colours.data());
@@ -211,7 +228,8 @@ uint64_t CharacterMesh::texture_bytes() const {
 
 uint64_t CharacterMesh::buffer_bytes() const {
   uint64_t bytes = 0;
-  for (const gl::Buffer* b : {&vertices, &indices, &uvs, &colours, &emissive_uvs, &materials}) bytes += b->size();
+  for (const gl::Buffer* b : {&vertices, &indices, &uvs, &colours, &emissive_uvs, &materials, &rest})
+    bytes += b->size();
   return bytes;
 }
 
@@ -223,7 +241,11 @@ const gl::Program& MeshDraw::program(const Variant& v) {
       if (on) defines.emplace_back(name, "");
     };
     define(use_ == MeshUse::static_pose || use_ == MeshUse::stored_poses, "CB_STATIC");
+    define(use_ == MeshUse::preskinned, "CB_SKINNED");
+    define(use_ == MeshUse::shared_pose, "CB_SHARED_POSE");
     define(use_ == MeshUse::capture, "CB_CAPTURE");
+    define(passes_ > 1, "CB_INVARIANT");
+    define(v.depth, "CB_DEPTH");
     define(v.ids, "CB_IDS");
     define(v.dithered, "CB_DITHER");
     define(v.colours, "CB_COLOURS");
@@ -235,9 +257,12 @@ const gl::Program& MeshDraw::program(const Variant& v) {
     define(v.flat, "CB_FLAT_NORMALS");
     define(v.masked, "CB_MASKED");
     define(v.sampled, "CB_SAMPLED");
-    found =
-        programs_.emplace(v, gl::Program(context_, {"renderers/mesh/mesh.vert", "renderers/mesh/mesh.frag"}, defines))
-            .first;
+    found = programs_
+                .emplace(v, gl::Program(context_,
+                                        {"renderers/mesh/mesh.vert",
+                                         v.depth ? "renderers/mesh/mesh_depth.frag" : "renderers/mesh/mesh.frag"},
+                                        defines))
+                .first;
   }
   return found->second;
 }
@@ -251,32 +276,55 @@ void MeshDraw::draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffe
   mesh.vertex_array.set_instance_stream(CB_ATTRIBUTE_AGENT, list, first * sizeof(uint32_t));
   mesh.vertex_array.bind();
   mesh.material_texels.bind(CB_TEXTURE_MATERIALS);
-  for (const MeshGroup& group : mesh.groups) {
-    const int emissive_array = mesh.has_emissive ? group.emissive_array : -1;
-    const gl::Program& p =
-        program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
-                 mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0, emissive_array >= 0,
-                 group.double_sided, mesh.has_flat, group.masked, pass.samples > 1});
-    p.use();
-    if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
-    const auto bind_array = [&](int array, unsigned unit) {
-      if (array < 0) return;
-      mesh.textures[static_cast<size_t>(array)].bind(unit);
-      mesh.samplers[static_cast<size_t>(array)].bind(unit);
-    };
-    bind_array(group.base_array, CB_TEXTURE_BASE_COLOUR);
-    bind_array(emissive_array, CB_TEXTURE_EMISSIVE);
-    if (group.double_sided)
-      glDisable(GL_CULL_FACE);
-    else
-      glEnable(GL_CULL_FACE);
-    const bool coverage = group.masked && pass.samples > 1;
-    if (coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-    glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(group.index_count), GL_UNSIGNED_INT,
-                            reinterpret_cast<const void*>(group.first_index * sizeof(uint32_t)),
-                            static_cast<GLsizei>(count));
-    if (coverage) glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  const int before = pass.touched ? 0 : passes_ - 1;
+  if (before > 0) {
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    for (int i = 0; i < before; ++i) {
+      if (i == 1) glDepthFunc(GL_GEQUAL);
+      for (const MeshGroup& group : mesh.groups) draw_group(mesh, group, pass, count, pose, true);
+    }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthFunc(GL_GEQUAL);
   }
+  for (const MeshGroup& group : mesh.groups) draw_group(mesh, group, pass, count, pose, false);
+  if (before > 0) glDepthFunc(GL_GREATER);
+}
+
+void MeshDraw::draw_group(const CharacterMesh& mesh, const MeshGroup& group, const Pass& pass, uint32_t count,
+                          uint32_t slot, bool depth) {
+  // What discards fragments needs all of the program to know which.
+  const bool bare = depth && !group.masked && !pass.dithered;
+  Variant depth_variant;
+  depth_variant.depth = true;
+  const int emissive_array = mesh.has_emissive ? group.emissive_array : -1;
+  const gl::Program& p =
+      bare ? program(depth_variant)
+           : program({pass.ids, pass.dithered, mesh.has_colours, mesh.has_emissive,
+                      mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0, emissive_array >= 0,
+                      group.double_sided, mesh.has_flat, group.masked, pass.samples > 1, false});
+  p.use();
+  if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
+  if (use_ == MeshUse::preskinned || use_ == MeshUse::shared_pose) {
+    p.set(CB_LOCATION_VERTICES, mesh.vertex_count);
+    p.set(CB_LOCATION_SLOT, slot);
+  }
+  const auto bind_array = [&](int array, unsigned unit) {
+    if (array < 0) return;
+    mesh.textures[static_cast<size_t>(array)].bind(unit);
+    mesh.samplers[static_cast<size_t>(array)].bind(unit);
+  };
+  bind_array(group.base_array, CB_TEXTURE_BASE_COLOUR);
+  bind_array(emissive_array, CB_TEXTURE_EMISSIVE);
+  if (group.double_sided)
+    glDisable(GL_CULL_FACE);
+  else
+    glEnable(GL_CULL_FACE);
+  const bool coverage = group.masked && pass.samples > 1;
+  if (coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(group.index_count), GL_UNSIGNED_INT,
+                          reinterpret_cast<const void*>(group.first_index * sizeof(uint32_t)),
+                          static_cast<GLsizei>(count));
+  if (coverage) glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
 void MeshDraw::done() {

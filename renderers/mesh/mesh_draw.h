@@ -1,5 +1,6 @@
 // MeshDraw: a character's mesh on the GPU and the programs that draw it, shared by the representations that draw
-// meshes: skinned, in one static pose, in stored poses, and for bakes.
+// meshes: skinned where they are drawn, skinned before into a buffer, in one static pose, in stored poses, and for
+// bakes.
 #pragma once
 #include <compare>
 #include <map>
@@ -13,13 +14,16 @@
 
 namespace crowdbench::renderers {
 
-// What is drawn: the skinned mesh, the mesh in one static pose (the skinned mesh's floor), in stored poses, or the maps
-// that bakes are made of.
-enum class MeshUse : uint8_t { skinned, static_pose, stored_poses, capture };
+// What is drawn: the skinned mesh; the mesh in one static pose (the skinned mesh's floor), in stored poses, in slots of
+// a SkinnedBuffer (skinned_buffer.h) of which every agent has its own (`preskinned`, places in the world) or all of a
+// draw share one (`shared_pose`, in model space); or the maps that bakes are made of.
+enum class MeshUse : uint8_t { skinned, static_pose, stored_poses, preskinned, shared_pose, capture };
 
 // One character's mesh on the GPU.
 struct CharacterMesh {
   gl::Buffer vertices, indices, uvs, colours, emissive_uvs, materials;
+  gl::Buffer rest;  // RestVertex[], where a SkinnedBuffer is drawn
+  gl::Texture rest_texels;
   gl::VertexArray vertex_array;
   std::vector<gl::Texture> textures;  // one a MeshData::arrays entry
   std::vector<gl::Sampler> samplers;
@@ -40,7 +44,7 @@ struct PosedVertex {
   uint32_t normal;  // 10:10:10:2 signed normalised
 };
 
-// poses: palettes of the character's bank: none for the skinned mesh and captures, one for the static pose; the
+// poses: palettes of the character's bank: none for what is skinned and captures, one for the static pose; the
 // vertices of stored poses follow each other in the order given. peak: captures hold emissive light as fractions of
 // this, and none where it is 0. Throws Error: more materials or images than can be addressed.
 CharacterMesh upload_mesh(gl::Context& context, const scene::Character& character, int joints, MeshUse use,
@@ -48,9 +52,13 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
 
 class MeshDraw {
  public:
-  MeshDraw(gl::Context& context, MeshUse use) : context_(context), use_(use) {}
+  // passes: above 1 each draw comes after passes - 1 others of the same triangles that write depth alone, as engines
+  // draw a mesh again for depth pre-passes and shadows: colours then only pass where depth is equal. None of a pass
+  // with `touched`.
+  MeshDraw(gl::Context& context, MeshUse use, int passes = 1) : context_(context), use_(use), passes_(passes) {}
   // Draws `count` agents of the list from position `first` on (FrameResources::list(), within a draw callback). Leaves
-  // face culling as the last group wants it: `done` puts that and the samplers back. pose: which of the stored ones.
+  // face culling as the last group wants it: `done` puts that and the samplers back. pose: which of the stored ones;
+  // of a SkinnedBuffer, which must be bound, the first slot.
   void draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffer& list, uint32_t first, uint32_t count,
             uint32_t pose = 0);
   static void done();
@@ -58,14 +66,17 @@ class MeshDraw {
  private:
   // What a compiled variant of the program depends on.
   struct Variant {
-    bool ids, dithered, colours, emissive, emissive_uvs, textures, emissive_textures, double_sided, flat, masked,
-        sampled;
+    bool ids = false, dithered = false, colours = false, emissive = false, emissive_uvs = false, textures = false,
+         emissive_textures = false, double_sided = false, flat = false, masked = false, sampled = false, depth = false;
     auto operator<=>(const Variant&) const = default;
   };
   const gl::Program& program(const Variant& variant);
+  void draw_group(const CharacterMesh& mesh, const MeshGroup& group, const Pass& pass, uint32_t count, uint32_t slot,
+                  bool depth);
 
   gl::Context& context_;
   MeshUse use_;
+  int passes_;
   std::map<Variant, gl::Program> programs_;
 };
 

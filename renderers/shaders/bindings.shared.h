@@ -12,12 +12,15 @@
 #define CB_STORAGE_LIST 2       // uint[]: positions in AGENTS of the agents to draw
 #define CB_STORAGE_PALETTE 3    // vec4[]: posed joints of the listed agents, three rows a joint, list-major
 #define CB_STORAGE_POSE_BANK 4  // vec4[]: one character's bank, three rows a joint, sample-major
+#define CB_STORAGE_SKINNED 5    // uvec4[]: skinned vertices, slot-major (renderers/mesh/skinned_buffer.h)
 #define CB_STORAGE_CAPTURE 9    // CaptureView[]: one orthographic view an agent, for bakes
 
 // Texture units.
 #define CB_TEXTURE_BASE_COLOUR 0
 #define CB_TEXTURE_EMISSIVE 1
 #define CB_TEXTURE_MATERIALS 2  // texels of the character being drawn (mesh)
+#define CB_TEXTURE_REST 3       // vertices of the character being skinned into a buffer (skin.comp)
+#define CB_TEXTURE_SKINNED 4    // what that wrote
 #define CB_TEXTURE_TILES 9      // tiles of the character being drawn: where they lie (flat)
 #define CB_TEXTURE_OUTLINES 10  // corners of the tiles' outlines (flat)
 #define CB_TEXTURE_VIEWS 11     // the planes of a view grid (flat)
@@ -28,9 +31,11 @@
 #define CB_TEXTURE_PALETTE 15  // PALETTE, three RGBA32F texels a joint
 
 // Uniform locations.
-#define CB_LOCATION_FIRST 0   // uint: position in LIST (and in PALETTE) of the first instance
-#define CB_LOCATION_JOINTS 1  // uint: joints of the character
-#define CB_LOCATION_COUNT 2   // uint: agents to pose
+#define CB_LOCATION_FIRST 0     // uint: position in LIST (and in PALETTE) of the first instance
+#define CB_LOCATION_JOINTS 1    // uint: joints of the character
+#define CB_LOCATION_COUNT 2     // uint: agents to pose
+#define CB_LOCATION_VERTICES 3  // uint: vertices of the character's mesh
+#define CB_LOCATION_SLOT 4      // uint: slot of skinned vertices that the first instance reads
 
 // Vertex attributes of the mesh.
 #define CB_ATTRIBUTE_POSITION 0  // vec3 position, w = the material's index

@@ -93,6 +93,9 @@ void draw_everything() {
     draw(cast, "mesh", kEveryPass);
     draw(cast, "mesh:floor=1", {kIds});
     draw(cast, "rigid:poses=2", {kIds});
+    draw(cast, "mesh:passes=2", {kIds});
+    draw(cast, "preskinned", {kIds});
+    draw(cast, "pseudo", {kIds});
   }
   const scene::Cast plain = dressed({.texture = true});
   const scene::Cast glowing = dressed({.glow = true});
