@@ -1,41 +1,54 @@
-// bench_metrics: what each score of two pictures costs, in seconds of process CPU, and what all of them cost together.
+// bench_metrics: what each score of two pictures costs, in seconds of process CPU, what all of them cost together, and
+// how that compares with other libraries on the same machine.
 //
-//   bench_metrics [REFERENCE TEST]    default: a made pair of 1920 x 1080
+//   bench_metrics [REFERENCE TEST] [--rounds N] [--markdown FILE] [--tiny]    default: a made pair of 1920 x 1080, 5
+//   rounds
 //
 // The scores take turns in one process, so that a busy machine slows all alike; a figure is the median of the rounds.
 // Each score does its own work alone ("alone": luma, SSIM's map and the like included), then all scores share it
-// ("together"). Float pictures are the linear light of the same pair. Where it was built with OpenCV's quality module,
-// that library's SSIM takes its turns too. Decoding is not timed.
+// ("together"). Float pictures are the linear light of the same pair. Decoding is not timed.
+//
+// Other libraries take their turns too, each beside the same work of ours, where the build was told of them
+// (bench/CMakeLists.txt): OpenCV's quality module, NVlabs/flip (-DCROWDBENCH_BESIDE_FLIP=its src/cpp) and
+// halidecx/fcvvdp (-DCROWDBENCH_BESIDE_FCVVDP=its src). The ratio is theirs over ours, paired by round, with a 95 %
+// bootstrap interval. --markdown writes that table as a page (docs/metrics_speed.md). --tiny: small pictures.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "bench/speed/cpu_time.h"
+#include "bench/speed/contest.h"
 #include "core/colour.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/image_io.h"
+#include "core/machine.h"
 #include "core/random.h"
+#include "core/statistics.h"
 #include "metrics/registry.h"
-#ifdef CROWDBENCH_OPENCV_QUALITY
-#include <opencv2/quality/qualityssim.hpp>
-
-#include "metrics/mat.h"
-#endif
 
 namespace {
 
 using namespace crowdbench;
-using bench::cpu_seconds;
+using bench::Contest;
+using bench::Duel;
 
-constexpr int kRounds = 5;
+constexpr uint64_t kSeed = 1;  // of the intervals
+
+struct Arguments {
+  std::vector<std::string> pictures;
+  int rounds = 5;
+  std::string markdown;
+  bool tiny = false;
+};
 
 // Waves of all sizes with noise; the test is a little brighter, its noise another.
-Image8 made_picture(uint64_t seed, int brighter) {
-  Image8 out(1920, 1080, 3);
+Image8 made_picture(uint64_t seed, int brighter, bool tiny) {
+  Image8 out(tiny ? 240 : 1920, tiny ? 135 : 1080, 3);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
       for (int c = 0; c < 3; ++c) {
@@ -53,26 +66,11 @@ ImageF linear_of(const Image8& image) {
   return out;
 }
 
-Image8 read_picture(const char* path) {
+Image8 read_picture(const std::string& path) {
   AnyImage image = read_image(path);
   if (auto* codes = std::get_if<Image8>(&image)) return std::move(*codes);
   throw Error(path, "is not a picture of 8 bits", "name a PNG");
 }
-
-#ifdef CROWDBENCH_OPENCV_QUALITY
-Image8 green_of(const Image8& image) {
-  Image8 out(image.width, image.height, 1);
-  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = image.data[i * static_cast<size_t>(image.channels) + 1];
-  return out;
-}
-#endif
-
-struct Contest {
-  std::string name;
-  std::function<std::string()> run;  // returns what was found
-  std::string found;
-  std::vector<double> seconds;
-};
 
 std::string score_once(metrics::ScoreTable table, const metrics::ScoreInput& input) {
   metrics::Shared shared;
@@ -81,7 +79,63 @@ std::string score_once(metrics::ScoreTable table, const metrics::ScoreInput& inp
                             : fmt::format("{} scores", scored.size());
 }
 
-void run(const Image8& reference, const Image8& test) {
+std::vector<Contest> score_contests(const metrics::ScoreInput& codes, const metrics::ScoreInput& floats) {
+  std::vector<Contest> out;
+  const metrics::ScoreTable all = metrics::scores();
+  for (size_t i = 0; i < all.size(); ++i)
+    for (const metrics::ScoreInput* input : {&codes, &floats})
+      if (all[i]->compute != nullptr && (all[i]->needs & ~metrics::given(*input)) == 0)
+        out.push_back(
+            {std::string(all[i]->name), [all, i, input] { return score_once(all.subspan(i, 1), *input); }, "", {}});
+  out.push_back({"all of code values, together", [all, &codes] { return score_once(all, codes); }, "", {}});
+  return out;
+}
+
+void print_scores(const std::vector<Contest>& contests) {
+  fmt::print("{:<34} {:>8} {:>8} {:>8}  {}\n", "", "median", "least", "most", "value");
+  for (const Contest& contest : contests) {
+    const auto [least, most] = std::ranges::minmax(contest.seconds);
+    fmt::print("{:<34} {:>8.3f} {:>8.3f} {:>8.3f}  {}\n", contest.name, median(contest.seconds), least, most,
+               contest.found);
+  }
+}
+
+std::string duel_table(const std::vector<Duel>& duels) {
+  std::string out =
+      "| work | beside | ours, s | theirs, s | theirs / ours (95 %) | aim | ours finds | theirs finds "
+      "|\n|---|---|--:|--:|--:|--:|--:|--:|\n";
+  for (const Duel& duel : duels) {
+    const MedianRatio ratio = median_of_ratios(duel.theirs.seconds, duel.ours.seconds, kSeed);
+    out += fmt::format("| {} | {} | {:.3f} | {:.3f} | {:.2f} ({:.2f} to {:.2f}) | {:g} | {} | {} |\n", duel.what,
+                       duel.theirs.name, median(duel.ours.seconds), median(duel.theirs.seconds), ratio.median,
+                       ratio.interval.low, ratio.interval.high, duel.aim, duel.ours.found, duel.theirs.found);
+  }
+  return out;
+}
+
+std::string page(const std::string& head, const std::vector<Duel>& duels, const Contest& together) {
+  return fmt::format(
+      "# What scores cost beside other libraries\n\n"
+      "Made by `bench_metrics --markdown`: {}; process CPU seconds, medians. Both sides take turns in one process, on "
+      "the "
+      "same pictures in memory; decoding of files is not timed. A ratio is paired by round: above 1 ours is the "
+      "faster. "
+      "FLIP here takes code values and decodes them within its time, NVlabs' takes linear light. ColorVideoVDP: "
+      "display "
+      "standard_4k on both sides; what the two find differs because the C port is approximate (ours is held to the "
+      "reference's own figures, tests/metrics).\n\n{}\n"
+      "All picture scores of one pair together, shared work done once: {:.3f} s (aim: under 2).\n\n"
+      "How it was built: `cmake -DCROWDBENCH_BESIDE_FLIP=flip/src/cpp -DCROWDBENCH_BESIDE_FCVVDP=fcvvdp/src "
+      "build/release`, "
+      "Debian's libopencv-contrib-dev, `ninja -C build/release bench_metrics`. The others are compiled by the same "
+      "compiler "
+      "with the flags of their own build files: -O3, for fcvvdp also -ffast-math -march=native (its AVX2 code); one "
+      "thread "
+      "each.\n",
+      head, duel_table(duels), median(together.seconds));
+}
+
+void run(const Image8& reference, const Image8& test, const Arguments& arguments) {
   const ImageF linear_reference = linear_of(reference);
   const ImageF linear_test = linear_of(test);
   metrics::ScoreInput codes;
@@ -92,51 +146,54 @@ void run(const Image8& reference, const Image8& test) {
   metrics::ScoreInput floats;
   floats.reference.linear = &linear_reference;
   floats.test.linear = &linear_test;
-  std::vector<Contest> contests;
-  const metrics::ScoreTable all = metrics::scores();
-  for (size_t i = 0; i < all.size(); ++i)
-    for (const metrics::ScoreInput* input : {&codes, &floats})
-      if (all[i]->compute != nullptr && (all[i]->needs & ~metrics::given(*input)) == 0)
-        contests.push_back(
-            {std::string(all[i]->name), [&all, i, input] { return score_once(all.subspan(i, 1), *input); }, "", {}});
-  contests.push_back({"all of code values, together", [&] { return score_once(all, codes); }, "", {}});
-#ifdef CROWDBENCH_OPENCV_QUALITY
-  // Of the three colours, as that module is used, and of one channel, as ours is of luma.
-  const auto opencv_ssim = [](const Image8& a, const Image8& b) {
-    const cv::Scalar s = cv::quality::QualitySSIM::compute(metrics::view(a), metrics::view(b), cv::noArray());
-    double sum = 0;
-    for (int c = 0; c < a.channels; ++c) sum += s[c];
-    return fmt::format("{:.4f}", sum / a.channels);
-  };
-  const Image8 green_reference = green_of(reference);
-  const Image8 green_test = green_of(test);
-  contests.push_back({"OpenCV quality SSIM, R G B", [&] { return opencv_ssim(reference, test); }, "", {}});
-  contests.push_back(
-      {"OpenCV quality SSIM, one channel", [&] { return opencv_ssim(green_reference, green_test); }, "", {}});
-#endif
-  for (int round = 0; round < kRounds; ++round)
-    for (Contest& contest : contests) {
-      const double start = cpu_seconds();
-      contest.found = contest.run();
-      contest.seconds.push_back(cpu_seconds() - start);
+  std::vector<Contest> contests = score_contests(codes, floats);
+  std::vector<Duel> duels;
+  bench::add_opencv(duels, reference, test);
+  bench::add_flip(duels, reference, test);
+  bench::add_fcvvdp(duels, reference, test);
+  std::vector<Contest*> turns;
+  for (Contest& contest : contests) turns.push_back(&contest);
+  for (Duel& duel : duels) turns.insert(turns.end(), {&duel.ours, &duel.theirs});
+  bench::run_rounds(turns, arguments.rounds);
+  const std::string head =
+      fmt::format("{} x {} pixels, {} rounds, {}", reference.width, reference.height, arguments.rounds,
+                  read_machine().cpu_model.value_or("a processor without a name"));
+  fmt::print("{}; process CPU seconds\n", head);
+  print_scores(contests);
+  if (!duels.empty()) fmt::print("\n{}", duel_table(duels));
+  if (!arguments.markdown.empty()) write_file(arguments.markdown, page(head, duels, contests.back()));
+}
+
+Arguments parse(int argc, char** argv) {
+  Arguments out;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--tiny") {
+      out.tiny = true;
+    } else if (word == "--rounds" && i + 1 < argc) {
+      out.rounds = std::atoi(argv[++i]);
+    } else if (word == "--markdown" && i + 1 < argc) {
+      out.markdown = argv[++i];
+    } else if (!word.starts_with("--")) {
+      out.pictures.emplace_back(word);
+    } else {
+      throw Error(std::string(word), "is not an option, or lacks its value", "see the top of bench/speed/main.cpp");
     }
-  fmt::print("{} x {} pixels, process CPU seconds, {} rounds\n{:<34} {:>8} {:>8} {:>8}  {}\n", reference.width,
-             reference.height, kRounds, "", "median", "least", "most", "value");
-  for (Contest& contest : contests) {
-    std::sort(contest.seconds.begin(), contest.seconds.end());
-    fmt::print("{:<34} {:>8.3f} {:>8.3f} {:>8.3f}  {}\n", contest.name, contest.seconds[kRounds / 2],
-               contest.seconds.front(), contest.seconds.back(), contest.found);
   }
+  if (out.pictures.size() != 2 && !out.pictures.empty()) throw Error("pictures", "are not two", "name both or none");
+  if (out.rounds < 1 || out.rounds > 1000) throw Error("--rounds", "is not a number of 1 to 1000", "try 5");
+  return out;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    if (argc == 3)
-      run(read_picture(argv[1]), read_picture(argv[2]));
+    const Arguments arguments = parse(argc, argv);
+    if (arguments.pictures.empty())
+      run(made_picture(1, 0, arguments.tiny), made_picture(2, 3, arguments.tiny), arguments);
     else
-      run(made_picture(1, 0), made_picture(2, 3));
+      run(read_picture(arguments.pictures[0]), read_picture(arguments.pictures[1]), arguments);
     return 0;
   } catch (const Error& error) {
     fmt::print(stderr, "bench_metrics: {}\n", error.what());

@@ -187,6 +187,9 @@ TEST_F(ScriptsGl, ScoreCorrelations) {
   for (auto at = std::sregex_iterator(page.begin(), page.end(), link); at != std::sregex_iterator(); ++at)
     EXPECT_TRUE(fs::exists(folder_ / (*at)[1].str())) << (*at)[1].str();
   EXPECT_EQ(run("score_correlations.sh", driver_ + " scores.md --frobnicate").status, 2);
+  // Rows that are kept make a page without drawing; without the file there is none.
+  EXPECT_NE(run("score_correlations.sh", driver_ + " other.md --rows none.sqlite --tiny").status, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "other.md"));
 }
 
 TEST_F(ScriptsGl, StatisticsEvidence) {
