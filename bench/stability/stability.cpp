@@ -47,6 +47,9 @@ std::vector<StabilityCase> stability_cases() {
   add_eye_cases(cases);
   add_path_cases(cases);
   add_size_cases(cases);
+  add_character_cases(cases);
+  add_number_cases(cases);
+  add_statistics_cases(cases);
   return cases;
 }
 

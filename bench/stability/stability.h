@@ -74,5 +74,8 @@ void add_time_cases(std::vector<StabilityCase>& cases);
 void add_eye_cases(std::vector<StabilityCase>& cases);
 void add_path_cases(std::vector<StabilityCase>& cases);
 void add_size_cases(std::vector<StabilityCase>& cases);
+void add_character_cases(std::vector<StabilityCase>& cases);
+void add_number_cases(std::vector<StabilityCase>& cases);
+void add_statistics_cases(std::vector<StabilityCase>& cases);
 
 }  // namespace crowdbench::bench

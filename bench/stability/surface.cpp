@@ -70,26 +70,16 @@ double nearest_depth(const Capture& capture) {
   return static_cast<double>(least);
 }
 
-Found wrong_pixels(Fixture& fixture, const scene::Frame& frame) {
-  const Capture drawn = fixture.draw(frame, true);
+Found wrong_beside(const Capture& mesh, const Capture& drawn, const scene::Frame& frame, int band) {
   const Insane insane = insane_pixels(drawn, frame);
   Found found;
-  found.bound = 0;
   found.measured = static_cast<double>(insane.pixels);
   if (insane.pixels > 0) {
     found.place = fmt::format("pixel ({}, {})", insane.x, insane.y);
     found.expected = "a finite depth of an agent between the planes, or nothing";
     found.got = insane.what;
   }
-  if (fixture.stores_views()) {
-    found.note = "numbers alone: pictures stored from afar claim no surface here";
-    return found;
-  }
-  const Capture mesh = fixture.draw_mesh(frame);
-  const double texel = fixture.representation().texel_metres(0);
-  const double pixel = scene::pixel_size_at(frame.camera, nearest_depth(mesh), frame.height);
-  const int band = std::isfinite(pixel) ? static_cast<int>(std::min(1e4, std::ceil(2 + 2 * texel / pixel))) : 2;
-  if (2 * band >= frame.height) {
+  if (2 * band >= std::min(frame.width, frame.height)) {
     found.note = "numbers alone: a texel is wider than the picture";
     return found;
   }
@@ -104,6 +94,20 @@ Found wrong_pixels(Fixture& fixture, const scene::Frame& frame) {
   found.before = enlarged(mesh.colour, off.x, off.y);
   found.after = enlarged(drawn.colour, off.x, off.y);
   return found;
+}
+
+Found wrong_pixels(Fixture& fixture, const scene::Frame& frame) {
+  const Capture drawn = fixture.draw(frame, true);
+  if (fixture.stores_views()) {
+    Found found = wrong_beside(drawn, drawn, frame, 0);
+    found.note = "numbers alone: pictures stored from afar claim no surface here";
+    return found;
+  }
+  const Capture mesh = fixture.draw_mesh(frame);
+  const double texel = fixture.representation().texel_metres(0);
+  const double pixel = scene::pixel_size_at(frame.camera, nearest_depth(mesh), frame.height);
+  const int band = std::isfinite(pixel) ? static_cast<int>(std::min(1e4, std::ceil(2 + 2 * texel / pixel))) : 2;
+  return wrong_beside(mesh, drawn, frame, band);
 }
 
 }  // namespace crowdbench::bench
