@@ -116,7 +116,7 @@ std::vector<OddGltf> odd_gltfs() {
   add("a bind matrix that holds NaN", true, [](Parts& p) { p.bind[5] = kNan; });
   add("a time that is NaN", true, [](Parts& p) { p.times[1] = kNan; });
   add("a rotation that is NaN", true, [](Parts& p) { p.rotations[6] = kNan; });
-  add("times that stand still", true, [](Parts& p) { p.times[1] = 0; });
+  add("a clip of zero length", false, [](Parts& p) { p.times[1] = 0; });
   add("opposite quaternions", false, [](Parts& p) { p.rotations = {0, 0, 0, 1, 0, 0, 0, -1}; });
   add("one key", false, [](Parts& p) {
     p.times = {0};

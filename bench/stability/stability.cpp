@@ -55,6 +55,10 @@ std::vector<StabilityCase> stability_cases() {
 
 std::vector<StabilityCase> chosen_cases(const StabilityRequest& request) {
   const std::vector<StabilityCase> all = stability_cases();
+  // A case by its own name is run in any form.
+  const auto shown = [&](const StabilityCase& one) {
+    return (request.full || !one.full) && (!request.small || one.small);
+  };
   std::set<std::string> wanted;
   for (const std::string& name : request.cases) {
     std::vector<std::string> known;
@@ -64,7 +68,7 @@ std::vector<StabilityCase> chosen_cases(const StabilityRequest& request) {
       if (std::find(known.begin(), known.end(), one.group) == known.end()) known.emplace_back(one.group);
       if (one.name != name && one.group != name) continue;
       found = true;
-      wanted.emplace(one.name);
+      if (one.name == name || shown(one)) wanted.emplace(one.name);
     }
     if (found) continue;
     const std::string near = nearest_name(name, known);
@@ -74,8 +78,7 @@ std::vector<StabilityCase> chosen_cases(const StabilityRequest& request) {
   std::vector<StabilityCase> out;
   for (const StabilityCase& one : all) {
     const bool named = wanted.contains(std::string(one.name));
-    const bool shown = (request.full || !one.full) && (!request.small || one.small);
-    if (wanted.empty() ? shown : named) out.push_back(one);
+    if (request.cases.empty() ? shown(one) : named) out.push_back(one);
   }
   return out;
 }
