@@ -7,9 +7,11 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
+#include "bench/commands/scene_options.h"
 #include "bench/commands/stability_output.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "renderers/gl/context.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -17,7 +19,7 @@ namespace {
 struct Options {
   std::vector<std::string> representations;
   StabilityRequest request;
-  std::string markdown;
+  std::string markdown, page, device;
   bool list = false;
   bool no_cache = false;
   bool json = false;
@@ -34,8 +36,11 @@ int run_stability_command(const Options& options) {
   }
   StabilityReport report;
   report.small = request.small;
-  report.rows = run_stability(request, cases, report.renderer);
+  const auto context = open_context(options.device);
+  report.renderer = context->renderer();
+  report.rows = run_stability(*context, request, cases);
   if (!options.markdown.empty()) write_file(options.markdown, std::string_view(stability_markdown(report)));
+  if (!options.page.empty()) write_file(options.page, std::string_view(stability_page_of(report)));
   if (options.json)
     fmt::print("{}\n", stability_json(report).dump(2));
   else
@@ -54,7 +59,7 @@ void add_stability(Command& app, Run& run) {
       "Examples:\n"
       "  crowdbench stability\n"
       "  crowdbench stability --representation relief --case eye --case world_1e7\n"
-      "  crowdbench stability --small --markdown holds.md\n"
+      "  crowdbench stability --small --markdown holds.md --page holds.html\n"
       "  crowdbench stability --list");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representations, "of whom it is asked (default: every one)");
@@ -69,8 +74,11 @@ void add_stability(Command& app, Run& run) {
   command->add_option("--markdown", options->markdown, "a table of what holds, a line a case with the worst of all")
       ->type_name("FILE.md")
       ->output_file();
+  command->add_option("--page", options->page, "a page of every row, and of those that fail the worst pixel enlarged")
+      ->type_name("FILE.html")
+      ->output_file();
   command->add_flag("--no-cache", options->no_cache, "neither read nor write the bake cache");
-  add_device_option(*command, options->request.device);
+  add_device_option(*command, options->device);
   add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_stability_command(*options); }; });
 }

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/image_io.h"
+#include "core/version.h"
 #include "reports/exports/markdown_cell.h"
+#include "reports/page/stability_page.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -92,6 +95,35 @@ std::string stability_markdown(const StabilityReport& report) {
                        figure(row->found.measured), row->pass() ? "" : " **fails**", figure(row->found.bound),
                        row->asked.unit, reports::markdown_cell(std::string(row->asked.bound_from)));
   return out;
+}
+
+std::string stability_page_of(const StabilityReport& report) {
+  std::vector<reports::StabilityPageRow> rows;
+  for (const StabilityRow& row : report.rows) {
+    const Found& found = row.found;
+    reports::StabilityPageRow shown;
+    shown.name = row.asked.name;
+    shown.representation = row.representation;
+    shown.asked = row.asked.asked;
+    shown.measured = figure(found.measured);
+    shown.bound = figure(found.bound);
+    shown.unit = row.asked.unit;
+    shown.bound_from = row.asked.bound_from;
+    shown.place = found.place;
+    shown.expected = found.expected;
+    shown.got = found.got;
+    shown.note = row.error.empty() ? found.note : row.error;
+    shown.pass = row.pass();
+    shown.bound_seen = row.asked.bound_seen;
+    if (!found.before.empty()) {
+      shown.before = encode_png(found.before);
+      shown.after = encode_png(found.after);
+      shown.width = found.before.width;
+      shown.height = found.before.height;
+    }
+    rows.push_back(std::move(shown));
+  }
+  return reports::stability_page(rows, report.renderer, fmt::format("crowdbench {}", version()));
 }
 
 std::string stability_list(const std::vector<StabilityCase>& cases) {

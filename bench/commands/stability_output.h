@@ -24,6 +24,8 @@ Json stability_json(const StabilityReport& report);
 std::string stability_text(const StabilityReport& report);
 // A table of what holds: a line a case with the worst of the representations, which is named.
 std::string stability_markdown(const StabilityReport& report);
+// One self-contained page (reports/page/stability_page.h). Throws Error.
+std::string stability_page_of(const StabilityReport& report);
 // Every case with what is asked, its unit and where its bound comes from.
 std::string stability_list(const std::vector<StabilityCase>& cases);
 

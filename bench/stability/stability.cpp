@@ -83,15 +83,13 @@ std::vector<StabilityCase> chosen_cases(const StabilityRequest& request) {
   return out;
 }
 
-std::vector<StabilityRow> run_stability(const StabilityRequest& request, const std::vector<StabilityCase>& cases,
-                                        std::string& renderer) {
+std::vector<StabilityRow> run_stability(gl::Context& context, const StabilityRequest& request,
+                                        const std::vector<StabilityCase>& cases) {
   const std::vector<renderers::Spec> representations =
       request.representations.empty() ? every_representation() : request.representations;
   size_t total = 0;
   for (const StabilityCase& one : cases) total += one.once ? 1 : representations.size();
   Progress progress("stability", total);
-  gl::Context context({.device = request.device});
-  renderer = context.renderer();
   Fixture fixture(context, request.small, request.full, request.use_cache);
   std::vector<StabilityRow> rows;
   const auto run = [&](const StabilityCase& one) {

@@ -14,6 +14,10 @@
 #include "core/image.h"
 #include "renderers/representation.h"
 
+namespace crowdbench::gl {
+class Context;
+}
+
 namespace crowdbench::bench {
 
 class Fixture;
@@ -60,13 +64,12 @@ struct StabilityRequest {
   bool small = false;                            // fewer and smaller pictures
   bool full = false;                             // also what takes minutes
   bool use_cache = true;
-  std::string device;
 };
 // Throws Error: a name that is neither a case nor a group.
 std::vector<StabilityCase> chosen_cases(const StabilityRequest& request);
 // Runs them; says progress, notices Ctrl-C. cases: chosen_cases of the request, or others (tests).
-std::vector<StabilityRow> run_stability(const StabilityRequest& request, const std::vector<StabilityCase>& cases,
-                                        std::string& renderer);
+std::vector<StabilityRow> run_stability(gl::Context& context, const StabilityRequest& request,
+                                        const std::vector<StabilityCase>& cases);
 
 // The groups; each adds its cases.
 void add_world_cases(std::vector<StabilityCase>& cases);
