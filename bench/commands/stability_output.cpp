@@ -77,8 +77,8 @@ std::string stability_text(const StabilityReport& report) {
 
 std::string stability_markdown(const StabilityReport& report) {
   std::string out =
-      "| case | what is asked | worst | measured | bound | unit | where the bound comes from |\n"
-      "|---|---|---|---|---|---|---|\n";
+      "| case | what is asked | measured at worst | bound | unit | of |\n"
+      "|---|---|---|---|---|---|\n";
   std::vector<const StabilityRow*> worst;  // in the order of the cases
   for (const StabilityRow& row : report.rows) {
     const auto same = std::find_if(worst.begin(), worst.end(),
@@ -89,11 +89,10 @@ std::string stability_markdown(const StabilityReport& report) {
       *same = &row;
   }
   for (const StabilityRow* row : worst)
-    out += fmt::format("| `{}` | {} | {} | {}{} | {} | {} | {} |\n", row->asked.name,
-                       reports::markdown_cell(std::string(row->asked.asked)),
-                       row->representation.empty() ? "" : "`" + reports::markdown_cell(row->representation) + "`",
-                       figure(row->found.measured), row->pass() ? "" : " **fails**", figure(row->found.bound),
-                       row->asked.unit, reports::markdown_cell(std::string(row->asked.bound_from)));
+    out += fmt::format("| `{}` | {} | {}{} | {} | {} | {} |\n", row->asked.name,
+                       reports::markdown_cell(std::string(row->asked.asked)), figure(row->found.measured),
+                       row->pass() ? "" : " **fails**", figure(row->found.bound), row->asked.unit,
+                       row->representation.empty() ? "" : "`" + reports::markdown_cell(row->representation) + "`");
   return out;
 }
 

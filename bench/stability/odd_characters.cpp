@@ -115,7 +115,7 @@ scene::Character no_area() {
   boxes.triangle({0, 1, 0.2F}, {0, 1, 0.2F}, {0.1F, 1, 0.2F}, 0);  // two corners in one place
   return boxes.finish();
 }
-scene::Character needle() { return one_box("needle", {-0.004F, 0, -0.004F}, {0.004F, 1, 0.004F}).finish(); }
+scene::Character needle() { return one_box("needle", {-0.008F, 0, -0.008F}, {0.008F, 1, 0.008F}).finish(); }
 scene::Character sheet() { return one_box("sheet", {-0.3F, 0, 0}, {0.3F, 1, 0}).finish(); }
 
 scene::Character two_boxes(std::string name, scene::Target target, const std::vector<double>& first,
@@ -159,7 +159,7 @@ const std::vector<OddCharacter>& odd_characters() {
       {"one_joint", "a box on one joint, no clip", one_joint},
       {"idle_joint", "a joint that moves no triangle, five units above", idle_joint},
       {"no_area", "triangles that are a point, a line, and two corners in one place", no_area},
-      {"needle", "8 mm thick and a metre tall", needle},
+      {"needle", "16 mm thick, two pixels, and a metre tall", needle},
       {"sheet", "a box without depth", sheet},
       {"scaled_to_nothing", "a joint whose scale is 0 in the pose that is drawn", scaled_to_nothing},
       {"mirrored", "a joint of negative scale", mirrored},
