@@ -34,6 +34,7 @@ int run_stability_command(const Options& options) {
     fmt::print("{}", stability_list(cases));
     return 0;
   }
+  if (!options.page.empty()) stability_page_of({});  // where pages cannot be made, nothing is drawn
   StabilityReport report;
   report.small = request.small;
   const auto context = open_context(options.device);
