@@ -78,7 +78,7 @@ void add_stability(Command& app, Run& run) {
   command->add_option("--page", options->page, "a page of every row, and of those that fail the worst pixel enlarged")
       ->type_name("FILE.html")
       ->output_file();
-  command->add_flag("--no-cache", options->no_cache, "neither read nor write the bake cache");
+  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   add_device_option(*command, options->device);
   add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_stability_command(*options); }; });
