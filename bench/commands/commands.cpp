@@ -23,6 +23,7 @@ void add_all_commands(Command& app, Run& run) {
       add_popping,
       add_distance,
       add_tune,
+      add_stability,
       add_ratio,
       add_bench,
       add_sweep,

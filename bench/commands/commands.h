@@ -36,6 +36,7 @@ void add_regress(Command& app, Run& run);
 void add_render(Command& app, Run& run);
 void add_report(Command& app, Run& run);
 void add_schema(Command& app, Run& run);
+void add_stability(Command& app, Run& run);
 void add_study(Command& app, Run& run);
 void add_sweep(Command& app, Run& run);
 void add_switch_distance(Command& app, Run& run);

@@ -227,8 +227,8 @@ Box box_around(const ViewGround& ground, double norm, const SinCos& turn) {
   return {low, high.x - low.x, high.z - low.z};
 }
 
-// World positions: the cells nearest to the middle of the ground in view, as its own shape measures nearness, so that
-// they fill that shape.
+// Positions relative to the eye: the cells nearest to the middle of the ground in view, as its own shape measures
+// nearness, so that they fill that shape.
 std::vector<Place> place_view(const Scenario& scenario, const ViewGround& ground) {
   const CrowdSettings& crowd = scenario.crowd;
   const uint32_t n = crowd.agents;
@@ -287,8 +287,8 @@ std::vector<Place> place_view(const Scenario& scenario, const ViewGround& ground
   return places;
 }
 
-// World positions, uniform in depth and across the view: the ground thins out as 1 / depth, which covers near and far
-// parts of the picture alike.
+// Positions relative to the eye, uniform in depth and across the view: the ground thins out as 1 / depth, which covers
+// near and far parts of the picture alike.
 std::vector<Place> place_frustum(const Scenario& scenario, const ViewGround& ground) {
   const uint32_t n = scenario.crowd.agents;
   // Around the sequence's own places, so that even a few agents are spread over the picture, with a little of the seed.
@@ -458,14 +458,14 @@ void fill_places(const Scenario& scenario, const Cast& cast, const StageView& vi
   if (plaza) {
     places = settings.placement == PlacementKind::poisson ? place_poisson(scenario) : place_cells(scenario);
   } else {
-    const ViewGround ground(view, settings.centre.y + kKeptInView * stage_height(cast));
+    const ViewGround ground(view, settings.centre.y - view.camera.eye.y + kKeptInView * stage_height(cast));
     places = settings.stage == Stage::view ? place_view(scenario, ground) : place_frustum(scenario, ground);
   }
   Place low{1e300, 1e300};
   Place high{-1e300, -1e300};
   for (uint32_t i = 0; i < settings.agents; ++i) {
-    crowd.x[i] = places[i].x + (plaza ? settings.centre.x : 0.0);
-    crowd.z[i] = places[i].z + (plaza ? settings.centre.z : 0.0);
+    crowd.x[i] = places[i].x + (plaza ? settings.centre.x : view.camera.eye.x);
+    crowd.z[i] = places[i].z + (plaza ? settings.centre.z : view.camera.eye.z);
     low = {std::min(low.x, crowd.x[i]), std::min(low.z, crowd.z[i])};
     high = {std::max(high.x, crowd.x[i]), std::max(high.z, crowd.z[i])};
   }

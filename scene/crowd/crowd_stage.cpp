@@ -20,13 +20,12 @@ double half_tangent(const Camera& camera) {
   return half.sin / half.cos;
 }
 
-ViewGround::ViewGround(const StageView& view, double plane)
-    : camera_(view.camera),
-      rotation_(view_rotation(view.camera)),
+ViewGround::ViewGround(const StageView& view, double rise)
+    : rotation_(view_rotation(view.camera)),
       axes_(glm::transpose(rotation_)),
       tall_(half_tangent(view.camera)),
       wide_(tall_ * view.aspect),
-      rise_(plane - view.camera.eye.y),
+      rise_(rise),
       steep_(axes_[1].y < 0.2),
       near_(view.near_depth),
       far_(view.far_depth) {
@@ -58,12 +57,12 @@ GroundPoint ViewGround::at(double across, double along) const {
     const double x = across * wide_ * depth;
     point = {x, (rise_ - axes_[0].y * x + axes_[2].y * depth) / axes_[1].y, -depth};
   }
-  const glm::dvec3 world = camera_.eye + axes_ * point;
-  return {world.x, world.z};
+  const glm::dvec3 from_eye = axes_ * point;
+  return {from_eye.x, from_eye.z};
 }
 
 double ViewGround::norm(const GroundPoint& point) const {
-  const glm::dvec3 q = rotation_ * glm::dvec3{point.x - camera_.eye.x, rise_, point.z - camera_.eye.z};
+  const glm::dvec3 q = rotation_ * glm::dvec3{point.x, rise_, point.z};
   const double depth = -q.z;
   if (!(depth > 0)) return std::numeric_limits<double>::infinity();
   const double across = std::abs(q.x) / (wide_ * depth);

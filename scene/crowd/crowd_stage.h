@@ -26,14 +26,13 @@ double half_tangent(const Camera& camera);
 // hardly any depth, `along` is the picture's own vertical from bottom to top instead.
 class ViewGround {
  public:
-  ViewGround(const StageView& view, double plane);
+  ViewGround(const StageView& view, double rise);
   GroundPoint at(double across, double along) const;
   // The larger of |across| and |along| of a point: 0 in the middle, 1 at the edge, infinite behind the eye.
   double norm(const GroundPoint& point) const;
   double area() const;  // square metres
 
  private:
-  Camera camera_;
   glm::dmat3 rotation_;
   glm::dmat3 axes_;  // columns: right, up, backward
   double tall_, wide_;

@@ -47,7 +47,8 @@ class Balcony {
     far_ = std::min(far_, middle * ratio);
     Scenario probe = scenario;
     set(probe, 1.0);
-    area_ = ViewGround(stage_view(probe), probe.crowd.centre.y + kKeptInView * height_).area();
+    const StageView view = stage_view(probe);
+    area_ = ViewGround(view, probe.crowd.centre.y - view.camera.eye.y + kKeptInView * height_).area();
   }
 
   // Places camera and stage depths.

@@ -323,6 +323,20 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(text("q.md").find("| `flip` |"), std::string::npos);
          EXPECT_TRUE(fs::is_directory(work_ / "worst"));
        }},
+      {"stability",
+       [&] {
+         const Outcome listed = run("stability --list");
+         EXPECT_NE(listed.text.find("world_1e7"), std::string::npos) << listed.text;
+         const json j = facts(
+             "stability --small --representation mesh --case time_wrap --case world_1e3 --markdown "
+             "holds.md --page holds.html --json");
+         ASSERT_EQ(j.at("cases").size(), 2U);
+         for (const char* member : {"case", "representation", "measured", "bound", "unit", "pass"})
+           EXPECT_TRUE(j.at("cases")[1].contains(member)) << member;
+         EXPECT_EQ(j.at("failed"), 0);
+         EXPECT_NE(text("holds.md").find("| `world_1e3` |"), std::string::npos);
+         EXPECT_NE(text("holds.html").find("world_1e3"), std::string::npos);
+       }},
       {"regress",
        [&] {
          // The file with itself: nothing is worse; whether ten rounds are enough to pass depends on the machine's mood.

@@ -179,6 +179,7 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
        "--representation mesh:triangles=100 --agents 2 --size 32x32 --heights 2 --moments 1 --azimuth-deg 0 "
        "--elevation-deg 0 --rounds 4 --threshold mae=255 --json" +
            small},
+      {"stability", "--small --representation mesh --case time_wrap --json"},
       {"ratio", "--of mesh --to mesh --agents 2 --size 32x32 --pairs 20 --json" + small},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite"},
       {"bench", "--representation mesh --agents 2 --occupancy 0 --size 32x32 --out r.sqlite --json"},
@@ -261,6 +262,7 @@ TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
       {"render --tick -1", "--tick: '-1' is not a whole number"},
       {"pair --a mesh --b flat --out x.mp4 --crf 99", "--crf: '99' is not a whole number from 0 to 51"},
       {"ratio --of mesh --to mesh --pairs 3", "--pairs: '3' is not a whole number from 20 to"},
+      {"stability --case wrold", "--case: 'wrold' is neither a case nor a group of cases; did you mean 'world'?"},
       {"regress a.sqlite", "two result files are needed"},
       {"regress --program x", "--program: is given 1 times; give it twice"},
       {"regress a.sqlite b.sqlite --runs 7", "--runs requires --program; see crowdbench regress --help"},

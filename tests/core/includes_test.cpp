@@ -76,7 +76,8 @@ const std::map<std::string, Doors>& inner_doors() {
         {"timing", {"stage"}},
         {"experiments", {"stage", "timing"}},
         {"sweep", {"stage", "timing", "experiments"}},
-        {"commands", {"stage", "timing", "experiments", "sweep"}}}},
+        {"stability", {"stage"}},
+        {"commands", {"stage", "timing", "experiments", "sweep", "stability"}}}},
       {"reports", {{"model", {}}, {"charts", {"model"}}, {"exports", {"model"}}, {"page", {"model", "charts"}}}},
   };
   return all;

@@ -1,0 +1,69 @@
+// Characters that are valid and extreme: whoever draws them is held against the mesh.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/stability/odd_characters.h"
+#include "bench/stability/surface.h"
+
+namespace crowdbench::bench {
+namespace {
+
+// From one side, in one pose: what stores views needs to bake no more than that.
+renderers::VisitViewSamples seen_from(const glm::dvec3& eye) {
+  return [eye](size_t, const std::function<void(const renderers::ViewSample&)>& see) { see({glm::vec3(eye), 0, 0}); };
+}
+
+// What the pictures of one odd character come to: insane pixels, an error, and the area beside the mesh's.
+Found draw_odd(Fixture& fixture, const OddCharacter& odd) {
+  const scene::Cast cast = odd_cast(odd);
+  const glm::dvec3 low(cast.banks[0]->bounds_min());
+  const glm::dvec3 high(cast.banks[0]->bounds_max());
+  const glm::dvec3 middle = (low + high) * 0.5;
+  const double size = std::max(glm::length(high - low), 1e-6);
+  const glm::dvec3 eye = middle + glm::dvec3(0, 0, 2.0 * size);
+  scene::Frame frame = empty_frame(eye, middle, 40, fixture.side(160), fixture.side(160));
+  frame.camera.near = 0.05 * size;
+  add_agent(frame, cast, {0, 0, 0});
+  renderers::MakeContext make{.context = fixture.context(), .cast = cast, .use_cache = false, .progress = false};
+  if (renderers::honours_required_by(fixture.asked())) make.required_by = seen_from(eye);
+  const auto drawn_by = renderers::make_representation(make, fixture.asked());
+  const auto mesh =
+      renderers::make_representation({.context = fixture.context(), .cast = cast}, renderers::reference_spec());
+  renderers::Renderer renderer(fixture.context(), cast);
+  const renderers::Capture drawn = renderer.capture(frame, *drawn_by, {.linear = true});
+  const double texel = drawn_by->texel_metres(0) / scene::pixel_size_at(frame.camera, 2 * size, frame.height);
+  Found found = wrong_beside(renderer.capture(frame, *mesh), drawn, frame, static_cast<int>(std::ceil(2 + 2 * texel)));
+  if (!found.place.empty()) found.place = fmt::format("{}: {}", odd.name, found.place);
+  return found;
+}
+
+Found draw_all(Fixture& fixture) {
+  Found worst;
+  worst.measured = 0;
+  int drawn = 0;
+  for (const OddCharacter& odd : odd_characters()) {
+    if (fixture.small() && drawn > 4) break;
+    ++drawn;
+    Found found = draw_odd(fixture, odd);
+    if (found.measured > worst.measured) worst = std::move(found);
+  }
+  worst.bound = 0;
+  worst.note += fmt::format("{}{} characters", worst.note.empty() ? "" : "; ", drawn);
+  return worst;
+}
+
+}  // namespace
+
+void add_character_cases(std::vector<StabilityCase>& cases) {
+  cases.push_back({.name = "characters_odd",
+                   .group = "characters",
+                   .asked = "one triangle, a joint without any, none with area, a needle, a sheet, a joint scaled to "
+                            "nothing and a mirrored one, q against -q, 255 joints, 1e-3 and 1e3 m",
+                   .unit = "wrong pixels",
+                   .bound_from = kSurfaceBound,
+                   .measure = draw_all});
+}
+
+}  // namespace crowdbench::bench
