@@ -24,6 +24,6 @@ if [ $# -gt 0 ]; then
   exit
 fi
 cd "$top"
-find core store scene renderers metrics studies reports bench -name '*.h' -print0 |
+find core store scene truth renderers metrics studies reports bench -name '*.h' -print0 |
   xargs -0 -r -n 1 -P "$(nproc)" bash -c 'compile "$0"'
 echo "check_headers: every header compiles alone"
