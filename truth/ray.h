@@ -74,7 +74,7 @@ class Ray {
     const glm::dvec3 l = low - origin_;
     const glm::dvec3 h = high - origin_;
     const auto apart = [&](int axis, double shear) {
-      const auto [least, most] = std::minmax(shear * l[z_], shear * h[z_]);
+      const auto [least, most] = std::minmax({shear * l[z_], shear * h[z_]});
       return l[axis] - most > 0 || h[axis] - least < 0;
     };
     from = std::min(scale_ * l[z_], scale_ * h[z_]);
