@@ -49,6 +49,7 @@ struct Judgement {
   std::vector<JudgedPixel> offenders;  // the unexplained, by rows, 64 at most
   // Pixels inside: they and their eight neighbours show one agent in both, at depths within a hundredth.
   uint64_t inner = 0;
+  // Outlines of a limb before the agent's own body, where they differ by less than that, are among them.
   double worst_depth = 0;        // of their depths, relative to the truth's
   double mean_colour = 0;        // code values, over pixels and channels; 0 where there is no colour
   int worst_colour = 0;          // code values
