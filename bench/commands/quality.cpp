@@ -402,6 +402,15 @@ int run_quality(const Options& options, metrics::ScoreTable table) {
   return std::all_of(rows.begin(), rows.end(), [](const QualityRow& row) { return row.refused.empty(); }) ? 0 : 1;
 }
 
+void add_reference_option(Command& command, std::string& reference) {
+  command
+      .add_option("--reference", reference,
+                  fmt::format("what it is held against: {} (the default), or {}: rays cast in double precision at the\n"
+                              "exact pose, on the CPU, by which the mesh itself can be judged",
+                              renderers::reference_spec().text(), kTruthName))
+      ->type_name("NAME");
+}
+
 }  // namespace
 
 void add_quality(Command& app, Run& run) { add_quality(app, run, metrics::scores()); }
@@ -424,13 +433,7 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench quality --representation mesh --reference truth --supersample 3");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representations, "what is judged")->required();
-  command
-      ->add_option(
-          "--reference", options->reference,
-          fmt::format("what it is held against: {} (the default), or {}: rays cast in double precision at the\n"
-                      "exact pose, on the CPU, by which the mesh itself can be judged",
-                      renderers::reference_spec().text(), kTruthName))
-      ->type_name("NAME");
+  add_reference_option(*command, options->reference);
   add_character_options(*command, options->character);
   const auto add_list = [&](const char* name, std::string& list, const char* text) {
     command->add_option(name, list, text)->type_name("LIST")->capture_default_str();

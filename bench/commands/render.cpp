@@ -276,6 +276,21 @@ int render_single(const RenderOptions& options) {
   return 0;
 }
 
+// What is drawn instead of a representation, or of its picture.
+void add_truth_and_debug(Command& command, RenderOptions& options) {
+  command
+      .add_flag(
+          "--truth", options.truth,
+          "instead of a representation what there is to see, by rays in double precision on the CPU (truth/truth.h\n"
+          "says how textures are filtered); --supersample says how many a pixel, --samples has no say. With --json\n"
+          "also the reference as this device draws it, judged pixel by pixel")
+      ->excludes("--representation");
+  command
+      .add_option("--debug", options.debug,
+                  "a debug view of the representation instead of its picture:\n" + renderers::debug_views_of_all())
+      ->excludes("--truth");
+}
+
 }  // namespace
 
 void add_render(Command& app, Run& run) {
@@ -293,17 +308,7 @@ void add_render(Command& app, Run& run) {
   add_scene_options(*command, options->scene);
   add_representation_option(*command, options->representation,
                             "how agents are drawn (the scenario's, else the reference)");
-  command
-      ->add_flag(
-          "--truth", options->truth,
-          "instead of a representation what there is to see, by rays in double precision on the CPU (truth/truth.h\n"
-          "says how textures are filtered); --supersample says how many a pixel, --samples has no say. With --json\n"
-          "also the reference as this device draws it, judged pixel by pixel")
-      ->excludes("--representation");
-  command
-      ->add_option("--debug", options->debug,
-                   "a debug view of the representation instead of its picture:\n" + renderers::debug_views_of_all())
-      ->excludes("--truth");
+  add_truth_and_debug(*command, *options);
   command
       ->add_option("--clip", options->clips,
                    "clip in use, by name or index; may be given several times (--single: one, or none)")

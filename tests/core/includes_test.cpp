@@ -332,7 +332,8 @@ TEST(Includes, AHeaderThatAnotherFolderIncludesHasATest) {
   CROWDBENCH_SKIP_SANITIZED("TheSearchForUntestedHeadersFindsThem");
   const fs::path root = CROWDBENCH_SOURCE_DIR;
   std::map<std::string, Strings> includes;
-  for (const char* room : {"core", "store", "scene", "truth", "renderers", "metrics", "studies", "reports", "bench", "tests"})
+  for (const char* room :
+       {"core", "store", "scene", "truth", "renderers", "metrics", "studies", "reports", "bench", "tests"})
     for (const auto& entry : fs::recursive_directory_iterator(root / room))
       if (const auto extension = entry.path().extension(); extension == ".h" || extension == ".cpp")
         includes[entry.path().lexically_relative(root).generic_string()] = own_includes(read(entry.path()));
