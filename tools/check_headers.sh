@@ -24,7 +24,7 @@ export flags scratch
 mapfile -t headers < <([ $# -eq 0 ] || realpath -m "$@")
 cd "$top"
 [ ${#headers[@]} -gt 0 ] ||
-  mapfile -t headers < <(find core store scene renderers metrics studies reports bench -name '*.h')
+  mapfile -t headers < <(find core store scene truth renderers metrics studies reports bench -name '*.h')
 # What at least ten headers include.
 printf '#include <%s>\n' array cstddef cstdint filesystem functional glm/glm.hpp map memory optional set span string string_view \
   utility variant vector >"$scratch/common.h"

@@ -18,6 +18,7 @@
 #include "bench/experiments/cause_rows.h"
 #include "bench/experiments/quality_rows.h"
 #include "bench/experiments/score_rows.h"
+#include "bench/stage/truth_capture.h"
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
 #include "core/error.h"
@@ -35,6 +36,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> representations;
+  std::string reference;
   std::string debug;
   CharacterOptions character;
   std::string heights = "120";
@@ -183,8 +185,15 @@ class Results {
 Asked read_options(const Options& options, metrics::ScoreTable table) {
   if (options.flicker && options.exact_pose)
     throw Error("--flicker", "an exact pose has no frames between which it could jump", "leave --exact-pose out");
+  const std::string drawn = renderers::reference_spec().text();
+  if (!options.reference.empty() && options.reference != kTruthName && options.reference != drawn)
+    throw Error("--reference", fmt::format("'{}' is not a reference", printable(options.reference)),
+                fmt::format("use {} or {}", drawn, kTruthName));
+  if (options.reference == kTruthName && options.causes)
+    throw Error("--causes", "causes are told apart by what is drawn, and the truth is not", "leave --reference out");
   Asked asked;
   QualitySetup& setup = asked.setup;
+  setup.truth = options.reference == kTruthName;
   // A text that cannot be read is refused before anything is drawn.
   for (const renderers::Spec& spec : parse_representations(options.representations))
     setup.representations.push_back(spec.text());
@@ -285,11 +294,16 @@ void put_films(Json& out, const Films& films, const Asked& asked) {
   }
 }
 
+std::string reference_name(const Asked& asked) {
+  return asked.setup.truth ? kTruthName : renderers::reference_spec().text();
+}
+
 void print_json(const std::vector<QualityRow>& rows, const Films& films, const Asked& asked,
                 const std::string& renderer) {
   Json out = {{"representations", asked.setup.representations},
               {"character", asked.setup.character->name},
               {"renderer", renderer},
+              {"reference", reference_name(asked)},
               {"exact_pose", asked.setup.exact_pose},
               {"display", display_json(asked.setup.display)}};
   out["rows"] = Json::array();
@@ -342,8 +356,8 @@ void print_films(const Films& films, const Asked& asked) {
 
 void print_text(const std::vector<QualityRow>& rows, const Films& films, const Asked& asked,
                 const std::string& renderer) {
-  fmt::print("{}, clip {}, against the mesh at the same view; {}\n", asked.setup.character->name, printable(asked.clip),
-             renderer);
+  fmt::print("{}, clip {}, against the {} at the same view; {}\n", asked.setup.character->name, printable(asked.clip),
+             reference_name(asked), renderer);
   std::optional<size_t> shown;
   for (const QualityRow& row : rows) {
     if (row.index != shown) {
@@ -388,6 +402,15 @@ int run_quality(const Options& options, metrics::ScoreTable table) {
   return std::all_of(rows.begin(), rows.end(), [](const QualityRow& row) { return row.refused.empty(); }) ? 0 : 1;
 }
 
+void add_reference_option(Command& command, std::string& reference) {
+  command
+      .add_option("--reference", reference,
+                  fmt::format("what it is held against: {} (the default), or {}: rays cast in double precision at the\n"
+                              "exact pose, on the CPU, by which the mesh itself can be judged",
+                              renderers::reference_spec().text(), kTruthName))
+      ->type_name("NAME");
+}
+
 }  // namespace
 
 void add_quality(Command& app, Run& run) { add_quality(app, run, metrics::scores()); }
@@ -406,9 +429,11 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
       "Examples:\n"
       "  crowdbench quality --representation flat\n"
       "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
-      "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps maps --json");
+      "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps maps --json\n"
+      "  crowdbench quality --representation mesh --reference truth --supersample 3");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representations, "what is judged")->required();
+  add_reference_option(*command, options->reference);
   add_character_options(*command, options->character);
   const auto add_list = [&](const char* name, std::string& list, const char* text) {
     command->add_option(name, list, text)->type_name("LIST")->capture_default_str();

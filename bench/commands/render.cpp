@@ -10,6 +10,7 @@
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_facts.h"
 #include "bench/stage/stage_scenario.h"
+#include "bench/stage/truth_capture.h"
 #include "core/colour.h"
 #include "core/error.h"
 #include "core/image_io.h"
@@ -34,6 +35,7 @@ struct RenderOptions {
   uint64_t tick = 0;
   std::string out, mask, ids, depth;
   bool json = false;
+  bool truth = false;
   // --single
   bool single = false;
   double time = 0;
@@ -79,6 +81,47 @@ std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& 
   return facts.dump(2) + "\n";
 }
 
+// --truth: the picture, and with --json what it says of the reference as this device draws it.
+int render_truth(const RenderOptions& options, const ChosenScenario& chosen) {
+  Progress progress("render", 0);
+  progress.note("loading the characters");
+  const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
+  // Without either no driver is needed.
+  std::unique_ptr<gl::Context> context;
+  if (options.json || must_solve(chosen.scenario)) context = open_context(options.scene.device);
+  progress.note("placing the agents");
+  const Staged staged =
+      context ? stage_scenario(chosen.scenario, cast, *context) : stage_as_given(chosen.scenario, cast);
+  const double seconds = static_cast<double>(options.tick) / staged.scenario.tick_rate;
+  const scene::Frame frame =
+      scene::make_frame(staged.scenario, cast, staged.crowd, staged.scenario.camera.at(seconds), options.tick);
+  progress.note("");
+  const truth::TruthPicture picture = truth::cast_truth(cast, frame);
+  std::string facts;
+  if (options.json) {
+    const renderers::Spec judged = renderers::reference_spec();
+    const auto representation = renderers::make_representation({.context = *context, .cast = cast}, judged);
+    const renderers::Capture drawn = renderers::Renderer(*context, cast).capture(frame, *representation);
+    const truth::Judgement judgement = truth::judge(cast, frame, picture, {drawn.ids, drawn.depth, drawn.colour});
+    facts = Json({{"representation", kTruthName},
+                  {"tick", options.tick},
+                  {"renderer", context->renderer()},
+                  {"stage", stage_json(measure_stage(staged, cast, *context))},
+                  {kTruthName, judgement_json(judgement, judged.text())}})
+                .dump(2) +
+            "\n";
+    fmt::print(stderr, "{}\n", judgement_line(judgement, judged.text()));
+  }
+  ImageMetadata metadata = picture_metadata(staged.scenario, kTruthName);
+  metadata["tick"] = std::to_string(options.tick);
+  progress.end();
+  write_pictures(options, capture_of(picture), metadata,
+                 fmt::format("{} agent{} as the {}, tick {}", staged.crowd.size(), staged.crowd.size() == 1 ? "" : "s",
+                             kTruthName, options.tick));
+  fmt::print("{}", facts);
+  return 0;
+}
+
 int render_crowd(const RenderOptions& options) {
   ChosenScenario chosen = read_scenario(options.scene);
   override_representation(chosen, options.representation);
@@ -87,6 +130,7 @@ int render_crowd(const RenderOptions& options) {
       chosen.scenario.characters[i].clips = options.clips;
       chosen.places[scene::key_place("character", "clips", i)] = "--clip";
     }
+  if (options.truth) return render_truth(options, chosen);
   renderers::Spec spec = representation_of(chosen);
   if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
   Progress progress("render", 0);
@@ -189,6 +233,19 @@ scene::Frame single_frame(const RenderOptions& options, const scene::PoseBank& b
   return frame;
 }
 
+// The picture, and what it was drawn as.
+std::pair<renderers::Capture, std::string> capture_single(const RenderOptions& options, const scene::Cast& cast,
+                                                          const scene::Frame& frame) {
+  if (options.truth) return {capture_of(truth::cast_truth(cast, frame)), kTruthName};
+  renderers::Spec spec =
+      options.representation.empty() ? renderers::reference_spec() : parse_representation(options.representation);
+  if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
+  const auto context = open_context(options.scene.device);
+  const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
+  renderers::Renderer renderer(*context, cast);
+  return {renderer.capture(frame, *representation), spec.text()};
+}
+
 int render_single(const RenderOptions& options) {
   if (!options.scene.file.empty())
     throw Error("render --single", "a scenario file makes no sense for one agent", "leave it out");
@@ -205,24 +262,33 @@ int render_single(const RenderOptions& options) {
   cast.shares.push_back(1.0);
   const scene::Frame frame = single_frame(options, *cast.banks.front(), character->placement.scale);
 
-  renderers::Spec spec =
-      options.representation.empty() ? renderers::reference_spec() : parse_representation(options.representation);
-  if (!options.debug.empty()) renderers::set_debug_view(spec, options.debug);
-  const auto context = open_context(options.scene.device);
-  const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
-  renderers::Renderer renderer(*context, cast);
-  const renderers::Capture capture = renderer.capture(frame, *representation);
+  const auto [capture, drawn_as] = capture_single(options, cast, frame);
   const std::string clip_name =
       printable(clip < 0 ? "none" : fmt::format("{} '{}'", clip, character->clips[static_cast<size_t>(clip)].name));
   const ImageMetadata metadata = {
       {"scenario", fmt::format("single: {}, clip {}, time {} s, height {}, heading {} deg", character->name, clip_name,
                                options.time, options.height, options.heading_deg)},
       {"seed", "0"},
-      {"backend", spec.text()},
+      {"backend", drawn_as},
       {"version", std::string(version())}};
   write_pictures(options, capture, metadata,
-                 fmt::format("{} (clip {}) as {}", printable(character->name), clip_name, spec.text()));
+                 fmt::format("{} (clip {}) as {}", printable(character->name), clip_name, drawn_as));
   return 0;
+}
+
+// What is drawn instead of a representation, or of its picture.
+void add_truth_and_debug(Command& command, RenderOptions& options) {
+  command
+      .add_flag(
+          "--truth", options.truth,
+          "instead of a representation what there is to see, by rays in double precision on the CPU (truth/truth.h\n"
+          "says how textures are filtered); --supersample says how many a pixel, --samples has no say. With --json\n"
+          "also the reference as this device draws it, judged pixel by pixel")
+      ->excludes("--representation");
+  command
+      .add_option("--debug", options.debug,
+                  "a debug view of the representation instead of its picture:\n" + renderers::debug_views_of_all())
+      ->excludes("--truth");
 }
 
 }  // namespace
@@ -235,14 +301,14 @@ void add_render(Command& app, Run& run) {
       "  crowdbench render --agents 1000 --occupancy 0.15 --out crowd.png    camera and crowd solved for 15 %\n"
       "  crowdbench render street.toml --representation flat --out flat.png\n"
       "  crowdbench render --agents 60 --occupancy 0.2 --representation relief --debug steps --out steps.png\n"
+      "  crowdbench render --agents 100 --truth --supersample 3 --out truth.png     for `crowdbench compare`\n"
       "  crowdbench render --single --character knight.glb --clip Walk --time 0.25 --height as_is \\\n"
       "      --eye 0,1,5 --target 0,1,0 --fov-y-deg 40 --size 512x512 --out x.png --mask m.png");
   auto options = std::make_shared<RenderOptions>();
   add_scene_options(*command, options->scene);
   add_representation_option(*command, options->representation,
                             "how agents are drawn (the scenario's, else the reference)");
-  command->add_option("--debug", options->debug,
-                      "a debug view of the representation instead of its picture:\n" + renderers::debug_views_of_all());
+  add_truth_and_debug(*command, *options);
   command
       ->add_option("--clip", options->clips,
                    "clip in use, by name or index; may be given several times (--single: one, or none)")

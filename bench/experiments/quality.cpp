@@ -11,6 +11,7 @@
 
 #include "bench/experiments/cause_chain.h"
 #include "bench/experiments/score_rows.h"
+#include "bench/stage/truth_capture.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "metrics/picture_causes.h"
@@ -191,6 +192,7 @@ class Comparison {
     row.view = setup_.views[v];
     row.phase = row.view.clip < 0 ? 0.0 : scene::phase_of_time(*setup_.character, row.view.clip, row.view.time);
     row.distance = distance(row.view);
+    if (setup_.truth) row.reference = kTruthName;
     return row;
   }
 
@@ -227,7 +229,9 @@ class Comparison {
                  .first;
     const scene::Frame frame = frame_of(view);
     QualityPictures pictures;
-    if (references_[v].colour.empty()) references_[v] = mesh.capture(frame, row.phase);
+    if (references_[v].colour.empty())
+      references_[v] = setup_.truth ? capture_of(truth::cast_truth(mesh.cast, mesh.posed(frame, row.phase)))
+                                    : mesh.capture(frame, row.phase);
     // After the last representation nobody will ask again.
     pictures.reference = last ? std::move(references_[v]) : references_[v];
     pictures.test = side->second.capture(frame, row.phase);

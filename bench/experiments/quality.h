@@ -40,6 +40,7 @@ struct QualityRow {
   double phase = 0;     // of the clip at that time, as the agent carries it
   double distance = 0;  // metres, eye to capture centre
   metrics::FigureScores scores;
+  std::string reference = renderers::reference_spec().text();  // what it is held against; kTruthName: the truth
   std::string refused;   // why the representation could not be drawn: nothing is scored; empty where it was
   QualityCauses causes;  // only when asked for
   std::optional<metrics::CauseErrors> errors;  // by cause, only when asked for; nothing where it was refused
@@ -57,6 +58,7 @@ struct QualitySetup {
   int rows = 480;         // of the picture, 4:3; taller figures get a picture of 1.5 times their height
   double pose_rate = 30;  // Hz, of the bank that the representation draws from; the mesh has the exact time
   scene::Antialiasing antialiasing;
+  bool truth = false;       // held against rays (truth/truth.h) instead of the drawn mesh; not with `causes`
   bool exact_pose = false;  // give the representation the exact time too, so that only its drawing is judged
   uint64_t bake_budget = uint64_t{512} << 20;
   bool use_cache = true;

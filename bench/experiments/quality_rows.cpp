@@ -12,7 +12,7 @@ ComparisonRow quality_row(int64_t run, const QualitySubject& subject, const Qual
   out.run = run;
   out.kind = "agent";
   out.representation = row.representation;
-  out.reference = renderers::reference_spec().text();
+  out.reference = row.reference;
   out.character = subject.character;
   out.height_px = row.view.height_px;
   out.azimuth_deg = row.view.azimuth_deg;
@@ -29,8 +29,7 @@ void write_quality_pictures(StoreWriter& store, int64_t run, int64_t comparison,
   const auto box = metrics::crop_box(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids), 8);
   if (!box) return;
   write_pictures(store, run, comparison, metrics::crop(pictures.reference.colour, *box),
-                 metrics::crop(pictures.test.colour, *box), renderers::reference_spec().text(), row.representation,
-                 false);
+                 metrics::crop(pictures.test.colour, *box), row.reference, row.representation, false);
 }
 
 }  // namespace crowdbench::bench

@@ -24,9 +24,14 @@ std::optional<scene::Cast> draft_of(const scene::Cast& cast, uint32_t agents) {
 
 }  // namespace
 
+bool must_solve(const scene::Scenario& scenario) { return scenario.occupancy && scenario.crowd.agents != 0; }
+
+Staged stage_as_given(const scene::Scenario& scenario, const scene::Cast& cast) {
+  return {scenario, scene::make_crowd(scenario, cast, scene::stage_view(scenario)), scenario.camera.at(0), {}};
+}
+
 Staged stage_scenario(const scene::Scenario& scenario, const scene::Cast& cast, gl::Context& context) {
-  if (!scenario.occupancy || scenario.crowd.agents == 0)
-    return {scenario, scene::make_crowd(scenario, cast, scene::stage_view(scenario)), scenario.camera.at(0), {}};
+  if (!must_solve(scenario)) return stage_as_given(scenario, cast);
   const std::optional<scene::Cast> draft = draft_of(cast, scenario.crowd.agents);
   scene::Solved solved = scene::solve_occupancy(scenario, cast, mesh_coverage(context, cast),
                                                 draft ? mesh_coverage(context, *draft) : scene::MeasureCoverage{});

@@ -32,6 +32,10 @@ struct Staged {
 // OccupancySearch::achieved is the mesh's own in every case.
 // Deterministic on one machine and driver. Without an occupancy nothing is drawn. Throws Error.
 Staged stage_scenario(const scene::Scenario& scenario, const scene::Cast& cast, gl::Context& context);
+// The same of a scenario that asks for no occupancy: no driver is needed.
+Staged stage_as_given(const scene::Scenario& scenario, const scene::Cast& cast);
+// Whether an occupancy has to be solved, by drawing.
+bool must_solve(const scene::Scenario& scenario);
 inline constexpr uint32_t kDraftAgents = 300;  // fewer are quick enough as they are
 inline constexpr size_t kDraftTriangles = 500;
 

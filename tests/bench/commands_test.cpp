@@ -143,6 +143,14 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_EQ(picture("mesh.png").height, 72);
          EXPECT_FALSE(is_flat(picture("mesh.png")));
          EXPECT_NE(picture("mesh.png").data, picture("flat.png").data);
+         const json truth = facts(stage + " --truth --json --out truth.png --ids truth.exr").at("truth");
+         EXPECT_EQ(picture("truth.png").width, 96);
+         EXPECT_GT(truth.at("covered").get<int>(), 50);
+         EXPECT_EQ(truth.at("unexplained"), 0) << truth;
+         EXPECT_LE(truth.at("worst_distance_px").get<double>(), truth.at("largest_bound_px").get<double>());
+         EXPECT_GT(facts("compare mesh.png truth.png --json").at("scores").at("ssim").get<double>(), 0.98);
+         EXPECT_EQ(run("render --truth --single --size 40x30 --out alone.png" + character).status, 0);
+         EXPECT_FALSE(is_flat(picture("alone.png")));
        }},
       {"bake",
        [&] {
@@ -170,6 +178,12 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
            EXPECT_LE(row.at("silhouette_iou").get<double>(), 1.0);
            EXPECT_EQ(row.at("causes").at("told_by"), "comparing");
          }
+         const json mesh =
+             facts("quality --representation mesh --reference truth --height-px 40 --rows 64 --exact-pose --json" +
+                   character);
+         EXPECT_EQ(mesh.at("reference"), "truth");
+         EXPECT_GT(mesh.at("rows")[0].at("silhouette_iou").get<double>(), 0.99);
+         EXPECT_GT(mesh.at("rows")[0].at("ssim").get<double>(), 0.98);
          const json told =
              facts("quality --representation " + impostor + " --height-px 40 --rows 64 --causes --json" + character);
          expect_causes(told.at("rows")[0].at("causes"));

@@ -113,6 +113,22 @@ TEST_F(MannersGl, StudyExportStopsAndSaysWhereItGoesOn) {
     EXPECT_FALSE(entry.is_regular_file()) << entry.path();
 }
 
+// Rays ask for no device, so that it has not to be waited for.
+TEST_F(Manners, TruthStops) {
+  CROWDBENCH_SKIP_SANITIZED("StopsGl");
+  RunningDriver driver(
+      {"render", "--truth", "--agents", "2000", "--size", "1600x1200", "--supersample", "9", "--out", "x.png"}, work_,
+      folder_.path());
+  driver.wait_for_end(1);
+  ASSERT_LT(driver.status(), 0) << driver.said();
+  driver.send(SIGINT);
+  EXPECT_LE(driver.wait_for_end(60), kAnswerSeconds);
+  EXPECT_EQ(driver.status(), 128 + SIGINT);
+  EXPECT_NE(driver.said().find("crowdbench: interrupted; "), std::string::npos) << driver.said();
+  EXPECT_EQ(driver.said().find("drawing on"), std::string::npos) << "a device was opened";
+  EXPECT_FALSE(fs::exists(work_ / "x.png"));
+}
+
 // Frames of one folder that is compared with itself: two hundred names of one picture of noise.
 TEST_F(Manners, CompareStopsBetweenFrames) {
   CROWDBENCH_SKIP_SANITIZED("Compare");
@@ -274,6 +290,10 @@ TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
       {"export r.sqlite", "nothing to write"},
       {"popmap --fade 0", "--fade: '0' is not a whole number from 1 to 60"},
       {"pose mannequin --vertex -1", "--vertex: '-1' is not a whole number"},
+      {"quality --representation mesh --reference meshes",
+       "--reference: 'meshes' is not a reference; use mesh or truth"},
+      {"quality --representation mesh --reference truth --causes", "--causes: causes are told apart by what is drawn"},
+      {"render --truth --representation mesh --out x.png", "--representation"},
       {"quality", "--representation is required"},
       {"quality --representation flax", "--representation: there is no representation 'flax'; did you mean 'flat'?"},
       {"ratio --of flax --to mesh", "--of: there is no representation 'flax'"},

@@ -29,11 +29,12 @@ const Doors& doors() {
       {"core", {}},
       {"store", {"core"}},
       {"scene", {"core"}},
+      {"truth", {"core", "scene"}},
       {"renderers", {"core", "scene"}},
       {"metrics", {"core"}},
       {"studies", {"core", "store", "scene", "renderers", "metrics"}},
       {"reports", {"core", "store"}},
-      {"bench", {"core", "store", "scene", "renderers", "metrics", "studies", "reports"}},
+      {"bench", {"core", "store", "scene", "renderers", "metrics", "studies", "reports", "truth"}},
   };
   return all;
 }
@@ -227,7 +228,7 @@ TEST(Includes, FollowTheArrows) {
       for (const std::string& fault : faults_of(path, read(entry.path()))) ADD_FAILURE() << fault;
     }
   }
-  EXPECT_EQ(rooms, 8U);
+  EXPECT_EQ(rooms, 9U);
   EXPECT_GT(files, 40U);  // the walk found the tree
 }
 
@@ -254,6 +255,7 @@ TEST(Includes, CheckerFindsEveryKindOfFault) {
   EXPECT_EQ(faults_of("scene/a.cpp", "\n#include \"renderers/frame/capture.h\"\n"),
             Strings{"scene/a.cpp:2: includes \"renderers/frame/capture.h\": scene may not know renderers"});
   EXPECT_EQ(faults_of("core/a.cpp", "#include \"scene/frame/frame.h\"\n").size(), 1U);
+  EXPECT_EQ(faults_of("truth/a.cpp", "#include \"renderers/frame/capture.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("metrics/a.cpp", "# include \"scene/frame/frame.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("reports/a.cpp", "#include \"metrics/ssim.h\"\n").size(), 1U);
   EXPECT_EQ(faults_of("renderers/a.cpp", "#include \"studies/stimuli/clip.h\"\n").size(), 1U);
@@ -331,7 +333,8 @@ TEST(Includes, AHeaderThatAnotherFolderIncludesHasATest) {
   CROWDBENCH_SKIP_SANITIZED("TheSearchForUntestedHeadersFindsThem");
   const fs::path root = CROWDBENCH_SOURCE_DIR;
   std::map<std::string, Strings> includes;
-  for (const char* room : {"core", "store", "scene", "renderers", "metrics", "studies", "reports", "bench", "tests"})
+  for (const char* room :
+       {"core", "store", "scene", "truth", "renderers", "metrics", "studies", "reports", "bench", "tests"})
     for (const auto& entry : fs::recursive_directory_iterator(root / room))
       if (const auto extension = entry.path().extension(); extension == ".h" || extension == ".cpp")
         includes[entry.path().lexically_relative(root).generic_string()] = own_includes(read(entry.path()));
@@ -465,7 +468,7 @@ TEST(Includes, AHeaderIncludesTheStandardHeadersThatItNames) {
   CROWDBENCH_SKIP_SANITIZED("AMissingStandardHeaderIsFound");
   const fs::path root = CROWDBENCH_SOURCE_DIR;
   std::map<std::string, std::string> texts;
-  for (const char* room : {"core", "store", "scene", "renderers", "metrics", "studies", "reports", "bench"})
+  for (const char* room : {"core", "store", "scene", "truth", "renderers", "metrics", "studies", "reports", "bench"})
     for (const auto& entry : fs::recursive_directory_iterator(root / room))
       if (entry.path().extension() == ".h")
         texts[entry.path().lexically_relative(root).generic_string()] = read(entry.path());

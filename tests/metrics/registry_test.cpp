@@ -266,7 +266,7 @@ TEST(Registry, NamesAreSpelledInMetricsAlone) {
   namespace fs = std::filesystem;
   const fs::path root = CROWDBENCH_SOURCE_DIR;
   size_t files = 0;
-  for (const char* room : {"core", "store", "scene", "renderers", "studies", "reports", "bench"})
+  for (const char* room : {"core", "store", "scene", "truth", "renderers", "studies", "reports", "bench"})
     for (const auto& entry : fs::recursive_directory_iterator(root / room)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".h" && extension != ".cpp" && extension != ".html" && extension != ".js") continue;

@@ -129,7 +129,7 @@ const std::vector<Source>& sources() {
   static const std::vector<Source> all = [] {
     const fs::path root = CROWDBENCH_SOURCE_DIR;
     std::vector<Source> out;
-    for (const char* room : {"core", "store", "scene", "renderers", "metrics", "studies", "bench", "reports"})
+    for (const char* room : {"core", "store", "scene", "truth", "renderers", "metrics", "studies", "bench", "reports"})
       for (const auto& entry : fs::recursive_directory_iterator(root / room)) {
         const std::string extension = entry.path().extension().string();
         if (extension == ".h" || extension == ".cpp")
