@@ -34,8 +34,8 @@ target_include_directories(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # where nothing is computed, light optimisation halves the time to compile. ALONE: sources that are compiled by themselves,
 # because they are long, or have properties of their own.
 #
-# The rest is compiled up to three neighbours in a folder at a time (CROWDBENCH_UNITY): what they parse and instantiate alike
-# they do once. Every source compiles by itself as well: the preset `debug` does so.
+# The rest is compiled up to CROWDBENCH_UNITY neighbours in a folder at a time: what they parse and instantiate alike they do
+# once. Every source compiles by itself as well: the preset `debug` does so.
 #
 # FUZZED, of the same kind: sources with parsers, whose branches the fuzzer is to see.
 function(crowdbench_library name)
@@ -56,7 +56,7 @@ function(crowdbench_library name)
 endfunction()
 
 # crowdbench_compile_together(OUT LIGHT ALONE FUZZED SOURCES...): OUT is what to compile for the SOURCES, paths below the calling
-# folder; some are files in the build tree that include up to three of them.
+# folder; some are files in the build tree that include several of them.
 function(crowdbench_compile_together out light alone fuzzed)
   set(groups)
   foreach(source IN LISTS ARGN)
@@ -67,7 +67,7 @@ function(crowdbench_compile_together out light alone fuzzed)
     if(CROWDBENCH_FUZZ AND fuzzed AND source MATCHES "${fuzzed}")
       string(APPEND group "_fuzzed")
     endif()
-    if(NOT CROWDBENCH_UNITY OR (alone AND source MATCHES "${alone}"))
+    if(CROWDBENCH_UNITY EQUAL 1 OR (alone AND source MATCHES "${alone}"))
       string(PREPEND group "${source} ")
     endif()
     list(APPEND groups "sources_${group}")
@@ -78,8 +78,8 @@ function(crowdbench_compile_together out light alone fuzzed)
   foreach(group IN LISTS groups)
     list(LENGTH "${group}" count)
     math(EXPR last "${count} - 1")
-    foreach(from RANGE 0 ${last} 3)
-      list(SUBLIST "${group}" ${from} 3 members)
+    foreach(from RANGE 0 ${last} ${CROWDBENCH_UNITY})
+      list(SUBLIST "${group}" ${from} ${CROWDBENCH_UNITY} members)
       crowdbench_one_to_compile(file "${group}_${from}" ${members})
       if(group MATCHES "_light")
         set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS $<IF:$<CONFIG:Release>,-O1,-O0>)

@@ -20,7 +20,7 @@ const [, , commands, top, out, ...wanted] = process.argv;
 const gpp = / -include \S*cmake_pch\.hxx| -fpch-preprocess| -Wno-(restrict|stringop-[a-z]+|array-bounds|maybe-uninitialized|subobject-linkage)/g;
 const members = (file) => file.includes("/together/")
   ? [...fs.readFileSync(file, "utf8").matchAll(/#include "(.*)"/g)].map(([, member]) => member) : [file];
-const inside = (file) => /^(core|store|scene|renderers|metrics|studies|bench|reports)\/.*\.cpp$/.test(file.slice(top.length + 1));
+const inside = (file) => /^(core|store|scene|truth|renderers|metrics|studies|bench|reports)\/.*\.cpp$/.test(file.slice(top.length + 1));
 const entries = JSON.parse(fs.readFileSync(commands, "utf8"))
   .map((entry) => ({ ...entry, command: entry.command.replace(gpp, ""), sources: members(entry.file).filter(inside) }))
   .filter((entry) => entry.sources.length > 0);

@@ -13,7 +13,7 @@ namespace {
 constexpr double kStep = 0.5;  // texels between two looks
 constexpr double kFewest = 32;
 constexpr double kMost = 2048;
-constexpr int kHalvings = 14;  // of a step, to the edge
+constexpr int kStepHalvings = 14;  // of a step, to the edge
 constexpr int kMomentSide = 8;
 constexpr double kOuter = 0.2;  // of the height
 
@@ -92,7 +92,7 @@ double CutOut::inset(const uint32_t* corners) const {
 
 // Between two places, the last one that is there.
 TrianglePlace CutOut::edge(const uint32_t* corners, TrianglePlace inside, TrianglePlace outside) const {
-  for (int i = 0; i < kHalvings; ++i) {
+  for (int i = 0; i < kStepHalvings; ++i) {
     const TrianglePlace middle = 0.5 * (inside + outside);
     (there(corners, middle) ? inside : outside) = middle;
   }

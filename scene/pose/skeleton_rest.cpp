@@ -10,7 +10,7 @@
 namespace crowdbench::scene {
 namespace {
 
-constexpr double kUpright = 0.5;  // cosine between spine and legs: of four legs it is near 0
+constexpr double kUprightCosine = 0.5;  // cosine between spine and legs: of four legs it is near 0
 
 // Along the axes of the file: a figure that leans a little at rest goes on leaning.
 glm::dvec3 nearest_axis(const glm::dvec3& v) {
@@ -76,7 +76,7 @@ bool SkeletonRest::is_human() const {
   const glm::dvec3 head = up_by_head();
   const double lengths = glm::length(legs) * glm::length(head);
   if (!(lengths > 0)) return glm::length(legs) + glm::length(head) > 0;
-  return glm::dot(legs, head) > kUpright * lengths;
+  return glm::dot(legs, head) > kUprightCosine * lengths;
 }
 
 std::optional<double> SkeletonRest::leg_length() const {
