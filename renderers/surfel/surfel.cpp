@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 
 #include "renderers/frame/frame_resources.h"
 #include "renderers/gl/per_sample.h"
@@ -138,6 +139,12 @@ class SurfelRepresentation : public Representation {
     return levels.empty() ? 0 : 2 * uint64_t{levels.back().points};
   }
 
+  // How far the smallest discs reach: nothing finer is shown.
+  double texel_metres(size_t character) const override {
+    const auto& levels = characters_[character].levels;
+    return levels.empty() ? 0 : levels.back().radius * options_.rule.cover;
+  }
+
  private:
   void add(const SurfelCloud& cloud, const scene::PoseBank& bank) {
     using V = SurfelVertex;
@@ -234,7 +241,8 @@ const RepresentationType surfel_type = {
     .summary = "point clouds: skinned surfels, discs of the surface, as many as the figure's pixels ask for",
     .options = {{"points", "64..65536", "4096", "a character, at most"},
                 {"size", "0.3..16", "1", "pixels: the fewest points whose discs have at most this radius are drawn"},
-                {"cover", "0.5..4", "1.2", "radius of a disc over the largest gap in the first pose, for other poses"}},
+                {"cover", "0.5..4", "1.5",
+                 "radius of a disc over the largest gap in the first pose: other poses stretch"}},
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(surfel_type, spec);
       SurfelOptions options;

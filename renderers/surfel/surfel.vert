@@ -20,13 +20,15 @@ layout(location = CB_LOCATION_RADIUS) uniform float radius;    // metres at scal
 layout(location = CB_LOCATION_SAMPLES) uniform float samples;  // of the target along a pixel of the picture
 
 layout(location = 0) flat out vec3 v_colour;
-layout(location = 1) flat out vec4 v_ellipse;  // rows: from the point's square, (-1, -1) .. (1, 1), to the unit circle
+layout(location = 1) flat out vec4 v_ellipse;  // rows: from samples of the target about v_centre to the unit circle
+layout(location = 2) flat out vec2 v_centre;   // samples of the target
 #ifdef CB_IDS
-layout(location = 2) flat out uint v_id;
+layout(location = 3) flat out uint v_id;
 #endif
 
-// Half of what lies between a pixel's opposite corners: no ellipse is narrower, so that none falls between pixels.
-const float kLeastRadius = 0.71;  // pixels
+// Discs cover the surface together, so that each pixel's centre on it lies in one of their ellipses however narrow they
+// are. This is for what positions are rounded by.
+const float kLeastRadius = 0.1;  // pixels
 
 void main() {
   vec4 position_scale = agent_position_scale(in_agent);
@@ -63,8 +65,9 @@ void main() {
   vec2 lean = (mat3(frame.view_from_world) * normal).xy;
   float length2 = dot(lean, lean);
   vec2 along = length2 > 1e-12 ? lean * inversesqrt(length2) : vec2(1.0, 0.0);
-  float square = major;  // half its side, in pixels
-  v_ellipse = vec4(along, -along.y, along.x) * (square / vec4(minor, minor, major, major));
+  float square = max(major, 0.5 / samples);  // half its side, in pixels: drivers draw no smaller points
+  v_ellipse = vec4(along, -along.y, along.x) * (1.0 / (samples * vec4(minor, minor, major, major)));
+  v_centre = (0.5 * gl_Position.xy / gl_Position.w + 0.5) * frame.viewport.xy * samples;
   gl_PointSize = 2.0 * square * samples;
   // What faces away is behind what faces here: outside of the picture.
   if (facing < 0.0) gl_Position = vec4(2.0, 2.0, 0.0, 1.0);

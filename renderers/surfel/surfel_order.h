@@ -19,7 +19,7 @@ float disc_distance(const SurfacePlace& from, const SurfacePlace& to);
 struct SurfelOrder {
   std::vector<uint32_t> order;  // of the places: `count` of them, or fewer where there are fewer different ones
   std::vector<float> radius;  // [n]: every place lies within this disc_distance of one of the first n + 1. Never rises
-  std::vector<uint32_t> nearest;  // by place: which of `order` (its rank) is nearest to it
+  std::vector<uint32_t> nearest;  // by place: which of `order` (its rank) is nearest to it: the first of several
 };
 // The first place, then always the one that is farthest from all chosen ones. places: not empty; count: above 0. Takes
 // time by places x log(count); the same whatever the machine.

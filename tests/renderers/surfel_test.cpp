@@ -31,7 +31,7 @@ TEST(SurfelOrder, TakesTheFarthestPlaceAsByHand) {
   const SurfelOrder o = order_places(line, 4);
   EXPECT_EQ(o.order, (std::vector<uint32_t>{0, 10, 5, 2}));
   EXPECT_EQ(o.radius, (std::vector<float>{10, 5, 2, 2}));
-  EXPECT_EQ(o.nearest, (std::vector<uint32_t>{0, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1}));
+  EXPECT_EQ(o.nearest, (std::vector<uint32_t>{0, 0, 3, 3, 2, 2, 2, 2, 1, 1, 1}));
   EXPECT_EQ(order_places(line, 50).order.size(), 11U);
   EXPECT_EQ(order_places(std::vector<SurfacePlace>(3, line[0]), 3).order.size(), 1U) << "one place three times";
 }
