@@ -239,7 +239,7 @@ class SurfelRepresentation : public Representation {
 const RepresentationType surfel_type = {
     .name = "surfel",
     .summary = "point clouds: skinned surfels, discs of the surface, as many as the figure's pixels ask for",
-    .options = {{"points", "64..65536", "4096", "a character, at most"},
+    .options = {{"points", "64..65536", "16384", "a character, at most"},
                 {"size", "0.3..16", "1", "pixels: the fewest points whose discs have at most this radius are drawn"},
                 {"cover", "0.5..4", "1.5",
                  "radius of a disc over the largest gap in the first pose: other poses stretch"}},

@@ -203,7 +203,7 @@ TEST_P(EmissionGl, TheWholeLightIsTheMeshs) {
     // A twentieth: what a box's sharp corners lose to a silhouette of texels. Polypostors have outlines as an eye five
     // heights away sees them, to whom the front, 0.25 m before the pivot, is larger.
     const bool fitted = GetParam().spec.starts_with("polypostor");
-    // A lamp of 0.4 m at the outline grows by its discs' reach, 37 mm or a pixel: a tenth.
+    // A lamp of 0.4 m at the outline grows by its discs' reach, up to a pixel: a tenth at 30 pixels.
     const double grown = GetParam().spec.starts_with("surfel") ? 1.07 : 1;
     const double nearer = fitted ? 5 * kTall / (5 * kTall - 0.25) : 1;
     for (int c = 0; c < 2; ++c) {
