@@ -7,6 +7,7 @@
 #include "renderers/relief/relief.h"
 #include "renderers/representation.h"
 #include "renderers/rigid/rigid.h"
+#include "renderers/surfel/surfel.h"
 
 namespace crowdbench::renderers {
 
@@ -23,6 +24,7 @@ const std::vector<RepresentationType>& representation_types() {
       polypostor_type,
       preskinned_type,
       pseudo_type,
+      surfel_type,
   };
   // clang-format on
   return types;

@@ -36,6 +36,8 @@
 #define CB_LOCATION_COUNT 2     // uint: agents to pose
 #define CB_LOCATION_VERTICES 3  // uint: vertices of the character's mesh
 #define CB_LOCATION_SLOT 4      // uint: slot of skinned vertices that the first instance reads
+#define CB_LOCATION_RADIUS 5    // float: metres that a surfel's disc reaches
+#define CB_LOCATION_SAMPLES 6   // float: samples of the target along a pixel of the picture
 
 // Vertex attributes of the mesh.
 #define CB_ATTRIBUTE_POSITION 0  // vec3 position, w = the material's index

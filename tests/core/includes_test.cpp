@@ -91,7 +91,7 @@ const std::set<std::string>& representation_doors() {
   return shared;
 }
 const Doors& doors_between_representations() {
-  static const Doors all = {{"preskinned", {"mesh"}}, {"pseudo", {"mesh"}}, {"rigid", {"mesh"}}};
+  static const Doors all = {{"preskinned", {"mesh"}}, {"pseudo", {"mesh"}}, {"rigid", {"mesh"}}, {"surfel", {"mesh"}}};
   return all;
 }
 

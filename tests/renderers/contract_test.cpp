@@ -71,6 +71,9 @@ const std::map<std::string, Bound>& bounds() {
        {{0.935, 1.025, 0.06, 1.5, 0.1}, "as flat's views, but parts that end in polygons of eight corners"}},
       {"pseudo",
        {{0.83, 1.04, 0.05, 21, 30}, "eight poses of the walk: the nearest is up to 62 ms off, and legs swing"}},
+      {"surfel",
+       {{0.96, 1.032, 0.02, 3, 3},
+        "discs reach over outlines by up to a pixel; poses stretch the surface between them"}},
       {"preskinned", {{0.999, 1.001, 0.001, 0, 0}, "the same sums, on drivers that contract them otherwise"}},
   };
   return all;

@@ -203,10 +203,12 @@ TEST_P(EmissionGl, TheWholeLightIsTheMeshs) {
     // A twentieth: what a box's sharp corners lose to a silhouette of texels. Polypostors have outlines as an eye five
     // heights away sees them, to whom the front, 0.25 m before the pivot, is larger.
     const bool fitted = GetParam().spec.starts_with("polypostor");
+    // A lamp of 0.4 m at the outline grows by its discs' reach, up to a pixel: a tenth at 30 pixels.
+    const double grown = GetParam().spec.starts_with("surfel") ? 1.07 : 1;
     const double nearer = fitted ? 5 * kTall / (5 * kTall - 0.25) : 1;
     for (int c = 0; c < 2; ++c) {
       EXPECT_GT(shown[c] / wanted[c], 0.95) << pixels << " pixels";
-      EXPECT_LT(shown[c] / wanted[c], 1.05 * nearer * nearer) << pixels << " pixels";
+      EXPECT_LT(shown[c] / wanted[c], 1.05 * nearer * nearer * grown) << pixels << " pixels";
     }
   }
   const glm::dvec3 front = whole(draw(picture(120, 0, false), kReference));

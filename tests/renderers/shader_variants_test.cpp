@@ -96,6 +96,8 @@ void draw_everything() {
     draw(cast, "mesh:passes=2", {kIds});
     draw(cast, "preskinned", {kIds});
     draw(cast, "pseudo", {kIds});
+    draw(cast, "surfel:points=64", kEveryPass);
+    draw(cast, "surfel:points=64,floor=1", {kIds});
   }
   const scene::Cast plain = dressed({.texture = true});
   const scene::Cast glowing = dressed({.glow = true});

@@ -1,0 +1,176 @@
+// Based on: candidates by area: M. Roberts, "The unreasonable effectiveness of quasirandom sequences" (2018), within
+// triangles; order: surfel_order.cpp.
+#include "renderers/surfel/surfel_cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/colour.h"
+#include "renderers/surfel/surfel_order.h"
+#include "scene/character/alpha_coverage.h"
+
+namespace crowdbench::renderers {
+namespace {
+
+constexpr size_t kCandidates = 8;  // for each surfel
+
+struct Candidate {
+  const scene::Primitive* primitive = nullptr;
+  std::array<uint32_t, 3> corners{};
+  glm::vec3 at{0.0F};  // barycentric
+};
+
+template <typename T>
+T blend(const std::vector<T>& values, const Candidate& c) {
+  return c.at.x * values[c.corners[0]] + c.at.y * values[c.corners[1]] + c.at.z * values[c.corners[2]];
+}
+
+// Nearest texel, linear light and alpha.
+glm::vec4 texel_of(const scene::Texture& texture, const glm::vec2& uv) {
+  const Image8& image = texture.image;
+  const auto place = [](float u, int size, bool repeat, bool mirrored) {
+    if (repeat && mirrored) {
+      u -= 2 * std::floor(u / 2);
+      u = u > 1 ? 2 - u : u;
+    } else if (repeat) {
+      u -= std::floor(u);
+    }
+    return std::clamp(static_cast<int>(u * static_cast<float>(size)), 0, size - 1);
+  };
+  const uint8_t* p = image.at(place(uv.x, image.width, texture.repeat_u, texture.mirrored_u),
+                              place(uv.y, image.height, texture.repeat_v, texture.mirrored_v));
+  const auto linear = [&](int k) { return static_cast<float>(srgb_to_linear(p[k] / 255.0)); };
+  return {linear(0), linear(1), linear(2), static_cast<float>(p[3]) / 255};
+}
+
+const scene::Texture* image_of(const scene::Character& character, int image) {
+  if (image < 0 || character.images[static_cast<size_t>(image)].image.empty()) return nullptr;
+  return &character.images[static_cast<size_t>(image)];
+}
+
+// Colour and light of a place; false where a mask cuts it out.
+bool look(const scene::Character& character, const Candidate& c, Surfel& out) {
+  const scene::Mesh& mesh = character.mesh;
+  const scene::Material& m = character.materials[static_cast<size_t>(c.primitive->material)];
+  const glm::vec2 uv = mesh.uvs.empty() ? glm::vec2(0.0F) : blend(mesh.uvs, c);
+  glm::vec4 texel(1.0F);
+  if (const scene::Texture* image = image_of(character, m.base_colour_image)) texel = texel_of(*image, uv);
+  if (!mesh.colours.empty()) texel *= blend(mesh.colours, c);
+  if (texel.a < scene::alpha_threshold(m)) return false;
+  out.colour = glm::vec3(m.base_colour) * glm::vec3(texel);
+  out.emissive = m.unlit ? glm::vec3(0.0F) : m.emissive;
+  if (const scene::Texture* image = image_of(character, m.emissive_image))
+    out.emissive *= glm::vec3(texel_of(*image, mesh.emissive_uvs.empty() ? uv : blend(mesh.emissive_uvs, c)));
+  out.slot = m.slot;
+  out.unlit = m.unlit;
+  out.double_sided = m.double_sided;
+  return true;
+}
+
+// The corners' influences together, the four largest.
+void blend_weights(const scene::Mesh& mesh, const Candidate& c, Surfel& out) {
+  std::vector<std::pair<uint16_t, float>> all;
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 4; ++i) {
+      const uint16_t joint = mesh.joints[c.corners[static_cast<size_t>(k)]][i];
+      const float weight = c.at[k] * mesh.weights[c.corners[static_cast<size_t>(k)]][i];
+      const auto found = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.first == joint; });
+      if (found != all.end())
+        found->second += weight;
+      else
+        all.emplace_back(joint, weight);
+    }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  all.resize(std::max<size_t>(all.size(), 4), {all.front().first, 0.0F});
+  const float sum = all[0].second + all[1].second + all[2].second + all[3].second;
+  for (int i = 0; i < 4; ++i) {
+    out.joints[i] = all[static_cast<size_t>(i)].first;
+    out.weights[i] = all[static_cast<size_t>(i)].second / sum;
+  }
+}
+
+// `count` places, as many on each triangle as its area has a share in.
+std::vector<Candidate> candidates_of(const scene::Mesh& mesh, const std::vector<glm::vec3>& posed, size_t count) {
+  struct Triangle {
+    Candidate corners;
+    double end = 0;  // of its area, summed over those before it too
+  };
+  std::vector<Triangle> triangles;
+  double area = 0;
+  for (const scene::Primitive& p : mesh.primitives)
+    for (uint32_t i = 0; i + 2 < p.index_count; i += 3) {
+      Triangle t;
+      t.corners.primitive = &p;
+      for (uint32_t k = 0; k < 3; ++k) t.corners.corners[k] = mesh.indices[p.first_index + i + k];
+      const auto& [a, b, c] = t.corners.corners;
+      area += 0.5 * static_cast<double>(glm::length(glm::cross(posed[b] - posed[a], posed[c] - posed[a])));
+      t.end = area;
+      triangles.push_back(t);
+    }
+  std::vector<Candidate> out;
+  size_t at = 0;
+  for (size_t i = 0; i < count && area > 0; ++i) {
+    const double place = (static_cast<double>(i) + 0.5) / static_cast<double>(count) * area;
+    while (at + 1 < triangles.size() && triangles[at].end < place) ++at;
+    Candidate c = triangles[at].corners;
+    // Roberts' two-dimensional sequence, folded into the triangle.
+    double u = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(i), 1.0);
+    double v = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(i), 1.0);
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    c.at = {static_cast<float>(1 - u - v), static_cast<float>(u), static_cast<float>(v)};
+    out.push_back(c);
+  }
+  return out;
+}
+
+glm::vec3 unit_or_up(const glm::vec3& v) {
+  const float length = glm::length(v);
+  return length > 0 ? v / length : glm::vec3(0.0F, 1.0F, 0.0F);
+}
+
+// Each surfel's colours become the means over the candidates nearest to it that an outfit colours alike.
+void average_colours(const std::vector<Surfel>& candidates, const SurfelOrder& order, std::vector<Surfel>& surfels) {
+  std::vector<int> counts(surfels.size(), 0);
+  for (Surfel& s : surfels) s.colour = s.emissive = glm::vec3(0.0F);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Surfel& to = surfels[order.nearest[i]];
+    if (candidates[i].slot != to.slot || candidates[i].unlit != to.unlit) continue;
+    to.colour += candidates[i].colour;
+    to.emissive += candidates[i].emissive;
+    ++counts[order.nearest[i]];
+  }
+  for (size_t i = 0; i < surfels.size(); ++i) {
+    surfels[i].colour /= static_cast<float>(std::max(counts[i], 1));
+    surfels[i].emissive /= static_cast<float>(std::max(counts[i], 1));
+  }
+}
+
+}  // namespace
+
+SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count) {
+  const scene::Mesh& mesh = character.mesh;
+  const std::vector<glm::vec3> posed = scene::skin_points(mesh, bank.palette(bank.sample(0, 0.0)));
+  std::vector<Surfel> candidates;
+  std::vector<SurfacePlace> places;
+  for (const Candidate& c : candidates_of(mesh, posed, kCandidates * count)) {
+    Surfel s;
+    if (!look(character, c, s)) continue;
+    s.position = blend(mesh.positions, c);
+    s.normal = unit_or_up(blend(mesh.normals, c));
+    blend_weights(mesh, c, s);
+    candidates.push_back(s);
+    const auto& [i, j, k] = c.corners;
+    const glm::vec3 face = unit_or_up(glm::cross(posed[j] - posed[i], posed[k] - posed[i]));
+    places.push_back({blend(posed, c), c.primitive->mirrored ? -face : face});
+  }
+  SurfelCloud out;
+  if (candidates.empty()) return out;
+  const SurfelOrder order = order_places(places, count);
+  for (const uint32_t i : order.order) out.surfels.push_back(candidates[i]);
+  out.radius = order.radius;
+  average_colours(candidates, order, out.surfels);
+  return out;
+}
+
+}  // namespace crowdbench::renderers
