@@ -34,7 +34,7 @@ target_include_directories(crowdbench_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # where nothing is computed, light optimisation halves the time to compile. ALONE: sources that are compiled by themselves,
 # because they are long, or have properties of their own.
 #
-# The rest is compiled up to CROWDBENCH_UNITY neighbours in a folder at a time: what they parse and instantiate alike they do
+# The rest is compiled up to CROWDBENCH_TOGETHER neighbours in a folder at a time: what they parse and instantiate alike they do
 # once. Every source compiles by itself as well: the preset `debug` does so.
 #
 # FUZZED, of the same kind: sources with parsers, whose branches the fuzzer is to see.
@@ -67,7 +67,7 @@ function(crowdbench_compile_together out light alone fuzzed)
     if(CROWDBENCH_FUZZ AND fuzzed AND source MATCHES "${fuzzed}")
       string(APPEND group "_fuzzed")
     endif()
-    if(CROWDBENCH_UNITY EQUAL 1 OR (alone AND source MATCHES "${alone}"))
+    if(CROWDBENCH_TOGETHER EQUAL 1 OR (alone AND source MATCHES "${alone}"))
       string(PREPEND group "${source} ")
     endif()
     list(APPEND groups "sources_${group}")
@@ -78,8 +78,8 @@ function(crowdbench_compile_together out light alone fuzzed)
   foreach(group IN LISTS groups)
     list(LENGTH "${group}" count)
     math(EXPR last "${count} - 1")
-    foreach(from RANGE 0 ${last} ${CROWDBENCH_UNITY})
-      list(SUBLIST "${group}" ${from} ${CROWDBENCH_UNITY} members)
+    foreach(from RANGE 0 ${last} ${CROWDBENCH_TOGETHER})
+      list(SUBLIST "${group}" ${from} ${CROWDBENCH_TOGETHER} members)
       crowdbench_one_to_compile(file "${group}_${from}" ${members})
       if(group MATCHES "_light")
         set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS $<IF:$<CONFIG:Release>,-O1,-O0>)

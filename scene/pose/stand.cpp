@@ -202,10 +202,13 @@ Stand measure_stand(const Character& character, const Body& body, std::span<cons
     if (root >= 0) root_middle += root_at(character, clip, phase, root) / static_cast<double>(samples);
   }
   out.ground = ground_of(lowest_soles, lowest_body, bind_height);
-  // A root that stands apart from the body, or stays behind it, is not where the character is.
-  const glm::dvec3 apart = root_middle - body_middle;
-  out.pivot =
-      root >= 0 && glm::length(glm::dvec3(apart.x, 0.0, apart.z)) <= kApart * bind_height ? root_middle : body_middle;
+  // A root that stands apart from the body, or falls behind it within a cycle, is not where the character is.
+  const auto near = [&](const glm::dvec3& apart) {
+    return glm::length(glm::dvec2(apart.x, apart.z)) <= kApart * bind_height;
+  };
+  const bool leads = root >= 0 && near(root_middle - body_middle) &&
+                     near(root_at(character, clip, 1, root) - root_at(character, clip, 0, root));
+  out.pivot = leads ? root_middle : body_middle;
   out.height = settled(out.height, bind_height);
   out.ground = settled(out.ground, bind_height);
   for (int axis = 0; axis < 3; ++axis) out.pivot[axis] = settled(out.pivot[axis], bind_height);

@@ -209,7 +209,7 @@ std::vector<glm::vec2> tile_triangle(const Tile& tile) {
   }
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.angle < b.angle; });
 
-  constexpr double kBlock = 4;
+  constexpr double kCell = 4;
   double least = std::numeric_limits<double>::infinity();
   std::vector<glm::vec2> best;
   const auto corner = [&](size_t i, size_t j) {
@@ -225,7 +225,7 @@ std::vector<glm::vec2> tile_triangle(const Tile& tile) {
         if (!b || !c) continue;
         const glm::dvec2 size = glm::max(*a, glm::max(*b, *c)) - glm::min(*a, glm::min(*b, *c));
         // A convex figure touches (area + block * (width + height) + block^2) / block^2 cells of a grid on average.
-        const double cost = 0.5 * std::abs(cross(*b - *a, *c - *a)) + kBlock * (size.x + size.y);
+        const double cost = 0.5 * std::abs(cross(*b - *a, *c - *a)) + kCell * (size.x + size.y);
         if (cost >= least) continue;
         least = cost;
         best = {glm::vec2(*a), glm::vec2(*b), glm::vec2(*c)};
