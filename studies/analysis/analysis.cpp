@@ -120,6 +120,12 @@ Decided decided(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule) {
   return {yes, yes + no};
 }
 
+Counted counted(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule) {
+  if (rule == TieRule::split) return {yes, yes + ties + no, ties};
+  const Decided d = decided(yes, ties, no, rule);
+  return {d.yes, d.of, 0};
+}
+
 Analysis analyse(Answers answers, const AnalysisSettings& settings, const ScoreTable& scores) {
   Analysis out;
   out.settings = settings;

@@ -19,7 +19,8 @@ namespace crowdbench::studies {
 // What "cannot tell" counts as wherever it is not modelled (the ranking models it as a tie).
 enum class TieRule {
   drop,   // no answer
-  split,  // half for and half against; of an odd number one is dropped
+  split,  // half for and half against; where only whole trials count (shares, exact tests), of an odd number one is
+          // dropped
   no,     // against: a difference that was not seen
 };
 
@@ -135,5 +136,14 @@ struct Decided {
   uint64_t of = 0;
 };
 Decided decided(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule);
+
+// The same for models whose likelihood takes weights (mixed models, what scores predict): none is dropped of an odd
+// number. `halves` of `of` count half yes and half no, and are not in `yes`.
+struct Counted {
+  uint64_t yes = 0;
+  uint64_t of = 0;
+  uint64_t halves = 0;
+};
+Counted counted(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule);
 
 }  // namespace crowdbench::studies

@@ -86,9 +86,9 @@ MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vecto
   std::map<uint32_t, uint32_t> clips;
   std::vector<MixedRow> data;
   for (const Answer* row : rows) {
-    const Decided d = decided(row->yes, row->ties, row->no, s.ties);
+    const Counted d = counted(row->yes, row->ties, row->no, s.ties);
     if (d.of == 0 || !row->participant) continue;
-    MixedRow one{.yes = d.yes, .of = d.of};
+    MixedRow one{.yes = d.yes, .of = d.of, .halves = d.halves};
     one.participant = participants.emplace(*row->participant, static_cast<uint32_t>(participants.size())).first->second;
     if (out.settings.clips)
       one.clip = clips.emplace(row->clip.value_or(0), static_cast<uint32_t>(clips.size())).first->second;

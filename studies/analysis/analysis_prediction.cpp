@@ -70,13 +70,13 @@ ScorePredictions prediction_of(const Answers& answers, const Groups& groups, con
   std::map<uint32_t, uint32_t> participants;
   for (const auto& [name, rows] : groups.all)
     for (const Answer* row : rows) {
-      const Decided d = decided(row->yes, row->ties, row->no, s.ties);
+      const Counted d = counted(row->yes, row->ties, row->no, s.ties);
       const std::optional<uint32_t> stimulus = stimuli.of(*row);
       if (d.of == 0 || !stimulus) continue;
       uint32_t participant = 0;
       if (row->participant)
         participant = participants.emplace(*row->participant, static_cast<uint32_t>(participants.size())).first->second;
-      found.cells.push_back({participant, *stimulus, d.yes, d.of});
+      found.cells.push_back({participant, *stimulus, d.yes, d.of, d.halves});
     }
   found.participants = participants.size();
   return predict_by_scores(scores.scores, found, s.confidence, s.seed, s.resamples);

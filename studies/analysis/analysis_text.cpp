@@ -300,8 +300,8 @@ AnalysisText analysis_text(const Analysis& a) {
                   "independent, "
                   "which those of one participant are not: the mixed model does not.",
                   a.settings.ties == TieRule::drop    ? "left out"
-                  : a.settings.ties == TieRule::split ? "half for, half against; where a row is one answer, "
-                                                        "left out of mixed models and of what scores predict"
+                  : a.settings.ties == TieRule::split ? "half for, half against; in shares and exact tests, "
+                                                        "which count whole trials, one of an odd number is left out"
                                                       : "counted as no",
                   a.settings.chance));
   for (const TaskResult& t : a.tasks) out.tasks.push_back(task_text_of(t, a.settings));

@@ -45,10 +45,13 @@ const std::vector<DataColumn>& data_columns() {
       {"yes", "answers yes (right, seen, item_a)", [](A, R r, TieRule) { return fmt::format("{}", r.yes); }},
       {"ties", "answers \"cannot tell\"", [](A, R r, TieRule) { return fmt::format("{}", r.ties); }},
       {"no", "answers no", [](A, R r, TieRule) { return fmt::format("{}", r.no); }},
-      {"chosen", "answers that count as yes by the rule for \"cannot tell\"; of an odd number halved, one is left out",
-       [](A, R r, TieRule t) { return fmt::format("{}", decided(r.yes, r.ties, r.no, t).yes); }},
+      {"chosen", "answers that count as yes by the rule for \"cannot tell\", which may halve them",
+       [](A, R r, TieRule t) {
+         const Counted c = counted(r.yes, r.ties, r.no, t);
+         return fmt::format("{}", static_cast<double>(c.yes) + static_cast<double>(c.halves) / 2);
+       }},
       {"decided", "answers that count",
-       [](A, R r, TieRule t) { return fmt::format("{}", decided(r.yes, r.ties, r.no, t).of); }},
+       [](A, R r, TieRule t) { return fmt::format("{}", counted(r.yes, r.ties, r.no, t).of); }},
       {"rt", "response time in milliseconds",
        [](A, R r, TieRule) { return r.rt_ms ? fmt::format("{}", *r.rt_ms) : ""; }},
   };

@@ -78,6 +78,7 @@ Likelihood::Likelihood(std::vector<MixedRow> rows, const MixedSettings& settings
     if (!cells_.empty() && key(cells_.back()) == key(row)) {
       cells_.back().yes += row.yes;
       cells_.back().of += row.of;
+      cells_.back().halves += row.halves;
     } else {
       cells_.push_back(std::move(row));
     }
@@ -107,8 +108,8 @@ double Likelihood::joint(const Scales& scales, const Random& u) const {
       double e = fixed_part_[i] + loading(i, scales).dot(u.participant[p]);
       if (settings_.clips) e += scales.clip * u.clip[cells_[i].clip];
       const Local local = local_at(settings_.link, settings_.guess, e);
-      if (cells_[i].yes > 0) sum += static_cast<double>(cells_[i].yes) * local.yes;
-      if (cells_[i].of > cells_[i].yes) sum += static_cast<double>(cells_[i].of - cells_[i].yes) * local.no;
+      if (const double yes = cells_[i].weight_of_yes(); yes > 0) sum += yes * local.yes;
+      if (const double no = cells_[i].weight_of_no(); no > 0) sum += no * local.no;
     }
   }
   return sum;
@@ -131,8 +132,8 @@ Likelihood::Curvature Likelihood::curvature(const Scales& scales, const Random& 
       double e = fixed_part_[i] + z.dot(u.participant[p]);
       if (settings_.clips) e += scales.clip * u.clip[cells_[i].clip];
       const Local local = local_at(settings_.link, settings_.guess, e);
-      const auto yes = static_cast<double>(cells_[i].yes);
-      const auto no = static_cast<double>(cells_[i].of - cells_[i].yes);
+      const double yes = cells_[i].weight_of_yes();
+      const double no = cells_[i].weight_of_no();
       const double slope = yes * local.yes_1 + no * local.no_1;
       const double w = weights == Weights::expected ? -(yes + no) * local.yes_1 * local.no_1
                                                     : -(yes * local.yes_2 + no * local.no_2);
@@ -229,8 +230,7 @@ double Likelihood::by_quadrature(const Scales& scales, const Curvature& c) const
       terms[k] = std::log(rule.weights[k]) + (z * z - u * u) / 2;
       for (size_t i = participant_begin_[p]; i < participant_begin_[p + 1]; ++i) {
         const Local local = local_at(settings_.link, settings_.guess, fixed_part_[i] + scales.intercept * u);
-        terms[k] += static_cast<double>(cells_[i].yes) * local.yes +
-                    static_cast<double>(cells_[i].of - cells_[i].yes) * local.no;
+        terms[k] += cells_[i].weight_of_yes() * local.yes + cells_[i].weight_of_no() * local.no;
       }
     }
     const double top = *std::max_element(terms.begin(), terms.end());

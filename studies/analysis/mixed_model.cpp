@@ -120,7 +120,7 @@ Pooled fit_pooled(const Likelihood& model) {
     double sum = 0;
     for (const MixedRow& cell : model.cells()) {
       const mixed::Local local = mixed::local_at(s.link, s.guess, vector_of(cell.fixed).dot(beta));
-      sum += static_cast<double>(cell.yes) * local.yes + static_cast<double>(cell.of - cell.yes) * local.no;
+      sum += cell.weight_of_yes() * local.yes + cell.weight_of_no() * local.no;
     }
     return sum;
   };
@@ -131,8 +131,7 @@ Pooled fit_pooled(const Likelihood& model) {
     for (const MixedRow& cell : model.cells()) {
       const Eigen::VectorXd x = vector_of(cell.fixed);
       const mixed::Local local = mixed::local_at(s.link, s.guess, x.dot(out.beta));
-      gradient +=
-          (static_cast<double>(cell.yes) * local.yes_1 + static_cast<double>(cell.of - cell.yes) * local.no_1) * x;
+      gradient += (cell.weight_of_yes() * local.yes_1 + cell.weight_of_no() * local.no_1) * x;
       out.information += -static_cast<double>(cell.of) * local.yes_1 * local.no_1 * x * x.transpose();
     }
     const Eigen::LDLT<Eigen::MatrixXd> factored(out.information);
@@ -159,19 +158,19 @@ bool parts_all(const Likelihood& model, const Eigen::VectorXd& direction) {
   const double hair = 1e-6 * largest;
   for (const MixedRow& cell : model.cells()) {
     const double along = vector_of(cell.fixed).dot(direction);
-    if ((cell.yes > 0 && along < -hair) || (cell.yes < cell.of && along > hair)) return false;
+    if ((cell.weight_of_yes() > 0 && along < -hair) || (cell.weight_of_no() > 0 && along > hair)) return false;
   }
   return largest > 0;
 }
 
 MixedState state_before(const Likelihood& model) {
-  uint64_t yes = 0;
-  uint64_t of = 0;
+  double yes = 0;
+  double no = 0;
   for (const MixedRow& cell : model.cells()) {
-    yes += cell.yes;
-    of += cell.of;
+    yes += cell.weight_of_yes();
+    no += cell.weight_of_no();
   }
-  if (yes == 0 || yes == of) return MixedState::all_alike;
+  if (yes == 0 || no == 0) return MixedState::all_alike;
   if (model.participants() < 2) return MixedState::one_participant;
   Eigen::MatrixXd x(static_cast<Eigen::Index>(model.cells().size()), static_cast<Eigen::Index>(model.effects()));
   for (Eigen::Index i = 0; i < x.rows(); ++i) x.row(i) = vector_of(model.cells()[static_cast<size_t>(i)].fixed);

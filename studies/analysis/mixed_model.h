@@ -29,6 +29,10 @@ struct MixedRow {
   double slope = 0;           // what the random slope multiplies, where there is one
   uint64_t yes = 0;
   uint64_t of = 0;
+  uint64_t halves = 0;  // of `of`, and not of `yes`: answers that count half yes and half no
+
+  double weight_of_yes() const { return static_cast<double>(yes) + static_cast<double>(halves) / 2; }
+  double weight_of_no() const { return static_cast<double>(of) - weight_of_yes(); }
 };
 
 struct MixedSettings {
@@ -69,7 +73,8 @@ struct MixedFit {
   // On the scale of eta.
   double participant_variance = 0;
   std::optional<double> slope_variance, intercept_slope_covariance, clip_variance;
-  double log_likelihood = 0;  // of 0/1 answers, without binomial constants
+  // Of 0/1 answers, without binomial constants; an answer that is halved has the mean of what yes and no have.
+  double log_likelihood = 0;
   uint64_t answers = 0;
   size_t participants = 0, clips = 0;
   // Of each participant's intercept, and its standard deviation given the estimates.

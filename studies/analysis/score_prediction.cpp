@@ -53,8 +53,9 @@ class Judged {
       if (!has(cell)) continue;
       const auto at = static_cast<size_t>(place_[cell.stimulus]);
       const double weight = participants[cell.participant] * stimuli[at];
-      const double yes = weight * static_cast<double>(cell.yes);
-      const double no = weight * static_cast<double>(cell.of - cell.yes);
+      const double share = static_cast<double>(cell.yes) + static_cast<double>(cell.halves) / 2;
+      const double yes = weight * share;
+      const double no = weight * (static_cast<double>(cell.of) - share);
       out.yes[at] += yes;
       out.no[at] += no;
       if (!answers_.comparisons) continue;

@@ -39,6 +39,7 @@ struct PredictedCell {
   uint32_t stimulus = 0;
   uint64_t yes = 0;
   uint64_t of = 0;
+  uint64_t halves = 0;  // of `of`, and not of `yes`: answers that count half yes and half no
 };
 struct PredictedAnswers {
   // By stimulus, by score: the score of the clip, or of a comparison the difference of its two items'.

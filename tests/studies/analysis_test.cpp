@@ -1,6 +1,7 @@
 // Tables in, results out: through the one door that all answers take, as `study analyze` does.
 #include "studies/analysis/analysis.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
@@ -37,6 +38,39 @@ TEST(AnalysisOfTables, PrintsSharesAsStudiesDo) {
   const ConditionResult no = analyse(answers, {.ties = TieRule::no, .resamples = 0}).tasks[0].conditions[0];
   EXPECT_EQ(no.chosen, 29U);
   EXPECT_EQ(no.decided, 100U);
+}
+
+// Where a row is one answer, a tie that is split weighs as half a yes and half a no, in the mixed model and in its
+// export.
+TEST(AnalysisOfTables, SplitTiesWeighInMixedModels) {
+  const auto table_of = [](bool with_ties) {
+    std::string out = "participant,condition,answer,expected\n";
+    const auto add = [&](int who, const char* answer, int times) {
+      for (int t = 0; t < times; ++t) out += fmt::format("{},c,{},upper\n", who, answer);
+    };
+    for (int who = 0; who < 8; ++who) {
+      add(who, "upper", 4 + who % 4);
+      add(who, "lower", 3);
+      if (with_ties) add(who, "cannot tell", 2);
+      if (!with_ties) add(who, "upper", 1);
+      if (!with_ties) add(who, "lower", 1);
+    }
+    return out;
+  };
+  const AnalysisSettings split = {.ties = TieRule::split, .resamples = 0};
+  const Analysis tied = analyse(answers_of(table_of(true)), split);
+  const MixedFit& halved = tied.tasks.at(0).mixed.at(0).fit;
+  // Two of a participant's ties are a yes and a no of theirs.
+  const MixedFit whole = analyse(answers_of(table_of(false)), split).tasks.at(0).mixed.at(0).fit;
+  ASSERT_EQ(halved.fixed.size(), 1U);
+  EXPECT_EQ(halved.answers, whole.answers);
+  EXPECT_NEAR(halved.fixed[0].estimate, whole.fixed.at(0).estimate, 1e-6);
+  EXPECT_NEAR(halved.participant_variance, whole.participant_variance, 1e-5);
+  const MixedFit dropped = analyse(answers_of(table_of(true)), {.resamples = 0}).tasks.at(0).mixed.at(0).fit;
+  EXPECT_EQ(dropped.answers + 16, halved.answers);
+  EXPECT_GT(dropped.fixed.at(0).estimate, halved.fixed[0].estimate + 0.05);
+  EXPECT_EQ(counted(1, 1, 0, TieRule::split).halves, 1U);
+  EXPECT_EQ(counted(1, 1, 0, TieRule::no).of, 2U);
 }
 
 TEST(AnalysisOfTables, PairsMeetWhicheverWayAroundTheyAreWritten) {
