@@ -303,6 +303,22 @@ TEST(RootMotion, SplitOverSeveralNodesAndSideways) {
   expect_travel(load(b), -1, 0.25);
 }
 
+TEST(RootMotion, SplitOrWholeTheFigureStandsAtOnePlace) {
+  const auto stands = [](float of_armature) {
+    Builder b = walking_card();
+    b.doc["nodes"].push_back({{"name", "armature"}, {"children", {0, 1}}});
+    b.doc["scenes"][0]["nodes"] = {3};
+    b.doc["skins"][0]["skeleton"] = 3;
+    move(b, 0, 3, "translation", {0, 1}, {0, 0, 0, 0, 0, of_armature});
+    move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, 1.5F - of_armature});
+    const Character c = load(b);
+    EXPECT_NEAR(c.motion[0].ground_speed, 1.5, 1e-6);
+    return glm::dvec3(c.placement.model_from_gltf[3]);
+  };
+  const glm::dvec3 whole = stands(1.5F);
+  for (const float third : {0.5F, 1.0F}) EXPECT_LT(glm::length(stands(third) - whole), 1e-6) << third;
+}
+
 TEST(RootMotion, ATurnIsStrippedAndKeptAsARate) {
   // A quarter turn to the left in a second while the hips go round an arc of radius 2 about (2, 0).
   Builder b = walking_card();
