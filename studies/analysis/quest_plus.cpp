@@ -69,12 +69,14 @@ QuestPlus::Choice QuestPlus::next() const {
 
 template <typename Likelihood>
 void QuestPlus::update(const Likelihood& of_yes, bool yes) {
+  std::vector<double> after(points_);
   double total = 0;
   for (size_t i = 0; i < points_; ++i) {
     const double p = of_yes(i);
-    total += posterior_[i] *= yes ? p : 1 - p;
+    total += after[i] = posterior_[i] * (yes ? p : 1 - p);
   }
-  for (double& p : posterior_) p /= total;
+  if (!(total > 0)) return;
+  for (size_t i = 0; i < points_; ++i) posterior_[i] = after[i] / total;
 }
 
 void QuestPlus::answer(size_t stimulus, bool yes) {

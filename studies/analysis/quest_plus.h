@@ -35,6 +35,7 @@ class QuestPlus {
   Choice next() const;
   // Of every stimulus, were it shown next.
   std::vector<double> expected_entropies() const;
+  // An answer that no point of the grid allows (a "yes" where P(yes) is 0 at all of them) tells nothing.
   void answer(size_t stimulus, bool yes);
   // To a trial with nothing to see, where yes is a guess: P(yes) = guess.
   void answer_to_nothing(bool yes);

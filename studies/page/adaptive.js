@@ -52,16 +52,16 @@
       this.own = this.yes.map((row) => row.map((p) => xlogx(p) + xlogx(1 - p)))
       this.posterior = this.points.map(() => 1 / this.points.length)
     }
-    // choice: -1 where there was nothing to see.
+    // choice: -1 where there was nothing to see. An answer that no point of the grid allows tells nothing.
     answer(choice, yes) {
       let total = 0
-      this.posterior = this.posterior.map((before, i) => {
+      const after = this.posterior.map((before, i) => {
         const p = choice < 0 ? this.points[i].guess : this.yes[choice][i]
-        const after = before * (yes ? p : 1 - p)
-        total += after
-        return after
+        const now = before * (yes ? p : 1 - p)
+        total += now
+        return now
       })
-      this.posterior = this.posterior.map((p) => p / total)
+      if (total > 0) this.posterior = after.map((p) => p / total)
     }
     // By choice, minus the entropy that is expected to be left after its answer.
     worths() {

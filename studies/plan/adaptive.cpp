@@ -105,8 +105,7 @@ size_t choice_of(const AdaptiveRule& rule, const std::string& stimulus) {
   return static_cast<size_t>(std::find_if(rule.choices.begin(), rule.choices.end(), shows) - rule.choices.begin());
 }
 
-// By choice, how much an answer is expected to tell, up to a constant.
-std::vector<double> worth_by_quest(const AdaptiveRule& rule, std::span<const GivenAnswer> before) {
+std::vector<double> worths_by_quest(const AdaptiveRule& rule, std::span<const GivenAnswer> before) {
   QuestPlus quest = quest_of(rule);
   for (const GivenAnswer& given : before) {
     const bool yes = given.answer == rule.yes.at(given.stimulus);
@@ -121,7 +120,7 @@ std::vector<double> worth_by_quest(const AdaptiveRule& rule, std::span<const Giv
   return out;
 }
 
-std::vector<double> worth_of_pairs(const AdaptiveRule& rule, std::span<const GivenAnswer> before) {
+std::vector<double> worths_of_pairs(const AdaptiveRule& rule, std::span<const GivenAnswer> before) {
   std::vector<PairAnswer> answers;
   for (const GivenAnswer& given : before) {
     const AdaptiveChoice& choice = rule.choices[choice_of(rule, given.stimulus)];
@@ -168,15 +167,18 @@ bool is_chosen(const StudyPlan& plan, const StudyDesign& design, const Trial& tr
   return kind == StimulusKind::test || kind == StimulusKind::pair;
 }
 
+std::vector<double> choice_worths(const AdaptiveRule& rule, std::span<const GivenAnswer> before) {
+  return rule.method == Method::active_pairs ? worths_of_pairs(rule, before) : worths_by_quest(rule, before);
+}
+
 std::string chosen_stimulus(const AdaptiveRule& rule, const std::string& study, const std::string& list,
                             const std::string& trial, std::span<const GivenAnswer> before) {
   const std::string place = study + "/" + list + "/" + trial + "/";
-  const std::vector<double> worth =
-      rule.method == Method::active_pairs ? worth_of_pairs(rule, before) : worth_by_quest(rule, before);
-  const double best = *std::max_element(worth.begin(), worth.end());
+  const std::vector<double> worths = choice_worths(rule, before);
+  const double best = *std::max_element(worths.begin(), worths.end());
   std::map<std::string, size_t> equal;
-  for (size_t c = 0; c < worth.size(); ++c)
-    if (worth[c] >= best - kAlike) equal[sha256_hex(place + fmt::format("{}", c))] = c;
+  for (size_t c = 0; c < worths.size(); ++c)
+    if (worths[c] >= best - kAlike) equal[sha256_hex(place + fmt::format("{}", c))] = c;
   std::map<std::pair<size_t, std::string>, std::string> by_turn;
   for (const std::string& stimulus : rule.choices[equal.begin()->second].stimuli) {
     const auto shown = static_cast<size_t>(std::count_if(

@@ -45,6 +45,9 @@ bool is_chosen(const StudyPlan& plan, const StudyDesign& design, const Trial& tr
 struct GivenAnswer {
   std::string stimulus, answer;
 };
+// By choice, how much its answer is expected to tell, in nats: the information of pairs; of levels minus the entropy
+// that is left, which differs from it by what all choices have in common. before: as below.
+std::vector<double> choice_worths(const AdaptiveRule& rule, std::span<const GivenAnswer> before);
 // The stimulus of a chosen trial. Of the levels, or pairs, whose answer is expected to tell most (equal to 1e-9 nats:
 // the first by SHA-256 of "STUDY/LIST/TRIAL/INDEX"); of its stimuli one that was shown least often so far (equal: the
 // first by SHA-256 of "STUDY/LIST/TRIAL/STIMULUS"). before: this participant's answers to main trials, in the order of
