@@ -198,7 +198,9 @@ TEST(Adaptive, PageChoosesTheSame) {
   const std::string more = "[0, 2, 4, 8, 16]";
   const auto rising = [](const AdaptiveChoice& c) { return 0.5 + 0.47 * logistic((c.level - 5) / 1.2); };
   const auto falling = [](const AdaptiveChoice& c) { return 0.5 + 0.47 * logistic((6 - c.level) / 2); };
-  const auto worse = [](const AdaptiveChoice& c) { return logistic(0.8 * (static_cast<double>(c.b) - double(c.a))); };
+  const auto worse = [](const AdaptiveChoice& c) {
+    return logistic(0.8 * (static_cast<double>(c.b) - static_cast<double>(c.a)));
+  };
   const std::vector<std::pair<std::string, Sitting>> sittings = {
       {"logistic", sit(quest_plan("forced-choice", more, ""), 1, rising)},
       {"weibull", sit(quest_plan("forced-choice", more, "[analysis]\ncurve = \"weibull\"\n"), 2, rising)},
