@@ -5,7 +5,7 @@
 (function () {
   'use strict'
 
-  const kAlike = 1e-9  // nats: of choices that tell equally much, rounding must not choose
+  const kEqual = 1e-9  // nats: of choices that tell equally much, rounding must not choose
 
   const xlogx = (x) => (x > 0 ? x * Math.log(x) : 0)
   const logistic = (x) => 1 / (1 + Math.exp(-x))
@@ -50,8 +50,9 @@
         return p.guess + (1 - p.guess - p.lapse) * (rule.falling ? 1 - rising : rising)
       }))
       this.own = this.yes.map((row) => row.map((p) => xlogx(p) + xlogx(1 - p)))
-      this.posterior = this.points.map(() => 1 / this.points.length)
+      this.forget()
     }
+    forget() { this.posterior = this.points.map(() => 1 / this.points.length) }
     // choice: -1 where there was nothing to see. An answer that no point of the grid allows tells nothing.
     answer(choice, yes) {
       let total = 0
@@ -145,6 +146,8 @@
       this.study = study
       this.choices = new Map(rule.choices.flatMap(({ stimuli }, c) => stimuli.map((stimulus) => [stimulus, c])))
     }
+    // The table of a grid takes a good part of a second, and is the same for all trials.
+    get quest() { return (this.grid ??= new Quest(this.rule)) }
     get stimuli() { return [...this.choices.keys()] }
 
     worths(before) {
@@ -157,7 +160,8 @@
         const now = belief(answers, rule.items, rule.worth_sd)
         return rule.choices.map(({ a, b }) => expectedInformation(now, a, b))
       }
-      const quest = new Quest(rule)
+      const { quest } = this
+      quest.forget()
       for (const { stimulus, answer } of before)
         quest.answer(this.choices.get(stimulus) ?? -1, answer === rule.yes[stimulus])
       return quest.worths()
@@ -170,7 +174,7 @@
       const best = Math.max(...worths)
       const first = (names, name) => names.map((each) => [Study.sha256(place + name(each)), each])
         .reduce((a, b) => (b[0] < a[0] ? b : a))[1]
-      const choice = first([...worths.keys()].filter((c) => worths[c] >= best - kAlike), (c) => c)
+      const choice = first([...worths.keys()].filter((c) => worths[c] >= best - kEqual), (c) => c)
       const shown = (stimulus) => before.filter((each) => each.stimulus === stimulus).length
       const { stimuli } = this.rule.choices[choice]
       const least = Math.min(...stimuli.map(shown))

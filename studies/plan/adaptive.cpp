@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kThresholds = 31;
 constexpr size_t kSlopes = 9;
-constexpr double kAlike = 1e-9;  // nats: of choices that tell equally much, rounding must not choose
+constexpr double kEqual = 1e-9;  // nats: of choices that tell equally much, rounding must not choose
 
 // `count` values from low to high, in equal steps or equal ratios.
 std::vector<double> steps(double low, double high, size_t count, bool ratios) {
@@ -178,7 +178,7 @@ std::string chosen_stimulus(const AdaptiveRule& rule, const std::string& study, 
   const double best = *std::max_element(worths.begin(), worths.end());
   std::map<std::string, size_t> equal;
   for (size_t c = 0; c < worths.size(); ++c)
-    if (worths[c] >= best - kAlike) equal[sha256_hex(place + fmt::format("{}", c))] = c;
+    if (worths[c] >= best - kEqual) equal[sha256_hex(place + fmt::format("{}", c))] = c;
   std::map<std::pair<size_t, std::string>, std::string> by_turn;
   for (const std::string& stimulus : rule.choices[equal.begin()->second].stimuli) {
     const auto shown = static_cast<size_t>(std::count_if(
