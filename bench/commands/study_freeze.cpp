@@ -21,9 +21,11 @@ struct Options {
 int run_freeze(const Options& options) {
   const studies::StudyPlan plan = studies::read_study_plan(options.plan);
   const studies::FrozenPlan frozen = studies::freeze(options.plan, plan, options.deviation, options.anew);
+  const bool adaptive = plan.method.method != studies::Method::constant;
   if (options.json) {
     fmt::print("{}\n", Json{{"file", frozen.file.string()},
                             {"hash", frozen.current_hash()},
+                            {"adaptive", adaptive},
                             {"frozen", frozen.hash},
                             {"deviations", frozen.deviations.size()}}
                            .dump(2));
@@ -31,6 +33,9 @@ int run_freeze(const Options& options) {
   }
   fmt::print("{}: {}, {} conditions, frozen as {}\n", frozen.file.string(), plan.name, plan.conditions.size(),
              frozen.current_hash().substr(0, 16));
+  if (adaptive)
+    fmt::print("order: adaptive ({}): each main trial is chosen by the participant's own answers so far\n",
+               studies::method_words()[static_cast<size_t>(plan.method.method)]);
   for (const studies::Deviation& deviation : frozen.deviations)
     fmt::print("deviation: {} (from then on {})\n", deviation.reason, deviation.hash.substr(0, 16));
   return 0;

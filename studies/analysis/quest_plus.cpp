@@ -14,6 +14,7 @@ double xlogx(double x) { return x > 0 ? x * std::log(x) : 0; }
 
 double curve_at(QuestFunction function, double x, double threshold, double slope) {
   if (function == QuestFunction::normal) return normal_cdf((x - threshold) / slope);
+  if (function == QuestFunction::logistic) return 1 / (1 + std::exp(-(x - threshold) / slope));
   const double scale = function == QuestFunction::weibull_db ? 20 : 1;
   return -std::expm1(-std::pow(10, slope * (x - threshold) / scale));
 }
@@ -29,7 +30,8 @@ QuestPlus::QuestPlus(const QuestSettings& s)
   for (const double x : s.stimuli)
     for (size_t i = 0; i < points_; ++i) {
       const auto value = [&](size_t parameter) { return grid_[parameter][index_of(i, parameter)]; };
-      const double p = value(2) + (1 - value(2) - value(3)) * curve_at(s.function, x, value(0), value(1));
+      const double rising = curve_at(s.function, x, value(0), value(1));
+      const double p = value(2) + (1 - value(2) - value(3)) * (s.falling ? 1 - rising : rising);
       yes_.push_back(p);
       yes_log_.push_back(xlogx(p));
       no_log_.push_back(xlogx(1 - p));
@@ -41,10 +43,10 @@ size_t QuestPlus::index_of(size_t point, size_t parameter) const {
   return point % grid_[parameter].size();
 }
 
-QuestPlus::Choice QuestPlus::next() const {
+std::vector<double> QuestPlus::expected_entropies() const {
   std::vector<double> logs(points_);  // p log p of the posterior, over p
   for (size_t i = 0; i < points_; ++i) logs[i] = posterior_[i] > 0 ? std::log(posterior_[i]) : 0;
-  Choice best{0, HUGE_VAL};
+  std::vector<double> out;
   for (size_t s = 0; s < stimuli_; ++s) {
     // p(answer) times the entropy of the posterior after it, summed over both, is made of these sums.
     double yes = 0;
@@ -54,19 +56,35 @@ QuestPlus::Choice QuestPlus::next() const {
       yes += posterior_[i] * yes_[at];
       sum += posterior_[i] * (logs[i] + yes_log_[at] + no_log_[at]);
     }
-    const double entropy = xlogx(yes) + xlogx(1 - yes) - sum;
-    if (entropy < best.expected_entropy) best = {s, entropy};
+    out.push_back(xlogx(yes) + xlogx(1 - yes) - sum);
   }
-  return best;
+  return out;
+}
+
+QuestPlus::Choice QuestPlus::next() const {
+  const std::vector<double> entropies = expected_entropies();
+  const auto best = std::min_element(entropies.begin(), entropies.end());
+  return {static_cast<size_t>(best - entropies.begin()), *best};
+}
+
+template <typename Likelihood>
+void QuestPlus::update(const Likelihood& of_yes, bool yes) {
+  std::vector<double> after(points_);
+  double total = 0;
+  for (size_t i = 0; i < points_; ++i) {
+    const double p = of_yes(i);
+    total += after[i] = posterior_[i] * (yes ? p : 1 - p);
+  }
+  if (!(total > 0)) return;
+  for (size_t i = 0; i < points_; ++i) posterior_[i] = after[i] / total;
 }
 
 void QuestPlus::answer(size_t stimulus, bool yes) {
-  double total = 0;
-  for (size_t i = 0; i < points_; ++i) {
-    const double p = yes_[stimulus * points_ + i];
-    total += posterior_[i] *= yes ? p : 1 - p;
-  }
-  for (double& p : posterior_) p /= total;
+  update([&](size_t point) { return psi(stimulus, point); }, yes);
+}
+
+void QuestPlus::answer_to_nothing(bool yes) {
+  update([&](size_t point) { return grid_[2][index_of(point, 2)]; }, yes);
 }
 
 QuestPlus::Parameters QuestPlus::mean() const {

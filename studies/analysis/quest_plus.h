@@ -12,10 +12,12 @@ namespace crowdbench::studies {
 //   weibull_db     F = 1 - exp(-10^(slope (x - threshold) / 20)), x in decibel
 //   weibull_log10  F = 1 - exp(-10^(slope (x - threshold))), x a decadic logarithm
 //   normal         F = Phi((x - threshold) / slope): threshold is the mean and slope the standard deviation
-enum class QuestFunction { weibull_db, weibull_log10, normal };
+//   logistic       F = 1 / (1 + exp(-(x - threshold) / slope))
+enum class QuestFunction { weibull_db, weibull_log10, normal, logistic };
 
 struct QuestSettings {
   QuestFunction function = QuestFunction::normal;
+  bool falling = false;         // 1 - F in place of F: seen less often where x is larger
   std::vector<double> stimuli;  // what may be shown
   // The grid: values of each parameter, one where it is known. All combinations, uniform before the first answer.
   std::vector<double> threshold, slope, guess, lapse;
@@ -31,7 +33,12 @@ class QuestPlus {
     double expected_entropy = 0;  // of the posterior after the answer, in nats
   };
   Choice next() const;
+  // Of every stimulus, were it shown next.
+  std::vector<double> expected_entropies() const;
+  // An answer that no point of the grid allows (a "yes" where P(yes) is 0 at all of them) tells nothing.
   void answer(size_t stimulus, bool yes);
+  // To a trial with nothing to see, where yes is a guess: P(yes) = guess.
+  void answer_to_nothing(bool yes);
 
   // Of threshold, slope, guess and lapse.
   using Parameters = std::array<double, 4>;
@@ -45,6 +52,8 @@ class QuestPlus {
 
  private:
   size_t index_of(size_t point, size_t parameter) const;
+  template <typename Likelihood>
+  void update(const Likelihood& of_yes, bool yes);
 
   std::array<std::vector<double>, 4> grid_;
   size_t points_ = 0;

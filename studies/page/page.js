@@ -6,6 +6,7 @@
   const page = (item, data) => ({ item, kind: 'page', ...data })
   let session
   let trials
+  let adaptive  // where trials are chosen by the answers so far
   let leaving = false
 
   // ---- what every screen shares
@@ -169,9 +170,22 @@
      or with the buttons. ${trials.replays > 0 ? `A clip may be shown again ${trials.replays === 1 ? 'once' : trials.replays + ' times'} (<kbd>R</kbd>).` : 'A clip is shown once.'}</p>`,
     ['Start'])
 
-  // The clips of some trials; the first time with the choice of the file type.
-  const load = (some) => ({
-    type: Study.LoadPlugin, stimuli: [...new Set(some.map((each) => each.stimulus))], choose: true,
+  // What a trial shows: what its list says, or what the answers before it lead to. Until it is answered that stays the
+  // same, and a reload finds the same again.
+  function shown_by(trial) {
+    if (trial.stimulus) return trial.stimulus
+    const before = list().trials.filter((each) => each.kind === 'main' && each !== trial).map((each) => session.given(each.trial))
+    return adaptive.choose(session.state.list, trial.trial, before.filter(Boolean))
+  }
+  // The clips of some trials; the first time with the choice of the file type. Of trials that are chosen later, all that may
+  // be, as far as there is room.
+  function clips_of(some) {
+    const named = some.map((each) => each.stimulus).filter(Boolean)
+    const chosen = some.some((each) => !each.stimulus) && adaptive.stimuli.length + named.length <= kMostLoaded ? adaptive.stimuli : []
+    return [...new Set([...named, ...chosen])]
+  }
+  const load = (stimuli) => ({
+    type: Study.LoadPlugin, stimuli, choose: true,
     on_finish: (data) => {
       if (!session.told) Object.assign(data, page(session.next('browser')), { agent: navigator.userAgent })
       session.told = true
@@ -182,23 +196,38 @@
     }
   })
 
-  const one = (trial, used, restarts = { before: 0 }) => ({
-    type: Study.TrialPlugin,
-    url: () => Study.clips.urls.get(trial.stimulus),
-    question: trials.question, answers: trials.answers, replays: trials.replays, frames: trials.frames,
-    width: trials.width, height: trials.height,
-    data: { item: trial.trial, kind: trial.kind, stimulus: trial.stimulus, block: trial.block },
-    on_start: () => {
-      restarts.before = session.begin(trial.trial)
-      where(trial)
-      document.body.classList.add('showing')
-    },
-    on_finish: (data) => {
-      document.body.classList.remove('showing')
-      data.restarts = restarts.before
-      data.clip_type = Study.clips.type
-      if (!used.has(trial.stimulus)) Study.clips.release(trial.stimulus)
+  const kMostLoaded = 24  // clips in memory at once
+  function one(trial, used) {
+    let restarts = 0
+    const data = { item: trial.trial, kind: trial.kind, stimulus: trial.stimulus, block: trial.block }
+    return {
+      type: Study.TrialPlugin,
+      url: () => Study.clips.urls.get(shown_by(trial)),
+      question: trials.question, answers: trials.answers, replays: trials.replays, frames: trials.frames,
+      width: trials.width, height: trials.height,
+      data,
+      on_start: () => {
+        data.stimulus = shown_by(trial)
+        restarts = session.begin(trial.trial)
+        where(trial)
+        document.body.classList.add('showing')
+      },
+      on_finish: (record) => {
+        document.body.classList.remove('showing')
+        record.stimulus = data.stimulus
+        record.restarts = restarts
+        record.clip_type = Study.clips.type
+        if (trial.stimulus && !used.has(trial.stimulus)) Study.clips.release(trial.stimulus)
+      }
     }
+  }
+  const load_chosen = (trial) => ({
+    timeline: [load(() => {
+      const old = [...Study.clips.urls.keys()].filter((stimulus) => adaptive.stimuli.includes(stimulus))
+      while (Study.clips.urls.size >= kMostLoaded && old.length > 0) Study.clips.release(old.shift())
+      return [shown_by(trial)]
+    })],
+    conditional_function: () => !Study.clips.urls.has(shown_by(trial))
   })
   const pause = (left) => screen(
     `<h1>A break</h1><p>Rest your eyes for as long as you like. ${left === 1 ? 'One trial is' : `${left} trials are`} left.</p>
@@ -214,7 +243,6 @@
 
   // ---- the timeline
 
-  const kMostLoaded = 24  // clips in memory at once
   function trial_nodes() {
     const all = list().trials
     const breaks = list().breaks ?? trials.breaks ?? []
@@ -225,8 +253,10 @@
       const training = left[at].kind === 'training'
       while (end < left.length && end - at < kMostLoaded &&
              (left[end].block === left[at].block || training && left[end - 1].kind === 'training')) ++end
-      nodes.push(load(left.slice(at, end)))
+      const clips = clips_of(left.slice(at, end))
+      if (clips.length > 0) nodes.push(load(clips))
       for (let i = at; i < end; ++i) {
+        if (!left[i].stimulus) nodes.push(load_chosen(left[i]))
         nodes.push(one(left[i], new Set(left.slice(i + 1, end).map((each) => each.stimulus))))
         const number = all.indexOf(left[i]) + 1
         if (i + 1 < left.length && breaks.includes(number)) nodes.push(pause(all.length - number))
@@ -297,6 +327,7 @@
     await read_texts()
     session = new Study.Session(trials.study)
     Study.clips = new Study.Clips(trials)
+    if (trials.adaptive) adaptive = new Study.Adaptive(trials.adaptive, trials.study)
     session.whenTaken = taken
     Study.session = session
     await session.find()

@@ -47,7 +47,8 @@
       this.key = `crowdbench/${study}/${this.participant}`
       const before = kept(this.key)
       this.state = before ? JSON.parse(before)
-        : { list: null, token: null, items: [], outbox: [], rows: [], begun: {}, consented: false, finished: false }
+        : { list: null, token: null, items: [], given: {}, outbox: [], rows: [], begun: {}, consented: false, finished: false }
+      this.state.given ??= {}  // kept by an earlier page
       this.served = false
       this.sending = null
       this.taken = false
@@ -59,6 +60,8 @@
       return this.safe
     }
     has(item) { return this.state.items.includes(item) }
+    // Which stimulus a trial showed and what was answered; undefined before.
+    given(item) { return this.state.given[item] }
     // "screen-2": the first number that was not sent before.
     next(page) {
       let number = 1
@@ -108,6 +111,9 @@
       this.state.finished = said.state === 'finished'
       const waiting = this.state.outbox.map((text) => JSON.parse(text).item)
       this.state.items = [...new Set([...said.items, ...waiting])]
+      // What was answered in another browser; of what is still on its way this one knows better.
+      const here = Object.entries(this.state.given).filter(([item]) => waiting.includes(item))
+      this.state.given = { ...said.given, ...Object.fromEntries(here) }
       this.save()
       this.send()
     }
@@ -116,6 +122,7 @@
     add(row) {
       const text = JSON.stringify(row)
       this.state.items.push(row.item)
+      if (row.answer !== undefined) this.state.given[row.item] = { stimulus: row.stimulus, answer: row.answer }
       if (this.served) this.state.outbox.push(text)
       else this.state.rows.push(text)
       if (!this.save()) notice('This browser keeps nothing. Do not reload the page before you have finished.')

@@ -2,6 +2,7 @@
 
 #include "core/hash.h"
 #include "scene/scenario/scenario_writer.h"
+#include "studies/plan/adaptive.h"
 #include "studies/plan/plan.h"
 
 namespace crowdbench::studies {
@@ -95,6 +96,7 @@ Json StudyPlan::meaning() const {
                     {"repeats", method.repeats},
                     {"blocks", method.blocks},
                     {"trials", method.trials}};
+  if (method.method != Method::constant) json["method"].update(adaptive_meaning(*this));
   json["catch"] = {{"identical", catch_trials.identical},
                    {"broken", catch_trials.broken},
                    {"broken_by", catch_trials.broken_by.text()}};

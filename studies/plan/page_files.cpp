@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <map>
-
 #include "core/files.h"
 #include "core/version.h"
 #include "scene/scenario/scenario_writer.h"
+#include "studies/plan/adaptive.h"
 #include "studies/stimuli/stack.h"
 
 namespace crowdbench::studies {
@@ -23,46 +21,21 @@ Json answers_json(Task task) {
   return out;
 }
 
-Json lists_json(const StudyDesign& design) {
+Json lists_json(const StudyPlan& plan, const StudyDesign& design) {
   Json out = Json::array();
   for (size_t list = 0; list < design.lists.size(); ++list) {
     Json trials = Json::array();
     for (size_t k = 0; k < design.lists[list].size(); ++k) {
       const Trial& trial = design.lists[list][k];
+      const bool chosen = is_chosen(plan, design, trial);
       trials.push_back({{"trial", fmt::format("t{:03}", k + 1)},
-                        {"stimulus", design.stimuli[trial.stimulus].id},
+                        {"stimulus", chosen ? Json() : Json(design.stimuli[trial.stimulus].id)},
                         {"block", trial.block},
                         {"kind", trial_word(trial.kind)}});
     }
     out.push_back({{"id", fmt::format("{}", list + 1)}, {"trials", std::move(trials)}});
   }
   return out;
-}
-
-// What the pilot methods choose from: levels, or pairs of items, with the stimuli that show them.
-Json adaptive_json(const StudyPlan& plan, const StudyDesign& design) {
-  if (plan.method.method == Method::constant) return {};
-  std::map<std::string, Json> choices;
-  for (const Stimulus& stimulus : design.stimuli) {
-    const bool pair = stimulus.kind == StimulusKind::pair;
-    if (!pair && stimulus.kind != StimulusKind::test) continue;
-    const bool first_on_top = stimulus.test_on_top.value_or(true);
-    const std::string& first = first_on_top ? stimulus.item_upper : stimulus.item_lower;
-    const std::string& second = first_on_top ? stimulus.item_lower : stimulus.item_upper;
-    const StudyCondition& condition = plan.conditions[stimulus.condition];
-    Json& choice = choices[pair ? first + " " + second : condition.id];
-    if (choice.is_null()) {
-      choice = pair ? Json{{"item_a", first}, {"item_b", second}}
-                    : Json{{"condition", condition.id}, {"level", condition.level ? Json(*condition.level) : Json()}};
-      choice["stimuli"] = Json::array();
-    }
-    choice["stimuli"].push_back(stimulus.id);
-  }
-  Json list = Json::array();
-  for (const auto& [name, choice] : choices) list.push_back(choice);
-  return {{"method", method_words()[static_cast<size_t>(plan.method.method)]},
-          {"trials", plan.method.trials},
-          {"choices", std::move(list)}};
 }
 
 }  // namespace
@@ -122,8 +95,9 @@ Json trials_json(const ExportFacts& facts) {
   for (const Json& stimulus : facts.stimuli.elements())
     out["stimuli"][stimulus.at("id").text()] = {{"files", stimulus.at("files")},
                                                 {"check_frame", stimulus.at("check_frame")}};
-  out["lists"] = lists_json(facts.design);
+  out["lists"] = lists_json(plan, facts.design);
   out["breaks"] = breaks_of(plan);
+  if (plan.method.method != Method::constant) out["adaptive"] = adaptive_json(adaptive_rule(plan, facts.design));
   return out;
 }
 
@@ -164,9 +138,9 @@ Json study_json(const ExportFacts& facts) {
   out["scores_display"] = metrics::display_text(facts.settings.display.display);
   out["halves"] = facts.halves;
   out["stimuli"] = facts.stimuli;
-  out["lists"] = lists_json(facts.design);
+  out["lists"] = lists_json(plan, facts.design);
   out["breaks"] = breaks_of(plan);
-  out["adaptive"] = adaptive_json(plan, facts.design);
+  out["adaptive"] = plan.method.method == Method::constant ? Json() : adaptive_json(adaptive_rule(plan, facts.design));
   return out;
 }
 

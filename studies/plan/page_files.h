@@ -26,9 +26,11 @@ struct ExportFacts {
 Json half_json(const PlannedHalf& half, const scene::Scenario& drawn);
 Json stimulus_json(const StudyPlan& plan, const StudyDesign& design, const Stimulus& stimulus);
 
-Json trials_json(const ExportFacts& facts);  // public: says nothing of conditions and sides
-Json sides_json(const ExportFacts& facts);   // private
-Json study_json(const ExportFacts& facts);   // private
+// Public: says nothing of conditions and sides, but where the page adapts, whose rule needs each stimulus's level or
+// pair and the answer that counts as yes.
+Json trials_json(const ExportFacts& facts);
+Json sides_json(const ExportFacts& facts);  // private
+Json study_json(const ExportFacts& facts);  // private
 
 // trials.json and the Markdown files; every file below `page` gets one date.
 void write_page_files(const ExportFacts& facts, const std::filesystem::path& page);

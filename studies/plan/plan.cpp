@@ -331,6 +331,22 @@ class PlanReader {
       throw Error(t.place("margin"), fmt::format("{} about {} reaches beyond 0 or 1", *s.margin, s.chance),
                   "choose a smaller margin");
     set_level(t);
+    if (plan_.method.method == Method::quest_plus) check_grid(t);
+  }
+
+  // What QUEST+ computes with.
+  void check_grid(const TomlTable& t) const {
+    const CurveSettings& curve = plan_.analysis.settings.curve;
+    const double lapse = curve.lapse_rate == Rate::fixed ? curve.lapse : curve.most_lapse;
+    const double guess = curve.guess_rate == Rate::fixed ? curve.guess : curve.most_guess;
+    if (guess + lapse >= 1)
+      throw Error(t.place("guess"), fmt::format("guess {:g} and lapse {:g} leave nothing to see", guess, lapse),
+                  "give smaller ones: their sum is to be below 1");
+    if (curve.curve != Curve::weibull) return;
+    for (const StudyCondition& condition : plan_.conditions)
+      if (*condition.level < 0)
+        throw Error(t.place("curve"), fmt::format("a Weibull function has no value at {:g}", *condition.level),
+                    "choose logistic or cumgauss");
   }
 
   void set_level(const TomlTable& t) {

@@ -51,16 +51,20 @@ json parse(const fs::path& file) {
   return all;
 }
 
-StudyTrial trial_of(const Reader& read, const json& each, const std::string& place,
-                    const std::set<std::string>& known) {
+StudyTrial trial_of(const Reader& read, const json& each, const std::string& place, const std::set<std::string>& known,
+                    bool adapts) {
   StudyTrial out;
   out.trial = read.id(each, place, "trial");
-  out.stimulus = read.id(each, place, "stimulus");
+  const auto stimulus = each.is_object() ? each.find("stimulus") : each.end();
+  const bool is_chosen = adapts && each.is_object() && stimulus != each.end() && stimulus->is_null();
+  if (!is_chosen) out.stimulus = read.id(each, place, "stimulus");
   out.kind = read.text(each, place, "kind");
   out.block = read.member(each, place, "block", json::value_t::number_unsigned).get<uint32_t>();
-  if (!known.contains(out.stimulus)) read.fail(place, fmt::format("there is no stimulus '{}'", out.stimulus));
+  if (!is_chosen && !known.contains(out.stimulus))
+    read.fail(place, fmt::format("there is no stimulus '{}'", out.stimulus));
   if (out.kind != "training" && out.kind != "main" && out.kind != "catch")
     read.fail(place, fmt::format("`kind` '{}' is not training, main or catch", printable(out.kind, 40)));
+  if (is_chosen && out.kind != "main") read.fail(place, "only main trials are chosen by the answers so far");
   return out;
 }
 
@@ -71,12 +75,26 @@ void add_list(StudyFolder& to, const Reader& read, const json& list, const std::
   to.lists.push_back(id);
   std::map<std::string, StudyTrial>& trials = to.trials[id];
   for (const json& each : read.member(list, place, "trials", json::value_t::array)) {
-    StudyTrial trial = trial_of(read, each, fmt::format("{}.trials[{}]", place, trials.size()), known);
+    StudyTrial trial =
+        trial_of(read, each, fmt::format("{}.trials[{}]", place, trials.size()), known, !to.choices.empty());
     const std::string name = trial.trial;
     if (!trials.emplace(name, std::move(trial)).second)
       read.fail(place, fmt::format("there are two trials '{}'", name));
   }
   if (trials.empty()) read.fail(place, "has no trials");
+}
+
+// What an adaptive method may show; each has an answer that counts as yes.
+void add_choices(StudyFolder& to, const Reader& read, const json& adaptive, const std::set<std::string>& known) {
+  const json& yes = read.member(adaptive, "`adaptive`", "yes", json::value_t::object);
+  for (const json& choice : read.member(adaptive, "`adaptive`", "choices", json::value_t::array))
+    for (const json& stimulus : read.member(choice, "`adaptive`.choices", "stimuli", json::value_t::array)) {
+      const std::string id = stimulus.is_string() ? stimulus.get<std::string>() : std::string();
+      if (!known.contains(id) || !yes.contains(id))
+        read.fail("`adaptive`.choices", fmt::format("'{}' is no stimulus with a `yes`", printable(id, 80)));
+      to.choices.insert(id);
+    }
+  if (to.choices.empty()) read.fail("`adaptive`.choices", "there is none");
 }
 
 std::string type_of(const fs::path& file) {
@@ -132,6 +150,7 @@ StudyFolder read_study_folder(const fs::path& out) {
   std::set<std::string> known;
   for (const auto& each : read.member(all, "trials.json", "stimuli", json::value_t::object).items())
     known.insert(each.key());
+  if (all.contains("adaptive")) add_choices(folder, read, all.at("adaptive"), known);
   for (const json& list : read.member(all, "trials.json", "lists", json::value_t::array))
     add_list(folder, read, list, fmt::format("lists[{}]", folder.lists.size()), known);
   if (folder.lists.empty()) read.fail("`lists`", "there is none");

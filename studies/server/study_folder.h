@@ -3,15 +3,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace crowdbench::studies {
 
 struct StudyTrial {
-  std::string trial;  // id within the list
-  std::string stimulus;
-  std::string kind;  // "training", "main" or "catch"
+  std::string trial;     // id within the list
+  std::string stimulus;  // empty: chosen by the page from StudyFolder::choices
+  std::string kind;      // "training", "main" or "catch"
   uint32_t block = 0;
 };
 
@@ -26,6 +27,7 @@ struct StudyFolder {
   std::vector<std::string> answers;                                 // values that a trial may be answered with
   std::vector<std::string> lists;                                   // ids, in the order of the file
   std::map<std::string, std::map<std::string, StudyTrial>> trials;  // by list, by trial
+  std::set<std::string> choices;  // stimuli that an adaptive method may choose; empty of other methods
   // What is served: by path ("/index.html", "/clips/s001.mp4"), every regular file below OUT/page and nothing else, so
   // that no request can name another one. Symbolic links are left out.
   std::map<std::string, StudyFile> files;

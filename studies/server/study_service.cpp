@@ -79,7 +79,9 @@ std::string fill_trial(const StudyFolder& folder, const std::string& list, const
   row.frames_dropped = count_of(record, "frames_dropped");
   row.hidden = count_of(record, "hidden");
   row.restarts = count_of(record, "restarts");
-  if (row.kind != trial.kind || row.stimulus != trial.stimulus) return "the trial is another one";
+  const bool shown =
+      trial.stimulus.empty() ? row.stimulus && folder.choices.contains(*row.stimulus) : row.stimulus == trial.stimulus;
+  if (row.kind != trial.kind || !shown) return "the trial is another one";
   if (!row.answer || std::find(folder.answers.begin(), folder.answers.end(), *row.answer) == folder.answers.end())
     return "there is no such answer";
   if (!row.rt || !(*row.rt >= 0 && *row.rt <= 1e9)) return "rt_ms is not a time";
@@ -147,12 +149,17 @@ HttpReply StudyService::start(const HttpRequest& r) {
   const AnswerStore::Start started =
       store_.start(folder_.study, *participant, sha256_hex(token), folder_.lists, wanted, now_());
   Json items = Json::array();
-  for (const StudyAnswerRow& row : store_.answers(started.row.id)) items.push_back(row.item);
+  Json given = Json::object();
+  for (const StudyAnswerRow& row : store_.answers(started.row.id)) {
+    items.push_back(row.item);
+    if (row.stimulus && row.answer) given[row.item] = {{"stimulus", *row.stimulus}, {"answer", *row.answer}};
+  }
   return reply({{"token", token},
                 {"list", started.row.list},
                 {"state", started.row.state},
                 {"resumed", started.resumed},
-                {"items", items}});
+                {"items", items},
+                {"given", given}});
 }
 
 HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& who) {

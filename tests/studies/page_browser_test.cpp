@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/command_line.h"
 #include "store/store.h"
 #include "studies/page/page.h"
+#include "studies/plan/adaptive.h"
 #include "test_paths.h"
 #include "tests/support/driver.h"
 #include "tests/support/running_driver.h"
@@ -31,8 +33,9 @@ class StudyBrowserSlow : public ::testing::Test {
   static bool has(const char* program) {
     return support::run_shell(std::string("command -v ") + program + " >/dev/null").status == 0;
   }
-  void serve() {
+  void serve(bool adaptive = false) {
     support::write_study(out_);
+    if (adaptive) support::let_the_page_choose(out_);
     server_ = std::make_unique<support::RunningDriver>(
         std::vector<std::string>{"study", "serve", out_.string(), "--port", "0"}, folder_.path(), folder_.path());
     ASSERT_TRUE(server_->wait_until_it_says("Ctrl-C ends", 20)) << server_->said();
@@ -142,6 +145,45 @@ TEST_F(StudyBrowserSlow, AWholeStudyInFirefoxByTheKeyboardAlone) {
   EXPECT_EQ(page_record(all, "screen-1").at("full_screen"), "not wanted");
 }
 
+// What support::let_the_page_choose() gives the page.
+AdaptiveRule two_level_rule() {
+  AdaptiveRule rule;
+  rule.threshold = {8, 11, 14, 17, 20, 23};
+  rule.slope = {0.5, 2};
+  rule.guess = {0.5};
+  rule.lapse = {0.02};
+  rule.choices = {{10, 0, 0, {"s001"}}, {20, 0, 0, {"s002"}}};
+  rule.yes = {{"s001", "upper"}, {"s002", "lower"}};
+  return rule;
+}
+
+TEST_F(StudyBrowserSlow, AnAdaptiveStudyChoosesAsTheRuleDoesThroughReloadAndCrash) {
+  if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
+  ASSERT_EQ(nlohmann::json::parse(adaptive_json(two_level_rule()).dump()), support::two_level_rule());
+  serve(true);
+  std::set<std::string> chosen;
+  for (const int seed : {1, 2}) {
+    const nlohmann::json said = observe("--browser chromium --no-calibration --reload 3 --crash 5 --participant 5f00b" +
+                                        std::to_string(seed) + " --seed " + std::to_string(seed));
+    EXPECT_EQ(said.at("state"), "finished");
+    std::vector<GivenAnswer> before;
+    const StoreContents all = kept();
+    const StudyParticipantRow& who = all.participants.back();
+    size_t trials = 0;
+    for (const StudyAnswerRow& row : all.answers) {
+      if (row.participant != who.id || row.kind == "page") continue;
+      EXPECT_EQ(row.stimulus, said.at("chosen").at(trials++).at("stimulus").get<std::string>()) << row.item;
+      if (row.kind != "main") continue;
+      EXPECT_EQ(row.stimulus, chosen_stimulus(two_level_rule(), support::kStudyHash, who.list, row.item, before))
+          << row.item;
+      before.push_back({row.stimulus.value_or(""), row.answer.value_or("")});
+      chosen.insert(*row.stimulus);
+    }
+    EXPECT_EQ(trials, 5U);
+  }
+  EXPECT_EQ(chosen.size(), 2U) << "both levels were shown";
+}
+
 TEST_F(StudyBrowserSlow, WhoWithdrawsLeavesNothing) {
   if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
   serve();
@@ -168,7 +210,7 @@ TEST(StudyPage, IsWholeAndAsksForNothingElsewhere) {
   const std::string index = read_text(folder / "index.html");
   for (const std::string file :
        {"vendor/jspsych.js", "vendor/plugin-html-button-response.js", "vendor/plugin-survey-html-form.js", "text.js",
-        "session.js", "clips.js", "screen.js", "vision.js", "trial.js", "page.js"}) {
+        "adaptive.js", "session.js", "clips.js", "screen.js", "vision.js", "trial.js", "page.js"}) {
     EXPECT_NE(index.find("src=\"" + file + "\""), std::string::npos) << file;
     EXPECT_EQ(read_text(folder / file).find("sourceMappingURL"), std::string::npos) << file;
   }

@@ -210,6 +210,26 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
   }
 }
 
+TEST_F(StudyServer, TakesWhatThePageChoseAndTellsItAfterAReload) {
+  support::let_the_page_choose(out_);
+  serve();
+  const std::string token = start(1);
+  nlohmann::json row = record("t002", "upper");
+  row["stimulus"] = "s009";
+  EXPECT_EQ(send(token, row), 400) << "none of what may be chosen";
+  row["stimulus"] = nullptr;
+  EXPECT_EQ(send(token, row), 400);
+  row["stimulus"] = "s001";  // whatever else the list of another method would have
+  EXPECT_EQ(send(token, row), 200);
+  row = record("t004", "lower");
+  row["stimulus"] = "s001";
+  EXPECT_EQ(send(token, row), 400) << "catch trials are of the list";
+  EXPECT_EQ(send(token, record("t004", "lower")), 200);
+  const nlohmann::json again = nlohmann::json::parse(http_post(port_, "/api/start", start_body(1)).body);
+  EXPECT_EQ(again.at("given"), (nlohmann::json{{"t002", {{"stimulus", "s001"}, {"answer", "upper"}}},
+                                               {"t004", {{"stimulus", "s002"}, {"answer", "lower"}}}}));
+}
+
 TEST_F(StudyServer, GivesEveryListToAsManyUnderConcurrentStarts) {
   serve();
   constexpr int kClients = 24;
@@ -470,6 +490,34 @@ TEST(StudyFolder, SaysWhereATrialsFileIsWrong) {
     write_file(folder / "page/trials.json", std::string_view(changed.dump()));
     EXPECT_THROW(read_study_folder(folder.path()), Error) << where;
   }
+}
+
+TEST(StudyFolder, SaysWhatAnAdaptiveOneLacks) {
+  const support::ScratchFolder folder;
+  support::write_study_folder(folder.path(), {{"s001", nlohmann::json::object()}, {"s002", nlohmann::json::object()}});
+  write_file(folder / "page/index.html", std::string_view(" "));
+  support::let_the_page_choose(folder.path());
+  const nlohmann::json good = nlohmann::json::parse(read_text(folder / "page/trials.json"));
+  const StudyFolder read = read_study_folder(folder.path());
+  EXPECT_EQ(read.choices, (std::set<std::string>{"s001", "s002"}));
+  EXPECT_EQ(read.trials.at("1").at("t002").stimulus, "");
+  EXPECT_EQ(read.trials.at("1").at("t004").stimulus, "s002");
+  const std::vector<std::pair<std::string, nlohmann::json>> wrong = {{"/adaptive", 3},
+                                                                     {"/adaptive/choices", nlohmann::json::array()},
+                                                                     {"/adaptive/choices/0/stimuli/0", "s009"},
+                                                                     {"/adaptive/choices/0/stimuli/0", 1},
+                                                                     {"/adaptive/yes", {{"s001", "upper"}}},
+                                                                     {"/lists/0/trials/3/stimulus", nullptr}};
+  for (const auto& [where, value] : wrong) {
+    nlohmann::json changed = good;
+    changed[nlohmann::json::json_pointer(where)] = value;
+    write_file(folder / "page/trials.json", std::string_view(changed.dump()));
+    EXPECT_THROW(read_study_folder(folder.path()), Error) << where << " " << value;
+  }
+  nlohmann::json constant = good;
+  constant.erase("adaptive");
+  write_file(folder / "page/trials.json", std::string_view(constant.dump()));
+  EXPECT_THROW(read_study_folder(folder.path()), Error) << "trials of no stimulus, and nothing to choose by";
 }
 
 }  // namespace

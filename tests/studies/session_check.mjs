@@ -60,6 +60,23 @@ for (const status of [400, 409, 413]) {
   assert.equal(told, 1)
   assert.equal(made.state.finished, false)
 }
+// What was shown and answered comes back from the server; of what it has not got yet this browser knows better.
+{
+  const { Study } = page((path) => (path === 'api/start'
+    ? { status: 200, ok: true, json: async () => ({ token: 'x', list: '1', state: 'started', items: ['t001'], given: { t001: { stimulus: 's007', answer: 'upper' } } }) }
+    : answers(502)))
+  const made = new Study.Session('a'.repeat(64))
+  assert.equal(made.given('t001'), undefined)
+  made.served = true
+  made.send = async () => {}
+  made.add({ item: 't002', stimulus: 's003', answer: 'lower' })
+  made.add({ item: 'screen-1' })
+  await made.start(['1'])
+  assert.equal(made.given('t001').stimulus, 's007')
+  assert.equal(made.given('t002').answer, 'lower')
+  assert.equal(made.given('screen-1'), undefined)
+  assert.equal(JSON.parse(JSON.stringify(new Study.Session('a'.repeat(64)).given('t002'))).stimulus, 's003', 'after a reload')
+}
 // A clip is asked for under its contents, and one that was compressed on its way is whole.
 {
   const sent = new Uint8Array(10)

@@ -111,6 +111,29 @@ inline void write_study_folder(const std::filesystem::path& out, const nlohmann:
   write_file(out / "sides.json", std::string_view(sides.dump(1)));
 }
 
+// Main trials of what was written are chosen by the answers so far. rule: `adaptive` of trials.json; by default two
+// levels, one a stimulus.
+inline nlohmann::json two_level_rule() {
+  return {{"method", "quest-plus"},
+          {"curve", "logistic"},
+          {"falling", false},
+          {"threshold", {8, 11, 14, 17, 20, 23}},
+          {"slope", {0.5, 2}},
+          {"guess", {0.5}},
+          {"lapse", {0.02}},
+          {"choices", {{{"level", 10}, {"stimuli", {"s001"}}}, {{"level", 20}, {"stimuli", {"s002"}}}}},
+          {"alike", nlohmann::json::array()},
+          {"yes", {{"s001", "upper"}, {"s002", "lower"}}}};
+}
+inline void let_the_page_choose(const std::filesystem::path& out, const nlohmann::json& rule = two_level_rule()) {
+  nlohmann::json trials = nlohmann::json::parse(read_text(out / "page" / "trials.json"));
+  trials["adaptive"] = rule;
+  for (nlohmann::json& list : trials["lists"])
+    for (nlohmann::json& trial : list["trials"])
+      if (trial["kind"] == "main") trial["stimulus"] = nullptr;
+  write_file(out / "page" / "trials.json", std::string_view(trials.dump(1)));
+}
+
 // With clips and the page.
 inline void write_study(const std::filesystem::path& out) {
   std::filesystem::create_directories(out / "page" / "clips");
