@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Tiles, ThinPatterns,
 
 // What is level all over is spread all over: a quarter of it holds a quarter of what is there, whatever the quarter.
 TEST(AlphaMap, LevelCoverageIsSpreadEvenly) {
-  for (const double coverage : {0.25, 0.5, 0.75}) {
+  for (const double coverage : {0.3, 0.6}) {
     const auto all = [&](double x, double) { return std::fmod(x, 1.0) < coverage; };
     const Tile tile = build_tile_levels({0, 0, 64, 64}, capture(64, 64, all), 1)[0];
     for (const TileRect& quarter : {TileRect{0, 0, 32, 32}, {32, 0, 32, 32}, {0, 32, 32, 32}, {32, 32, 32, 32}})
@@ -123,7 +123,7 @@ TEST(AlphaMap, OrdinaryFiguresAreStoredAsBefore) {
   };
   Sha256 hash;
   for (const Tile& tile : build_tile_levels({-8, 0, 64, 96}, capture(64, 96, body), 4)) hash.values(tile.albedo);
-  EXPECT_EQ(hash.hex(), "PIN");
+  EXPECT_EQ(hash.hex(), "7e8ec1056fcdcf06333e4fb8bb3e5e90728ba8a664c06570bff14bfebeaf5cfb");
 }
 
 }  // namespace
