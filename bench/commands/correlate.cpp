@@ -16,6 +16,7 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "core/png.h"
+#include "reports/exports/markdown_cell.h"
 #include "store/store.h"
 
 namespace crowdbench::bench {
@@ -219,7 +220,7 @@ std::string worst_markdown(const ScoreAgreements& all, const Options& options, c
     const std::string b(all.scores[pair.b]->name);
     out += fmt::format("\n### `{}` against `{}`\n\n| | view | `{}` | `{}` |\n|---|---|--:|--:|\n", a, b, a, b);
     for (const auto& [who, row] : {std::pair(a, pair.worst->first), std::pair(b, pair.worst->second)})
-      out += fmt::format("| better by `{}` | {} | {} | {} |\n", who, row_text(*all.rows[row]),
+      out += fmt::format("| better by `{}` | {} | {} | {} |\n", who, reports::markdown_cell(row_text(*all.rows[row])),
                          value_of(all, pair.a, row), value_of(all, pair.b, row));
     if (i < files.size() && !files[i].empty())
       out += fmt::format("\n![mesh and representation of either view]({})\n",

@@ -122,16 +122,18 @@ std::string page(const std::string& head, const std::vector<Duel>& duels, const 
       "faster. "
       "FLIP here takes code values and decodes them within its time, NVlabs' takes linear light. ColorVideoVDP: "
       "display "
-      "standard_4k on both sides; what the two find differs because the C port is approximate (ours is held to the "
-      "reference's own figures, tests/metrics).\n\n{}\n"
+      "standard_4k on both sides; the two find different JODs of the same pictures, and why was not looked into (ours "
+      "is "
+      "held to the reference's own figures, tests/metrics). The row of a clip is a speed alone: nothing checks what "
+      "either "
+      "side finds there (-).\n\n{}\n"
       "All picture scores of one pair together, shared work done once: {:.3f} s (aim: under 2).\n\n"
       "How it was built: `cmake -DCROWDBENCH_BESIDE_FLIP=flip/src/cpp -DCROWDBENCH_BESIDE_FCVVDP=fcvvdp/src "
-      "build/release`, "
-      "Debian's libopencv-contrib-dev, `ninja -C build/release bench_metrics`. The others are compiled by the same "
-      "compiler "
-      "with the flags of their own build files: -O3, for fcvvdp also -ffast-math -march=native (its AVX2 code); one "
-      "thread "
-      "each.\n",
+      "build/release`, Debian's libopencv-contrib-dev, `ninja -C build/release bench_metrics`. The sources of flip and "
+      "fcvvdp are compiled by this build's compiler with flags of this build, not by their own build files: flip with "
+      "-O3 "
+      "and without OpenMP, fcvvdp (whose own build is Zig's) with -O3 -ffast-math -march=native and its AVX2 code. One "
+      "thread each; their own builds may be faster or slower.\n",
       head, duel_table(duels), median(together.seconds));
 }
 

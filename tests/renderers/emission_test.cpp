@@ -72,7 +72,7 @@ scene::Character lantern() {
   return c;
 }
 
-const scene::Cast& cast() {
+const scene::Cast& glowing_cast() {
   static const scene::Cast one = cast_of(lantern());
   return one;
 }
@@ -84,7 +84,7 @@ scene::Frame picture(double pixels, double turns, bool lit) {
   scene::Frame frame = frame_of_one(kAway, 0.5 * static_cast<double>(kTall), size, size, fov * 180 / std::numbers::pi);
   frame.background = glm::vec4(0.0F, 0.0F, 0.0F, 1.0F);
   if (!lit) frame.light.ambient = frame.light.diffuse = 0.0F;
-  add_agent(frame, cast(), {0, 0, 0}, 1, 0.0, static_cast<float>(turns));
+  add_agent(frame, glowing_cast(), {0, 0, 0}, 1, 0.0, static_cast<float>(turns));
   return frame;
 }
 
@@ -147,13 +147,13 @@ class EmissionGl : public testing::GlTest, public ::testing::WithParamInterface<
   static Representation& made(const std::string& spec) {
     auto& one = made_[spec];
     if (!one)
-      one = make_representation({.context = context(), .cast = cast(), .use_cache = false, .progress = false},
+      one = make_representation({.context = context(), .cast = glowing_cast(), .use_cache = false, .progress = false},
                                 parse_spec(spec));
     return *one;
   }
   static Capture draw(scene::Frame frame, const std::string& spec, int supersample = 1) {
     frame.antialiasing.supersample = supersample;
-    Renderer renderer(context(), cast());
+    Renderer renderer(context(), glowing_cast());
     return renderer.capture(frame, made(spec), {.linear = true});
   }
   static std::map<std::string, std::unique_ptr<Representation>> made_;

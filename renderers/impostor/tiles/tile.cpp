@@ -1,14 +1,10 @@
-// Based on: Castano 2010, "Computing alpha mipmaps" (scale a level's alpha so that the fraction passing the test
-// stays). Differs from the source: the target is the silhouette's own area, and alpha is mapped affinely instead of
-// scaled and clamped. An affine map commutes with bilinear filtering, so the level whose contour encloses the wanted
-// area is read off the filtered values themselves (a quantile) and no search is needed.
 #include "renderers/impostor/tiles/tile.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/colour.h"
+#include "renderers/impostor/tiles/alpha_map.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -132,83 +128,12 @@ Plane half(const Plane& fine) {
   return coarse;
 }
 
-// Alpha filtered bilinearly at evenly spread points of the plane; points where it is zero are left out.
-struct Filtered {
-  std::vector<float> values;
-  double per_texel = 1;  // points
-};
-template <typename AlphaAt>
-Filtered filter_alpha(const Plane& plane, AlphaAt alpha_at) {
-  // Coarse levels have few texels, so that points lie closer there.
-  const size_t texels = plane.alpha.size();
-  const int k = texels > 1024 ? 2 : texels > 64 ? 4 : 16;
-  Filtered out;
-  out.per_texel = k * k;
-  for (int y = plane.rect.y - 1; y < plane.rect.y + plane.rect.height; ++y)
-    for (int x = plane.rect.x - 1; x < plane.rect.x + plane.rect.width; ++x) {
-      // The cell between four texel centres.
-      const float a = alpha_at(x, y);
-      const float b = alpha_at(x + 1, y);
-      const float c = alpha_at(x, y + 1);
-      const float d = alpha_at(x + 1, y + 1);
-      if (a + b + c + d == 0) continue;
-      for (int j = 0; j < k; ++j)
-        for (int i = 0; i < k; ++i) {
-          const float u = (static_cast<float>(i) + 0.5F) / static_cast<float>(k);
-          const float v = (static_cast<float>(j) + 0.5F) / static_cast<float>(k);
-          out.values.push_back((a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v);
-        }
-    }
-  return out;
-}
-
-// What a plane's alpha becomes in 8 bits: 0.5 + (alpha - contour) * gain.
-struct AlphaMap {
-  float contour = 0.5F;
-  float gain = 1;
-  uint8_t operator()(float alpha) const {
-    return static_cast<uint8_t>(std::clamp((0.5F + (alpha - contour) * gain) * 255 + 0.5F, 0.0F, 255.0F));
-  }
-};
-
-// The map for which the filtered alpha is at least one half over `area` texels.
-AlphaMap solve_alpha_map(const Plane& plane, double area) {
-  const auto alpha_at = [&](int x, int y) { return plane.alpha_at(x, y); };
-  Filtered filtered = filter_alpha(plane, alpha_at);
-  AlphaMap map;
-  const double wanted = area * filtered.per_texel;
-  if (filtered.values.empty() || wanted < 0.5) return map;
-  // The contour that encloses the area is a quantile.
-  const size_t rank = std::min(filtered.values.size() - 1, static_cast<size_t>(wanted));
-  std::nth_element(filtered.values.begin(), filtered.values.begin() + static_cast<std::ptrdiff_t>(rank),
-                   filtered.values.end(), std::greater<>());
-  map.contour = std::clamp(filtered.values[rank], 1.0F / 128, 1 - 1.0F / 128);
-  // As steep as the alphas that occur allow, so that 8 bits place the contour well even on a hill lower than one.
-  const float highest = std::max(*std::max_element(plane.alpha.begin(), plane.alpha.end()), map.contour + 1e-3F);
-  map.gain = std::min(0.5F / map.contour, 0.5F / (highest - map.contour));
-  if (plane.alpha.size() > 64) return map;
-  // A handful of texels: rounding to 8 bits moves the contour, so the gain that rounds best is taken.
-  AlphaMap best = map;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 24; ++i) {
-    const AlphaMap tried{map.contour, map.gain * (1 - 0.02F * static_cast<float>(i))};
-    const Filtered coded =
-        filter_alpha(plane, [&](int x, int y) { return static_cast<float>(tried(plane.alpha_at(x, y))); });
-    const auto passing = std::count_if(coded.values.begin(), coded.values.end(), [](float v) { return v >= 127.5F; });
-    const double off = std::abs(static_cast<double>(passing) - wanted);
-    if (off >= least) continue;
-    least = off;
-    best = tried;
-  }
-  return best;
-}
-
 Tile encode(const Plane& plane, double area) {
   Tile tile;
   tile.rect = plane.rect;
   tile.coverage = area;
-  const AlphaMap stored = solve_alpha_map(plane, area);
-  tile.empty_alpha = std::min<uint8_t>(stored(0), 127);
+  const StoredAlpha stored = solve_stored_alpha(plane.rect, plane.alpha, area);
+  tile.empty_alpha = stored.empty;
   const size_t n = static_cast<size_t>(tile.stride()) * static_cast<size_t>(tile.rows()) * 4;
   tile.albedo.assign(n, 0);
   tile.surface.assign(n, 0);
@@ -245,7 +170,7 @@ Tile encode(const Plane& plane, double area) {
             slot = plane.slot[s];
           }
         }
-      tile.albedo[o + 3] = reach == 0 ? stored(plane.alpha_at(x, y)) : tile.empty_alpha;
+      tile.albedo[o + 3] = reach == 0 ? stored.texels[plane.index(x, y)] : tile.empty_alpha;
       tile.surface[o + 0] = tile.surface[o + 1] = tile.surface[o + 3] = 128;
       if (weight <= 0) continue;
       const float length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) + 1e-20F;
