@@ -153,8 +153,11 @@ void add_eye_cases(std::vector<StabilityCase>& cases) {
                      .group = "eye",
                      .asked = asked,
                      .unit = "of the depth",
-                     .bound_from = "32 roundings of a float: the transform, the interpolation and the division on the "
-                                   "way to a depth and back, inside of outlines; no pixel of another agent",
+                     .bound_from =
+                         "32 roundings of a float: the transform, the interpolation and the division on the "
+                         "way to a depth and back; no pixel of another agent. That depths are compared inside "
+                         "of outlines alone was decided after they had differed at them",
+                     .bound_seen = true,
                      .measure = measure});
   };
   planes("eye_near_far", "planes at 1e-3 and 1e6 m: the depths of 0.1 m and infinity",
