@@ -14,7 +14,7 @@ namespace crowdbench::bench {
 namespace {
 
 constexpr uint64_t kResamplePurpose = 0x64697374;
-constexpr double kConfidence = 0.95;
+constexpr double kBandConfidence = 0.95;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kEverywhere = -kNever;
 
@@ -53,8 +53,8 @@ double weighted_median(const std::vector<Member>& by_value, const std::vector<ui
 std::pair<double, double> interval_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const double last = static_cast<double>(values.size() - 1);
-  const auto low = static_cast<size_t>(std::floor(last * 0.5 * (1 - kConfidence)));
-  const auto high = static_cast<size_t>(std::ceil(last * 0.5 * (1 + kConfidence)));
+  const auto low = static_cast<size_t>(std::floor(last * 0.5 * (1 - kBandConfidence)));
+  const auto high = static_cast<size_t>(std::ceil(last * 0.5 * (1 + kBandConfidence)));
   return {values[low], values[high]};
 }
 

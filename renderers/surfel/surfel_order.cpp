@@ -73,7 +73,8 @@ SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count) {
   Grid grid(places, queue.top().first);
   while (true) {
     while (queue.top().first != gap[queue.top().second]) queue.pop();
-    const auto [radius, place] = queue.top();
+    const float radius = queue.top().first;
+    const uint32_t place = queue.top().second;
     out.radius.push_back(radius);
     if (out.order.size() == std::min(count, n) || radius <= 0) return out;
     // No place lies farther than `radius`, so a new point takes none over from farther.

@@ -29,7 +29,7 @@ using testing::same_ids;
 using testing::walker;
 using FlatGl = testing::GlTest;
 
-constexpr double kDegrees = std::numbers::pi / 180;
+constexpr double kRadiansADegree = std::numbers::pi / 180;
 
 TEST(FlatBake, PlanesRunThroughTheBody) {
   // A square sheet z = 0.3 x + 0.5 y about (1, 2, 3): the fit from the front is the sheet itself.
@@ -45,7 +45,7 @@ TEST(FlatBake, PlanesRunThroughTheBody) {
   EXPECT_NEAR(front.height, 1, 1e-3) << "the capture plane lies one metre behind it";
   // A vertical line seen from elevation e lies on a plane of slope tan(e), so that it stays upright from everywhere.
   const std::vector<glm::vec3> pole = {{-0.01F, 0, 0}, {0.01F, 0, 0}, {0.01F, 2, 0}, {-0.01F, 2, 0}};
-  const double e = 40 * kDegrees;
+  const double e = 40 * kRadiansADegree;
   const ViewBasis above{{1, 0, 0}, {0, std::cos(e), -std::sin(e)}, {0, std::sin(e), std::cos(e)}};
   EXPECT_NEAR(fit_plane(surface_moments(pole, {0, 1, 2, 0, 2, 3}), {0, 1, 0}, above).slope_y, std::tan(e), 1e-3);
   // From straight above its slope would be without end; it is held.
@@ -99,7 +99,7 @@ TEST_F(FlatGl, FeetStayWhereTheyStandFromAbove) {
   EXPECT_LE(slide(*fitted, 60, 45), texel_px + 1);
   // Beside a stored view: one texel and the foot's offset from the capture axis times the sine of the angular error.
   for (const auto& [azimuth, elevation] : {std::pair{84.0, 45.0}, {60.0, 60.0}, {75.0, 30.0}}) {
-    const double error = 25 * kDegrees;  // at most, for these three
+    const double error = 25 * kRadiansADegree;  // at most, for these three
     const double allowed = texel_px + kHalf * std::sqrt(2.0) * std::sin(error) * kPixelsAMetre + 1;
     EXPECT_LE(slide(*fitted, azimuth, elevation), allowed) << azimuth << ", " << elevation;
     EXPECT_GT(slide(*facing, azimuth, elevation), allowed) << "a plane across the view leans, and this test can see it";
@@ -202,7 +202,7 @@ TEST_F(FlatGl, AFootSlidesLessThanItsOffsetTimesTheAngularError) {
         const double across = glm::length(foot - centre - height * d);
         const double perspective = across * std::abs(height) / (distance - height);
         fmt::print("{:>4} {:>4} {:>5} {:>6.1f} {:>8.1f} {:>10.1f} {:>12.1f} |", azimuth, elevation, distance,
-                   error / kDegrees, allowed * 1000, at_centre * 1000, perspective * 1000);
+                   error / kRadiansADegree, allowed * 1000, at_centre * 1000, perspective * 1000);
         for (size_t i = 0; i < ways.size(); ++i) {
           const RedCentre got = red_centre(renderer.capture(frame, *ways[i]));
           const double slide = std::hypot(got.x - expected.x, got.y - expected.y) * 1.75 / 480;
