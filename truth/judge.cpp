@@ -117,8 +117,9 @@ class Explainer {
       const auto found = std::find_if(first, points.begin() + static_cast<std::ptrdiff_t>(at),
                                       [&](const TruthPoint& point) { return point.id == one.pixel.id; });
       if (found == points.begin() + static_cast<std::ptrdiff_t>(at)) continue;
-      const auto ring = static_cast<double>((found - first) / kDirections + 1);
-      out.worst_distance = std::max(out.worst_distance, std::min(one.pixel.bound, kWidest) * ring / kRings);
+      const std::ptrdiff_t ring = (found - first) / kDirections + 1;
+      out.worst_distance =
+          std::max(out.worst_distance, std::min(one.pixel.bound, kWidest) * static_cast<double>(ring) / kRings);
       one.explained = true;
       ++out.outline;
     }

@@ -67,6 +67,9 @@ TEST_P(ZinkGl, PictureIsLlvmpipes) {
 
 const std::vector<const char*>& specs() {
   static const std::vector<const char*> all = {"mesh",
+                                               "preskinned",
+                                               "pseudo:poses=4",
+                                               "surfel:points=512",
                                                "rigid:poses=4",
                                                "flat:views=sphere-4x1,frames=2,texels=64",
                                                "flat:views=sphere-4x1,frames=2,texels=64,depth=nailboard,blend=3",

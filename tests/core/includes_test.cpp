@@ -352,6 +352,7 @@ TEST(Includes, AHeaderThatAnotherFolderIncludesHasATest) {
 // headers behind a precompiled standard library, which hides a missing include; this shows it.
 const std::map<std::string, std::string>& standard_headers() {
   static const std::map<std::string, std::string> all = {
+      {"abs", "cmath"},
       {"aligned_alloc", "cstdlib"},
       {"bad_alloc", "new"},
       {"bit_cast", "bit"},
@@ -359,6 +360,7 @@ const std::map<std::string, std::string>& standard_headers() {
       {"convertible_to", "concepts"},
       {"copy", "algorithm"},
       {"floor", "cmath"},
+      {"fma", "cmath"},
       {"forward", "utility"},
       {"free", "cstdlib"},
       {"function", "functional"},
@@ -381,6 +383,7 @@ const std::map<std::string, std::string>& standard_headers() {
       {"max", "algorithm"},
       {"memcpy", "cstring"},
       {"min", "algorithm"},
+      {"minmax", "algorithm"},
       {"monostate", "variant"},
       {"move", "utility"},
       {"nullopt", "optional"},
@@ -392,6 +395,7 @@ const std::map<std::string, std::string>& standard_headers() {
       {"runtime_error", "stdexcept"},
       {"same_as", "concepts"},
       {"shared_ptr", "memory"},
+      {"swap", "utility"},
       {"to_string", "string"},
       {"type_index", "typeindex"},
       {"u32string", "string"},

@@ -358,7 +358,7 @@ TEST_F(Scripts, HeaderCheck) {
   const std::string fine = quoted(kTop / "core/random.h");
   const Outcome passed = run("check_headers.sh", build_ + " " + fine);
   EXPECT_EQ(passed.status, 0) << passed.text;
-  write_file(folder_ / "wrong.h", "#pragma once\nstd::string f();\n");
+  write_file(folder_ / "wrong.h", "#pragma once\nRow f();\n");
   const Outcome found = run("check_headers.sh", build_ + " wrong.h " + fine);
   EXPECT_NE(found.status, 0);
   EXPECT_NE(found.text.find("wrong.h does not compile alone"), std::string::npos) << found.text;
