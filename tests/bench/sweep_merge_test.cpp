@@ -1,4 +1,5 @@
 // Merging, on shards that nobody drew: CROWDBENCH_SWEEP_POINTS=10000 makes them large, and says how long it took.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
