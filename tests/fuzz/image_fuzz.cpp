@@ -9,6 +9,9 @@
 #include "core/image_io.h"
 #include "tests/fuzz/fuzz_check.h"
 
+// OpenImageIO 2.4 leaks the message of a reader that failed to open (31 bytes of a cut PNG).
+extern "C" const char* __lsan_default_suppressions() { return "leak:libOpenImageIO"; }
+
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace crowdbench;
   if (size == 0) return 0;
