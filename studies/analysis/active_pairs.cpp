@@ -4,10 +4,11 @@
 #include "studies/analysis/active_pairs.h"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "studies/analysis/dense.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -47,8 +48,8 @@ PairBelief pair_belief(std::span<const PairAnswer> answers, size_t items) {
       information(a, b) -= weight;
       information(b, a) -= weight;
     }
-    covariance = information.inverse();
-    Eigen::VectorXd move = covariance * gradient;
+    covariance = dense::inverse(information);
+    Eigen::VectorXd move = dense::product(covariance, gradient);
     const double longest = move.cwiseAbs().maxCoeff();
     if (longest > kLongestStep) move *= kLongestStep / longest;
     if (longest < kReached) break;

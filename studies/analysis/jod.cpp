@@ -3,13 +3,13 @@
 // 0, and the prior of "gaussian". Differs: items that were not joined by comparisons are refused, not joined by made-up
 // wins.
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "core/probability.h"
 #include "core/random.h"
+#include "studies/analysis/dense.h"
 #include "studies/analysis/optimise.h"
 #include "studies/analysis/paired_comparison.h"
 
@@ -78,7 +78,7 @@ double prior_term(const std::vector<Ordered>& pairs, const std::vector<double>& 
   }
   const Eigen::VectorXd sums = chance.rowwise().sum().array() + kPriorFloor;
   const Eigen::VectorXd weight = sums.cwiseInverse();
-  const Eigen::RowVectorXd mean = weight.transpose() * chance;  // by b
+  const Eigen::RowVectorXd mean = dense::product(weight.transpose(), chance);  // by b
   for (size_t a = 0; a < m; ++a) {
     const auto row = static_cast<Eigen::Index>(a);
     for (Eigen::Index b = 0; b < chance.cols(); ++b) dz[a] -= slope(row, b) * chance(row, b) * (weight[row] - mean[b]);
@@ -127,7 +127,7 @@ std::vector<double> errors_of(const std::vector<Ordered>& pairs, const std::vect
     information(i, j) -= w;
     information(j, i) -= w;
   }
-  const Eigen::MatrixXd covariance = information.bottomRightCorner(n - 1, n - 1).inverse();
+  const Eigen::MatrixXd covariance = dense::inverse(information.bottomRightCorner(n - 1, n - 1));
   std::vector<double> out = {0};
   for (Eigen::Index i = 0; i + 1 < n; ++i) out.push_back(std::sqrt(covariance(i, i)));
   return out;

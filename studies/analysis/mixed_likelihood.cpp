@@ -4,8 +4,6 @@
 // quadrature.
 #include "studies/analysis/mixed_likelihood.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
@@ -13,6 +11,7 @@
 #include <tuple>
 
 #include "core/probability.h"
+#include "studies/analysis/dense.h"
 
 namespace crowdbench::studies {
 
@@ -23,11 +22,11 @@ const Quadrature& gauss_hermite_25() {
     constexpr int n = 25;
     Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
     for (int i = 1; i < n; ++i) jacobi(i, i - 1) = jacobi(i - 1, i) = std::sqrt(static_cast<double>(i));
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(jacobi);
+    const dense::Eigenpairs solved = dense::eigenpairs(jacobi);
     Quadrature out;
     for (int i = 0; i < n; ++i) {
-      out.nodes.push_back(solved.eigenvalues()[i]);
-      out.weights.push_back(solved.eigenvectors()(0, i) * solved.eigenvectors()(0, i));
+      out.nodes.push_back(solved.values[i]);
+      out.weights.push_back(solved.vectors(0, i) * solved.vectors(0, i));
     }
     return out;
   }();
@@ -158,12 +157,14 @@ bool Likelihood::factor(Curvature& c) {
     if (!(determinant > 0 && c.block[p](0, 0) > 0)) return false;
     c.log_determinant += std::log(determinant);
     c.inverse[p] = c.block[p].inverse();
-    if (c.schur.size() > 0) c.schur.noalias() -= c.join[p].transpose() * (c.inverse[p] * c.join[p]);
+    if (c.schur.size() == 0) continue;
+    const Eigen::Matrix2Xd explained = c.inverse[p] * c.join[p];
+    c.schur -= c.join[p].transpose().lazyProduct(explained);
   }
   if (c.schur.size() == 0) return true;
-  const Eigen::LLT<Eigen::MatrixXd> factored(c.schur);
-  if (factored.info() != Eigen::Success) return false;
-  c.schur = factored.matrixL();
+  std::optional<Eigen::MatrixXd> factored = dense::cholesky_factor(c.schur);
+  if (!factored) return false;
+  c.schur = std::move(*factored);
   c.log_determinant += 2 * c.schur.diagonal().array().log().sum();
   return true;
 }
@@ -175,8 +176,7 @@ Likelihood::Random Likelihood::solve(const Curvature& c, const Random& right) {
     if (c.schur.size() > 0) out.clip.noalias() -= c.join[p].transpose() * out.participant[p];
   }
   if (c.schur.size() == 0) return out;
-  c.schur.triangularView<Eigen::Lower>().solveInPlace(out.clip);
-  c.schur.transpose().triangularView<Eigen::Upper>().solveInPlace(out.clip);
+  out.clip = dense::solve_factored(c.schur, out.clip);
   for (size_t p = 0; p < c.block.size(); ++p) out.participant[p] -= c.inverse[p] * (c.join[p] * out.clip);
   return out;
 }

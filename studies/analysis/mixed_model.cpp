@@ -2,15 +2,13 @@
 // Differs from it: all parameters are optimised together from the start, and a variance that may as well be 0 is 0.
 #include "studies/analysis/mixed_model.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
 #include "core/probability.h"
+#include "studies/analysis/dense.h"
 #include "studies/analysis/mixed_likelihood.h"
 #include "studies/analysis/optimise.h"
 
@@ -134,8 +132,7 @@ Pooled fit_pooled(const Likelihood& model) {
       gradient += (cell.weight_of_yes() * local.yes_1 + cell.weight_of_no() * local.no_1) * x;
       out.information += -static_cast<double>(cell.of) * local.yes_1 * local.no_1 * x * x.transpose();
     }
-    const Eigen::LDLT<Eigen::MatrixXd> factored(out.information);
-    const Eigen::VectorXd step = factored.solve(gradient);
+    const Eigen::VectorXd step = dense::solve_symmetric(out.information, gradient);
     if (!step.allFinite() || step.dot(gradient) < 1e-14) break;
     double part = 1;
     double there = value_at(out.beta + step);
@@ -174,8 +171,7 @@ MixedState state_before(const Likelihood& model) {
   if (model.participants() < 2) return MixedState::one_participant;
   Eigen::MatrixXd x(static_cast<Eigen::Index>(model.cells().size()), static_cast<Eigen::Index>(model.effects()));
   for (Eigen::Index i = 0; i < x.rows(); ++i) x.row(i) = vector_of(model.cells()[static_cast<size_t>(i)].fixed);
-  return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(x).rank() < x.cols() ? MixedState::unidentified
-                                                                          : MixedState::fitted;
+  return dense::rank(x) < x.cols() ? MixedState::unidentified : MixedState::fitted;
 }
 
 // ---- the fit
@@ -196,7 +192,7 @@ Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pool
     start.push_back(unknowns.start(i));
     step.push_back(0.2);
   }
-  const Eigen::MatrixXd covariance = pooled.information.inverse();
+  const Eigen::MatrixXd covariance = dense::inverse(pooled.information);
   for (Eigen::Index i = 0; i < pooled.beta.size(); ++i) {
     start.push_back(pooled.beta[i]);
     const double se = std::sqrt(covariance(i, i));
@@ -223,18 +219,11 @@ Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pool
   return out;
 }
 
-// The inverse; nothing where it is not that of a maximum.
-std::optional<Eigen::MatrixXd> inverse_of(const Eigen::MatrixXd& information) {
-  const Eigen::LLT<Eigen::MatrixXd> factor(information);
-  if (!information.allFinite() || factor.info() != Eigen::Success) return std::nullopt;
-  return factor.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
-}
-
 // The covariance of the fixed effects.
 std::optional<Eigen::MatrixXd> fixed_covariance(Likelihood& model, const Unknowns& unknowns, const Optimum& best) {
   const auto effects = static_cast<Eigen::Index>(unknowns.count() - unknowns.scales());
   const auto given_scales = [&] {
-    return inverse_of(model.fixed_information(unknowns.scales_of(best.x), unknowns.effects_of(best.x)));
+    return dense::inverse_of_positive(model.fixed_information(unknowns.scales_of(best.x), unknowns.effects_of(best.x)));
   };
   if (!model.settings().full_errors) return given_scales();
   // What lies on a bound is held there.
@@ -255,7 +244,7 @@ std::optional<Eigen::MatrixXd> fixed_covariance(Likelihood& model, const Unknown
   const Matrix curvature = hessian(objective, x, step);
   Eigen::MatrixXd information(static_cast<Eigen::Index>(x.size()), static_cast<Eigen::Index>(x.size()));
   for (size_t i = 0; i < x.size(); ++i) information.row(static_cast<Eigen::Index>(i)) = vector_of(curvature[i]);
-  const std::optional<Eigen::MatrixXd> inverse = inverse_of(information);
+  const std::optional<Eigen::MatrixXd> inverse = dense::inverse_of_positive(information);
   if (!inverse) return given_scales();
   return inverse->bottomRightCorner(effects, effects);
 }
@@ -263,9 +252,9 @@ std::optional<Eigen::MatrixXd> fixed_covariance(Likelihood& model, const Unknown
 // back: from the units of the fit to those of the table.
 void set_effects(MixedFit& fit, const Eigen::MatrixXd& back, const Eigen::VectorXd& beta,
                  const std::optional<Eigen::MatrixXd>& covariance) {
-  const Eigen::VectorXd estimate = back * beta;
+  const Eigen::VectorXd estimate = dense::product(back, beta);
   Eigen::MatrixXd spread;
-  if (covariance) spread = back * *covariance * back.transpose();
+  if (covariance) spread = dense::product(dense::product(back, *covariance), back.transpose());
   for (Eigen::Index i = 0; i < beta.size(); ++i) {
     MixedEffect effect{.estimate = estimate[i], .se = std::numeric_limits<double>::quiet_NaN()};
     if (covariance) {

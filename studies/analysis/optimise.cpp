@@ -2,12 +2,13 @@
 
 #include <nlopt.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <memory>
+
+#include "studies/analysis/dense.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -116,14 +117,11 @@ std::optional<Matrix> inverse_of_positive(const Matrix& matrix) {
   Eigen::MatrixXd m(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j) m(i, j) = matrix[static_cast<size_t>(i)][static_cast<size_t>(j)];
-  if (!m.allFinite()) return std::nullopt;
-  const Eigen::LLT<Eigen::MatrixXd> factor(m);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n));
-  if (!inverse.allFinite() || inverse.diagonal().minCoeff() <= 0) return std::nullopt;
+  const std::optional<Eigen::MatrixXd> inverse = dense::inverse_of_positive(m);
+  if (!inverse || !inverse->allFinite() || inverse->diagonal().minCoeff() <= 0) return std::nullopt;
   Matrix out = matrix;
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) out[static_cast<size_t>(i)][static_cast<size_t>(j)] = inverse(i, j);
+    for (Eigen::Index j = 0; j < n; ++j) out[static_cast<size_t>(i)][static_cast<size_t>(j)] = (*inverse)(i, j);
   return out;
 }
 

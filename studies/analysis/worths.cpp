@@ -2,14 +2,13 @@
 // (1970); Davidson and Beaver (1977) for order; Ford, "Solution of a ranking problem from binary comparisons" (1957)
 // for when worths are finite. The likelihood is that of a multinomial logit and concave: Newton's method with step
 // halving finds its one maximum, and the curvature is the expected information.
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 
+#include "studies/analysis/dense.h"
 #include "studies/analysis/paired_comparison.h"
 
 namespace crowdbench::studies {
@@ -206,7 +205,7 @@ Worths fit_worths(std::span<const Comparison> comparisons, size_t items, bool wi
   Eigen::MatrixXd information;
   double value = model.value(v, &gradient, &information);
   for (int i = 0; i < 200; ++i) {
-    const Eigen::VectorXd step = information.ldlt().solve(gradient);
+    const Eigen::VectorXd step = dense::solve_symmetric(information, gradient);
     const double promised = step.dot(gradient);
     double part = 1;
     double there = model.value(v + step, nullptr, nullptr);
@@ -220,13 +219,14 @@ Worths fit_worths(std::span<const Comparison> comparisons, size_t items, bool wi
     }
     if (promised < 1e-18) break;
   }
-  const Eigen::MatrixXd covariance = information.inverse();
+  const Eigen::MatrixXd covariance = dense::inverse(information);
   // From differences to item 0 to differences to the mean.
   const auto n = static_cast<Eigen::Index>(items);
   Eigen::MatrixXd centre = Eigen::MatrixXd::Constant(n, n - 1, -1.0 / static_cast<double>(items));
   for (Eigen::Index i = 0; i + 1 < n; ++i) centre(i + 1, i) += 1;
-  const Eigen::VectorXd worth = centre * v.head(n - 1);
-  const Eigen::MatrixXd spread = centre * covariance.topLeftCorner(n - 1, n - 1) * centre.transpose();
+  const Eigen::VectorXd worth = dense::product(centre, v.head(n - 1));
+  const Eigen::MatrixXd spread =
+      dense::product(dense::product(centre, covariance.topLeftCorner(n - 1, n - 1)), centre.transpose());
   const double total = worth.array().exp().sum();
   out.covariance.resize(items, std::vector<double>(items));
   for (Eigen::Index i = 0; i < n; ++i) {
