@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "core/hash.h"
 #include "core/random.h"
 #include "studies/stimuli/crowd_clip.h"
@@ -99,6 +101,76 @@ TEST_F(ClipTest, HoldsEveryFrameAtItsTimeWithItsColours) {
   EXPECT_NEAR(clip.files[0].error.psnr_mean, 10 * std::log10(65025 * values * 35 / squared), 1e-9);
   EXPECT_NEAR(clip.files[0].error.psnr_worst_frame, 10 * std::log10(65025 * values / worst), 1e-9);
   EXPECT_GE(clip.files[0].error.psnr_worst_frame, 40);
+}
+
+// The payload of the first box of that name, among boxes that follow each other (ISO/IEC 14496-12, 4.2).
+std::string box(const std::string& boxes, const std::string& name) {
+  const auto number = [&](size_t at) {
+    uint32_t value = 0;
+    for (size_t i = 0; i < 4; ++i) value = value << 8U | static_cast<uint8_t>(boxes[at + i]);
+    return value;
+  };
+  for (size_t at = 0; at + 8 <= boxes.size(); at += number(at)) {
+    if (number(at) < 8) break;
+    if (boxes.compare(at + 4, 4, name) == 0) return boxes.substr(at + 8, number(at) - 8);
+  }
+  ADD_FAILURE() << "there is no box " << name;
+  return {};
+}
+
+// Its 32-bit numbers, from the most significant byte on.
+std::vector<uint32_t> numbers(const std::string& bytes) {
+  std::vector<uint32_t> out(bytes.size() / 4, 0);
+  for (size_t i = 0; i < 4 * out.size(); ++i) out[i / 4] = out[i / 4] << 8U | static_cast<uint8_t>(bytes[i]);
+  return out;
+}
+
+// By the file's own tables, which no decoder of ours reads for us.
+TEST_F(ClipTest, TablesSayHowManyFramesAndHowLong) {
+  write_clip(folder / "a.mp4", 35);
+  const std::string media = box(box(box(read_text(folder / "a.mp4"), "moov"), "trak"), "mdia");
+  const std::vector<uint32_t> header = numbers(box(media, "mdhd"));  // version, made, changed, ticks a second, ticks
+  ASSERT_GE(header.size(), 5U);
+  EXPECT_EQ(uint64_t{header[4]} * 30, uint64_t{header[3]} * 35) << "35 frames at 30 a second";
+  const std::string table = box(box(media, "minf"), "stbl");
+  const std::vector<uint32_t> sizes = numbers(box(table, "stsz"));  // version, size of all, how many
+  ASSERT_GE(sizes.size(), 3U);
+  EXPECT_EQ(sizes[2], 35U);
+  const std::vector<uint32_t> times = numbers(box(table, "stts"));  // version, runs, frames and ticks of each
+  ASSERT_EQ(times.size(), 4U) << "all frames last equally long";
+  EXPECT_EQ(times[2], 35U);
+  EXPECT_EQ(times[3] * 30, header[3]);
+}
+
+// libvpx's own decoder, where FFmpeg's reads the clips elsewhere.
+TEST_F(ClipTest, AnotherDecoderSeesTheSameFrames) {
+  if (std::system("vpxdec --help >/dev/null 2>&1") != 0) GTEST_SKIP() << "vpxdec (vpx-tools) is not installed";
+  write_clip(folder / "a.mp4", 7, {.webm = true});
+  const std::string decode = "cd '" + folder.string() + "' && vpxdec --rawvideo -o a.yuv a.webm 2>/dev/null";
+  ASSERT_EQ(std::system(decode.c_str()), 0);
+  const std::string planes = read_text(folder / "a.yuv");
+  constexpr size_t kPlane = 96 * 80;
+  ASSERT_EQ(planes.size(), 7 * 3 * kPlane) << "seven frames, no colour sample left out";
+  ClipReader reader(folder / "a.webm");
+  ClipReader::Frame frame;
+  int worst = 0;
+  for (size_t f = 0; f < 7; ++f) {
+    ASSERT_TRUE(reader.next(frame));
+    for (size_t i = 0; i < kPlane; ++i) {
+      const auto sample = [&](size_t plane) { return static_cast<uint8_t>(planes[(3 * f + plane) * kPlane + i]); };
+      // BT.709's luma weights, limited range.
+      const double y = (sample(0) - 16) / 219.0;
+      const double b = (sample(1) - 128) / 224.0 * 1.8556;
+      const double r = (sample(2) - 128) / 224.0 * 1.5748;
+      const double rgb[] = {y + r, y - (0.2126 * r + 0.0722 * b) / 0.7152, y + b};
+      for (size_t c = 0; c < 3; ++c) {
+        const int expected = static_cast<int>(std::lround(255 * std::clamp(rgb[c], 0.0, 1.0)));
+        worst = std::max(worst, std::abs(expected - frame.rgb.data[3 * i + c]));
+      }
+    }
+  }
+  EXPECT_FALSE(reader.next(frame));
+  EXPECT_LE(worst, 1) << "code values: the two conversions round apart";
 }
 
 TEST_F(ClipTest, ListsTheRawFramesAndKeepsThemInTheMaster) {
