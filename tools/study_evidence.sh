@@ -1,23 +1,26 @@
 #!/bin/sh
 # Makes docs/study-evidence.md: how often the analysis of simulated answers is right. The rows are what the tests of
 # tests/studies/recovery_test.cpp print, over more seeds than they take in the normal run.
-# Usage: study_evidence.sh BUILD OUT.md [--seeds N]
+# Usage: study_evidence.sh BUILD OUT.md [--seeds N] [--kills N]
 #
-# BUILD: a build directory with bin/test_studies. --seeds: simulated studies a row (500).
+# BUILD: a build directory with bin/test_studies and bin/crowdbench. --seeds: simulated studies a row (500). --kills: of the
+# study's server while simulated clients answer (1000).
 set -eu
 
 fail() {
   echo "study_evidence: $*" >&2
   exit 2
 }
-[ $# -ge 2 ] || fail "usage: study_evidence.sh BUILD OUT.md [--seeds N]"
+[ $# -ge 2 ] || fail "usage: study_evidence.sh BUILD OUT.md [--seeds N] [--kills N]"
 build=$1
 out=$2
 shift 2
 seeds=500
+kills=1000
 while [ $# -gt 0 ]; do
   case $1 in
     --seeds) [ $# -ge 2 ] || fail "--seeds needs a value"; seeds=$2; shift ;;
+    --kills) [ $# -ge 2 ] || fail "--kills needs a value"; kills=$2; shift ;;
     *) fail "'$1' is not an option" ;;
   esac
   shift
@@ -47,6 +50,10 @@ rows() {
   printf '\n## Power of the mixed model\n\nBeside the same simulation by lme4 (1,000 studies a row).\n\n'
   printf '| design | observers | power | lme4 |\n|---|--:|--:|--:|\n'
   rows 'Recovery.Power*'
+  printf '\n## A server that is killed\n\nBy SIGKILL at random moments, started again each time: `tools/study_kill.mjs`.\n\n'
+  node "$(dirname "$0")/study_kill.mjs" "$build/bin/crowdbench" "$work/kills" --kills "$kills" >"$work/killed" ||
+    echo '[ ] A server that is killed' >>"$work/failed"
+  sed '/^[0-9]* kills, /d; s/^/    /' "$work/killed"
 } >"$out.part"
 if [ -s "$work/failed" ]; then
   { printf '\n## Outside of what the tests demand\n\n'; sed 's/.*\] /- /; s/ (.*//' "$work/failed"; } >>"$out.part"

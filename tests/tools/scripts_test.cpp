@@ -206,10 +206,12 @@ TEST_F(ScriptsGl, StatisticsEvidence) {
 }
 
 TEST_F(ScriptsGl, StudyEvidence) {
-  const Outcome outcome = run("study_evidence.sh", build_ + " evidence.md --seeds 2");
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("study_evidence.sh", build_ + " evidence.md --seeds 2 --kills 1");
   ASSERT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_NE(text("evidence.md").find("2 simulated studies a row"), std::string::npos);
   EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("threshold of the mixed model[^\n]* of 2 \\|")));
+  EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("1 kills under 50 [^\n]* 0 lost")));
   EXPECT_EQ(run("study_evidence.sh", build_ + " evidence.md --frobnicate").status, 2);
   EXPECT_EQ(run("study_evidence.sh", "nowhere other.md").status, 2);
 }

@@ -20,6 +20,7 @@ struct Server {
   httplib::Server server;
   Settings settings;
   std::atomic<bool> ended{false};  // serve() has returned
+  int socket = -1;                 // that was bound last
 };
 
 namespace {
@@ -130,7 +131,8 @@ void set_up(Server& made) {
   server.set_payload_max_length(made.settings.most_body_bytes);
   server.set_tcp_nodelay(true);
   // Not SO_REUSEPORT, by which two servers would share one port in silence.
-  server.set_socket_options([](int socket) {
+  server.set_socket_options([&made](int socket) {
+    made.socket = socket;
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
@@ -157,6 +159,10 @@ Server* open(const Settings* settings, int32_t* port, char* message) {
     std::snprintf(message, kMessageBytes, "%s", errno != 0 ? std::strerror(errno) : "the address cannot be resolved");
     return nullptr;
   }
+  // The library lets five connections wait. The sixth of browsers that come at once is dropped and tried again by its
+  // system a second later.
+  constexpr int kWaiting = 128;
+  listen(made->socket, kWaiting);
   *port = got;
   return made.release();
 }
