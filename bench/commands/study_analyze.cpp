@@ -14,6 +14,8 @@
 #include "studies/analysis/analysis.h"
 #include "studies/analysis/exports.h"
 #include "studies/plan/frozen.h"
+#include "studies/server/answers_export.h"
+#include "studies/server/study_folder.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -23,7 +25,7 @@ using namespace studies;
 // What is not given stays empty: the plan's, or the default.
 struct Options {
   std::vector<std::string> files, where;
-  std::string table, columns, plan, scores;
+  std::string table, columns, plan, scores, study;
   std::string markdown, page, out, exports;
   std::string ties, curve, guess, lapse, random, link, integration;
   std::optional<double> chance, margin, between, alpha, power, confidence, level, catch_least, shortest_rt;
@@ -164,8 +166,20 @@ AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
   return out;
 }
 
+// The answers that a study's server kept, by what was shown: the exported folder's sides.json says it.
+Table kept_answers(const std::string& file, const std::string& study) {
+  const std::filesystem::path beside = std::filesystem::absolute(file).parent_path();
+  const std::filesystem::path folder = study.empty() ? beside : std::filesystem::path(study);
+  if (!std::filesystem::exists(folder / "sides.json"))
+    throw Error(file, "is not in the folder of its study", "name that folder: --study OUT");
+  const StudyFolder shown = read_study_folder(folder);
+  return parse_table(answers_csv(read_study_answers({file}, shown.study), folder), file);
+}
+
 Table rows_of(const std::string& file, const Options& o) {
-  Table out = read_table(file);
+  const std::filesystem::path extension = std::filesystem::path(file).extension();
+  const bool kept = extension == ".sqlite" || extension == ".json";
+  Table out = kept ? kept_answers(file, o.study) : read_table(file);
   for (const std::string& condition : o.where) {
     const size_t equals = condition.find('=');
     if (equals == std::string::npos)
@@ -313,7 +327,13 @@ void add_output_options(Command& command, Options& o) {
 }
 
 void add_options(Command& command, Options& o) {
-  command.add_option("ANSWERS", o.files, "tables whose columns have the names of roles")->type_name("FILE.csv");
+  command
+      .add_option("ANSWERS", o.files,
+                  "tables whose columns have the names of roles, or what `study serve` kept or the page saved")
+      ->type_name("FILE.csv|FILE.sqlite|FILE.json");
+  command
+      .add_option("--study", o.study, "folder that `study export` made, where FILE.sqlite or FILE.json is not in it")
+      ->type_name("OUT");
   command.add_option("--table", o.table, "a table of any other columns")->type_name("FILE.csv");
   command.add_option("--columns", o.columns, "which column of --table plays which role, ROLE=COLUMN,ROLE=COLUMN,...")
       ->type_name("MAP");
@@ -351,6 +371,7 @@ void add_study_analyze(Command& study, Run& run) {
       "is decides what is analysed: `level` a psychometric function, `item_a` and `item_b` a ranking, `participant` a\n"
       "mixed model.\n\nExamples:\n"
       "  crowdbench study analyze answers.csv --margin 0.1 --markdown answers.md\n"
+      "  crowdbench study analyze out/answers.sqlite --plan study.toml --json\n"
       "  crowdbench study analyze --table trials.csv --columns participant=who,level=distance_m,answer=seen --guess 0\n"
       "  crowdbench study analyze answers.csv --plan study.toml --scores out/study.json --out report\n"
       "  crowdbench study analyze --table pairs.csv --columns item_a=left,item_b=right,shown_first=left,answer=choice "

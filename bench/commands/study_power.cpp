@@ -5,20 +5,41 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
 #include "bench/commands/study.h"
+#include "core/error.h"
 #include "core/json.h"
 #include "studies/analysis/power.h"
+#include "studies/plan/plan.h"
 
 namespace crowdbench::bench {
 namespace {
 
 struct Options {
-  std::vector<uint32_t> participants = {8, 16, 24, 32};
+  std::string plan;
+  std::vector<uint32_t> participants;
   studies::PowerSettings settings;
+  std::optional<uint32_t> clips, repeats;  // the plan's, or the default, where they are not given
+  std::optional<double> alpha;
   uint64_t simulations = 1000;
   bool json = false;
 };
 
-int run_power(const Options& options) {
+// What is not given is the plan's: how many take part, the crowds and repeats of a condition, the level of its tests.
+void take_plan(Options& o) {
+  const studies::StudyPlan plan = studies::read_study_plan(o.plan);
+  if (plan.method.method != studies::Method::constant)
+    throw Error(o.plan, "chooses its trials by the answers", "plan the study that its pilot is for: constant stimuli");
+  if (o.participants.empty() && plan.participants.planned >= 2) o.participants = {plan.participants.planned};
+  if (!o.clips) o.clips = plan.stimulus.crowds;
+  if (!o.repeats) o.repeats = plan.method.repeats;
+  if (!o.alpha) o.alpha = plan.analysis.settings.alpha;
+}
+
+int run_power(Options options) {
+  if (!options.plan.empty()) take_plan(options);
+  if (options.participants.empty()) options.participants = {8, 16, 24, 32};
+  options.settings.clips = options.clips.value_or(options.settings.clips);
+  options.settings.repeats = options.repeats.value_or(options.settings.repeats);
+  options.settings.alpha = options.alpha.value_or(options.settings.alpha);
   Json rows = Json::array();
   if (!options.json)
     fmt::print(
@@ -47,7 +68,15 @@ int run_power(const Options& options) {
       fmt::print("{:>12} {:>8} {:>7.3f} {:>10.3f} {:>10.3f} {:>9} {:>7}\n", participants, trials, got.power,
                  got.power_se, got.interval_width, got.singular, got.failed);
   }
-  if (options.json) fmt::print("{}\n", Json{{"observers", "simulated"}, {"rows", rows}}.dump(2));
+  if (options.json)
+    fmt::print("{}\n", Json{{"observers", "simulated"},
+                            {"plan", options.plan.empty() ? Json() : Json(options.plan)},
+                            {"effect", options.settings.effect},
+                            {"clips", options.settings.clips},
+                            {"repeats", options.settings.repeats},
+                            {"alpha", options.settings.alpha},
+                            {"rows", rows}}
+                           .dump(2));
   return 0;
 }
 
@@ -59,12 +88,14 @@ void add_study_power(Command& study, Run& run) {
       "Two conditions within every participant; answers by a logistic model with participants (and clips, with "
       "--clip-sd)\n"
       "that differ; each simulated study is analysed by the mixed model that `study analyze` fits, Wald test of the "
-      "effect.\n\n"
+      "effect.\nWith PLAN, participants, clips, repeats and level are the plan's where they are not given.\n\n"
       "Examples:\n  crowdbench study power --effect 0.5 --participants 8,16,24\n"
+      "  crowdbench study power studies/plans/equivalence.toml --effect 0.4 --json\n"
       "  crowdbench study power --effect 0.4 --participant-sd 0.6 --clip-sd 0.5 --clips 12 --simulations 200 --json");
   auto options = std::make_shared<Options>();
   Options& o = *options;
-  command->add_option("--participants", o.participants, "numbers of participants to try")
+  command->add_option("PLAN", o.plan, "a study's plan")->type_name("FILE.toml");
+  command->add_option("--participants", o.participants, "numbers of participants to try (8, 16, 24, 32)")
       ->delimiter(',')
       ->whole_number(2, 10000);
   command->add_option("--effect", o.settings.effect, "between the two conditions, in logits")
@@ -81,15 +112,14 @@ void add_study_power(Command& study, Run& run) {
                    "between clips, in logits; 0: clips are alike, and not random in the model")
       ->capture_default_str()
       ->number(0, 20);
-  command->add_option("--clips", o.settings.clips, "clips a condition")->capture_default_str()->whole_number(1, 1000);
-  command->add_option("--repeats", o.settings.repeats, "of each clip in each condition, by every participant")
-      ->capture_default_str()
+  command->add_option("--clips", o.clips, "clips a condition (10)")->whole_number(1, 1000);
+  command->add_option("--repeats", o.repeats, "of each clip in each condition, by every participant (2)")
       ->whole_number(1, 1000);
-  command->add_option("--alpha", o.settings.alpha, "level of the test")->capture_default_str()->number(1e-6, 0.5);
+  command->add_option("--alpha", o.alpha, "level of the test (0.05)")->number(1e-6, 0.5);
   command->add_option("--simulations", o.simulations, "studies that are simulated")
       ->capture_default_str()
       ->whole_number(1, 100000);
-  command->add_option("--simulation-seed", o.settings.seed, "seed of the simulated observers")
+  command->add_option("--seed", o.settings.seed, "seed of the simulated observers")
       ->capture_default_str()
       ->whole_number(0, UINT64_MAX);
   add_json_option(*command, o.json);

@@ -87,8 +87,10 @@ class Units {
       for (const MixedRow& row : rows) mean += static_cast<double>(row.of) * row.fixed[k] / count;
       for (const MixedRow& row : rows)
         square += static_cast<double>(row.of) * (row.fixed[k] - mean) * (row.fixed[k] - mean) / count;
-      const double unit = square > 0 ? std::sqrt(square) : 1;
-      for (MixedRow& row : rows) row.fixed[k] = (row.fixed[k] - mean) / unit;
+      // What is the same everywhere is nothing beside the intercept, whatever the mean's rounding leaves of it.
+      const bool constant = !(square > 1e-24 * mean * mean);
+      const double unit = constant ? 1 : std::sqrt(square);
+      for (MixedRow& row : rows) row.fixed[k] = constant ? 0 : (row.fixed[k] - mean) / unit;
       back_(j, j) = 1 / unit;
       back_(0, j) = -mean / unit;
     }

@@ -106,6 +106,10 @@ std::string difference_sentence(const TaskResult& t, const DifferenceResult& d, 
 
 std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
   const std::string who = c.condition.empty() ? "" : named(c.condition) + ": ";
+  if (c.fit.state == CurveState::no_slope)
+    return fmt::format(
+        "{}There is no threshold: no slope. The curve is one that {} with the level; `falling` turns it.", who,
+        s.curve.falling ? "falls" : "rises");
   if (!c.fit.threshold) return fmt::format("{}There is no threshold: {}.", who, state_text(c.fit.state));
   std::string interval = ends_text(c.fit.threshold_profile.low, c.fit.threshold_profile.high);
   std::string method = "profile likelihood";

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <tuple>
 
+#include "core/error.h"
 #include "core/hash.h"
 #include "studies/analysis/active_pairs.h"
 
@@ -143,6 +145,26 @@ Json grid_json(const AdaptiveRule& rule) {
           {"lapse", rule.lapse}};
 }
 
+constexpr const char* kFromExport = "name a folder that `crowdbench study export` made";
+
+// Whether choose_stimulus() may be asked: it indexes without looking.
+bool is_usable(const AdaptiveRule& rule) {
+  const auto chances = [](const std::vector<double>& rates) {
+    return !rates.empty() && std::all_of(rates.begin(), rates.end(), [](double r) { return r >= 0 && r < 0.5 + 1e-9; });
+  };
+  const bool pairs = rule.method == Method::active_pairs;
+  if (rule.method == Method::constant || rule.choices.empty()) return false;
+  if (!pairs && (rule.threshold.empty() || rule.slope.empty() || !chances(rule.guess) || !chances(rule.lapse)))
+    return false;
+  const auto known = [&](const std::string& stimulus) { return rule.yes.contains(stimulus); };
+  return std::all_of(rule.choices.begin(), rule.choices.end(),
+                     [&](const AdaptiveChoice& c) {
+                       const bool items = !pairs || (c.a != c.b && c.a < rule.items.size() && c.b < rule.items.size());
+                       return items && !c.stimuli.empty() && std::all_of(c.stimuli.begin(), c.stimuli.end(), known);
+                     }) &&
+         std::all_of(rule.alike.begin(), rule.alike.end(), known);
+}
+
 }  // namespace
 
 AdaptiveRule adaptive_rule(const StudyPlan& plan, const StudyDesign& design) {
@@ -204,6 +226,44 @@ Json adaptive_json(const AdaptiveRule& rule) {
   out["yes"] = Json::object();
   for (const auto& [stimulus, answer] : rule.yes) out["yes"][stimulus] = answer;
   return out;
+}
+
+AdaptiveRule parse_adaptive(const std::string& text, const std::string& where) {
+  using nlohmann::json;
+  AdaptiveRule rule;
+  try {
+    const json all = json::parse(text);
+    const auto method = std::find(method_words().begin(), method_words().end(), all.at("method").get<std::string>());
+    rule.method = static_cast<Method>(method - method_words().begin());
+    const bool pairs = rule.method == Method::active_pairs;
+    if (pairs) {
+      rule.items.resize(std::min<size_t>(all.at("items").get<size_t>(), kMostConditions + 1));
+    } else {
+      rule.curve = curve_named(all.at("curve").get<std::string>()).value_or(Curve::logistic);
+      rule.falling = all.at("falling").get<bool>();
+      rule.threshold = all.at("threshold").get<std::vector<double>>();
+      rule.slope = all.at("slope").get<std::vector<double>>();
+      rule.guess = all.at("guess").get<std::vector<double>>();
+      rule.lapse = all.at("lapse").get<std::vector<double>>();
+    }
+    for (const json& each : all.at("choices")) {
+      AdaptiveChoice choice;
+      if (pairs) {
+        choice.a = each.at("a").get<size_t>();
+        choice.b = each.at("b").get<size_t>();
+      } else {
+        choice.level = each.at("level").get<double>();
+      }
+      choice.stimuli = each.at("stimuli").get<std::vector<std::string>>();
+      rule.choices.push_back(std::move(choice));
+    }
+    rule.alike = all.at("alike").get<std::vector<std::string>>();
+    rule.yes = all.at("yes").get<std::map<std::string, std::string>>();
+  } catch (const json::exception&) {
+    throw Error(where, "`adaptive` is not a rule by which trials are chosen", kFromExport);
+  }
+  if (!is_usable(rule)) throw Error(where, "nothing can be chosen by the rule in `adaptive`", kFromExport);
+  return rule;
 }
 
 Json adaptive_meaning(const StudyPlan& plan) {

@@ -57,6 +57,9 @@ std::string chosen_stimulus(const AdaptiveRule& rule, const std::string& study, 
 
 // The rule as trials.json and study.json hold it.
 Json adaptive_json(const AdaptiveRule& rule);
+// Such a rule, read again; items have no names there. Throws Error at `where`: no such rule, or one that nothing can be
+// chosen by.
+AdaptiveRule parse_adaptive(const std::string& json, const std::string& where);
 // What a frozen plan says of it: the method's settings, without what an export names.
 Json adaptive_meaning(const StudyPlan& plan);
 

@@ -38,6 +38,16 @@ Json lists_json(const StudyPlan& plan, const StudyDesign& design) {
   return out;
 }
 
+// The condition's name without the level that the psychometric function is over: of one series, conditions differ in
+// that level alone. Empty where there is no other factor.
+std::string series_name(const StudyPlan& plan, const StudyCondition& condition) {
+  std::string out;
+  for (size_t f = 0; f < plan.factors.size(); ++f)
+    if (plan.factors[f].name != plan.analysis.level)
+      out += fmt::format("{}{}={}", out.empty() ? "" : " ", plan.factors[f].name, condition.levels[f].text);
+  return out;
+}
+
 }  // namespace
 
 Json half_json(const PlannedHalf& half, const scene::Scenario& drawn) {
@@ -58,6 +68,7 @@ Json stimulus_json(const StudyPlan& plan, const StudyDesign& design, const Stimu
   out["kind"] = stimulus_word(stimulus.kind);
   out["condition"] = condition.id;
   out["condition_name"] = condition.name;
+  out["series"] = series_name(plan, condition);
   out["level"] = condition.level ? Json(*condition.level) : Json();
   out["crowd"] = stimulus.crowd;
   out["upper"] = side(stimulus.upper, stimulus.item_upper);
@@ -105,7 +116,8 @@ Json sides_json(const ExportFacts& facts) {
   Json sides = Json::object();
   for (const Json& stimulus : facts.stimuli.elements()) {
     Json& entry = sides[stimulus.at("id").text()];
-    for (const char* const key : {"kind", "condition", "condition_name", "level", "crowd", "test_on_top", "expected"})
+    for (const char* const key :
+         {"kind", "condition", "condition_name", "series", "level", "crowd", "test_on_top", "expected"})
       entry[key] = stimulus.at(key);
     for (const char* const half : {"upper", "lower"}) entry[half] = stimulus.at(half).at("item");
   }

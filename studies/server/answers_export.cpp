@@ -105,7 +105,7 @@ void add_saved_file(StudyAnswers& to, const fs::path& file) {
 
 // A stimulus as sides.json says it; empty texts: does not apply.
 struct Shown {
-  std::string condition, clip, level, kind, upper, lower, expected;
+  std::string condition, series, clip, level, kind, upper, lower, expected;
 };
 
 // A text or a number as a field; nothing else.
@@ -126,8 +126,11 @@ std::map<std::string, Shown> read_sides(const fs::path& out) {
   for (const auto& each : stimuli->items()) {
     const json& s = each.value();
     if (!s.is_object()) throw Error(file.string(), fmt::format("`{}` is not a stimulus", printable(each.key(), 60)));
-    shown[each.key()] = {field(s, "condition_name"), field(s, "crowd"), field(s, "level"),   field(s, "kind"),
-                         field(s, "upper"),          field(s, "lower"), field(s, "expected")};
+    const std::string condition = field(s, "condition_name");
+    shown[each.key()] = {condition,         s.contains("series") ? field(s, "series") : condition,
+                         field(s, "crowd"), field(s, "level"),
+                         field(s, "kind"),  field(s, "upper"),
+                         field(s, "lower"), field(s, "expected")};
   }
   return shown;
 }
@@ -158,6 +161,7 @@ struct CsvRow {
   const std::string& study;
   bool ranked;
   bool same_different;
+  bool has_axis = false;  // there is a column `level`: what it says is not said by the condition
 };
 struct CsvColumn {
   const char* name;
@@ -195,7 +199,7 @@ const std::vector<CsvColumn>& csv_columns() {
       {"study", [](R r) { return r.study; }},
       {"participant", [](R r) { return r.who.participant; }},
       {"trial", [](R r) { return r.answer.item; }},
-      {"condition", [](R r) { return r.shown.condition; }, false},
+      {"condition", [](R r) { return r.has_axis ? r.shown.series : r.shown.condition; }, false},
       {"clip", [](R r) { return r.shown.clip; }, false},
       {"level", level_of, false},
       {"signal", signal_of, false},
@@ -228,15 +232,15 @@ bool is_row(const StudyAnswerRow& row, const Shown& shown, bool ranked, bool lev
   return !shown.expected.empty() || (ranked && row.kind != "catch");
 }
 
-std::string csv_of(const std::vector<CsvRow>& rows) {
+std::string csv_of(std::vector<CsvRow> rows) {
+  // A level that some trials do not have (infinity) is no axis.
+  const bool axis = std::all_of(rows.begin(), rows.end(), [](R row) { return !level_of(row).empty(); });
+  for (CsvRow& row : rows) row.has_axis = axis;
   std::vector<const CsvColumn*> used;
   for (const CsvColumn& column : csv_columns()) {
     const auto has = [&](const CsvRow& row) { return !column.value(row).empty(); };
-    // A level that some trials do not have (infinity) is no axis.
-    const bool axis = std::string(column.name) == "level";
-    if (column.always ||
-        (axis ? std::all_of(rows.begin(), rows.end(), has) : std::any_of(rows.begin(), rows.end(), has)))
-      used.push_back(&column);
+    const bool is_level = std::string(column.name) == "level";
+    if (column.always || (is_level ? axis : std::any_of(rows.begin(), rows.end(), has))) used.push_back(&column);
   }
   std::string text;
   const auto line = [&](const auto& value_of) {
@@ -306,7 +310,7 @@ std::string answers_csv(const StudyAnswers& answers, const fs::path& out, bool l
       rows.push_back(CsvRow{row, *who.at(row.participant), found->second, answers.study, ranked, same_different});
   }
   if (rows.empty()) throw Error(out.string(), "no trial that a table holds was answered", "wait for answers");
-  return csv_of(rows);
+  return csv_of(std::move(rows));
 }
 
 }  // namespace crowdbench::studies

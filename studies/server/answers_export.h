@@ -31,8 +31,9 @@ std::string json_lines(const StudyAnswers& answers);
 // one showing, the share of all showings that the browser dropped; empty where it does not say. Same or different:
 // `signal` is 1 where the halves differ, and `expected` is always "different", so that yes means "said different".
 // Left out: training, and trials that have no right answer. `level` is there where all trials have one; levels: only
-// trials that do (others: infinity). out: the exported folder; its sides.json says what each stimulus was. Throws
-// Error.
+// trials that do (others: infinity). `condition` is what else than
+// the level a condition is made of, where there is one. out: the exported folder; its sides.json says what each
+// stimulus was. Throws Error.
 std::string answers_csv(const StudyAnswers& answers, const std::filesystem::path& out, bool levels = false);
 
 }  // namespace crowdbench::studies

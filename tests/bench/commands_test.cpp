@@ -506,7 +506,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
       {"study simulate",
        [&] {
          const json j = facts(
-             "study simulate --participants 12 --levels 0,1,2,3 --threshold 1.5 --slope 2 --repeats 10 --out "
+             "study simulate --observers 12 --levels 0,1,2,3 --threshold 1.5 --slope 2 --repeats 10 --out "
              "simulated.csv --json");
          EXPECT_EQ(j.at("observers"), "simulated");
          EXPECT_EQ(j.at("answers"), 480);
@@ -514,12 +514,27 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
              facts("study analyze simulated.csv --guess 0 --resamples 0 --level 0.5 --json").at("tasks").at(0);
          EXPECT_NEAR(curve.at("curves").at(0).at("threshold").get<double>(), 1.5, 0.3);
          EXPECT_EQ(curve.at("mixed_models").at(0).at("participants"), 12);
+         // Of an exported study, as its server would keep them.
+         EXPECT_EQ(
+             facts("study simulate served --observers 5 --seed 2 --out served/simulated.sqlite --json").at("answers"),
+             5);
+         const json shares = facts("study analyze served/simulated.sqlite --resamples 0 --random none --json")
+                                 .at("tasks")
+                                 .at(0)
+                                 .at("conditions")
+                                 .at(0);
+         EXPECT_EQ(shares.at("yes").get<int>() + shares.at("no").get<int>(), 5);
+         EXPECT_EQ(run("study simulate served --out served/simulated.sqlite").status, 2) << "it is there";
+         EXPECT_NE(run("study simulate --out x.csv").text.find("there is nothing to answer"), std::string::npos);
+         run("study simulate served --observers 2 --out simulated.csv");
+         EXPECT_TRUE(text("simulated.csv").starts_with("observers,study,"));
        }},
       {"study power",
        [&] {
          const json j = facts("study power --participants 6,24 --simulations 40 --json");
          ASSERT_EQ(j.at("rows").size(), 2U);
          EXPECT_LT(j.at("rows")[0].at("power").get<double>(), j.at("rows")[1].at("power").get<double>());
+         EXPECT_EQ(facts("study power study.toml --simulations 5 --json").at("plan"), "study.toml");
          EXPECT_NE(run("study power --participants 6 --simulations 5").text.find("simulated: 0.5 logits"),
                    std::string::npos);
        }},

@@ -396,10 +396,11 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
   }
   ASSERT_GE(by_command.size(), 16U);
   for (const char* shared :
-       {"device", "seed", "size", "bake-budget", "no-cache", "samples", "supersample", "no-ground"}) {
+       {"device", "size", "bake-budget", "no-cache", "samples", "supersample", "no-ground"}) {
     EXPECT_EQ(texts[shared].size(), 1U) << shared;
     for (const auto& [text, commands] : texts[shared]) EXPECT_GE(commands.size(), 2U) << shared << ": " << text;
   }
+  EXPECT_EQ(texts["seed"].size(), 2U) << "of the crowd, and of simulated observers";
   // What draws one representation, or several, says so with the same option; pairs name their two sides.
   for (const char* command :
        {"render", "bake", "quality", "switch-distance", "popmap", "popping", "distance", "bench", "view", "demo"})

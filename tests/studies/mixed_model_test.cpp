@@ -179,6 +179,15 @@ TEST(MixedModel, SaysWhatHasNoEstimate) {
   EXPECT_EQ(fit_mixed(same, {}).state, MixedState::unidentified);
 }
 
+// A variable that is the same everywhere, at a value whose mean is not exact.
+TEST(MixedModel, AConstantLevelIsNoEffect) {
+  std::vector<MixedRow> rows;
+  for (uint32_t p = 0; p < 7; ++p)
+    for (int t = 0; t < 3; ++t)
+      rows.push_back({.participant = p, .fixed = {1, 160.1}, .yes = (p + t) % 3 ? 1U : 0U, .of = 1});
+  EXPECT_EQ(fit_mixed(rows, {}).state, MixedState::unidentified);
+}
+
 TEST(MixedModel, ThresholdIsWhereTheTypicalParticipantIs) {
   // b0 + b1 t = logit(.75) by hand.
   MixedFit fit;

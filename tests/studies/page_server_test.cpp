@@ -349,11 +349,16 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(table.rows[1].yes, 1U);
   EXPECT_EQ(table.rows[2].catch_kind, "broken");
   EXPECT_EQ(table.rows[3].ties, 1U);
-  // A level that is infinite is no axis: `level` is left out, or the trial.
+  // What the level says is not said by the condition again.
   nlohmann::json sides = nlohmann::json::parse(read_text(out_ / "sides.json"));
+  for (nlohmann::json& each : sides["stimuli"]) each["series"] = "crowd.agents=9";
+  write_file(out_ / "sides.json", std::string_view(sides.dump()));
+  EXPECT_EQ(parse_table(answers_csv(answers, out_), "series.csv").rows[0].fields[3], "crowd.agents=9");
+  // A level that is infinite is no axis: `level` is left out, or the trial.
   sides["stimuli"]["s001"]["level"] = nullptr;
   write_file(out_ / "sides.json", std::string_view(sides.dump()));
   EXPECT_EQ(answers_csv(answers, out_).find(",level,"), std::string::npos);
+  EXPECT_EQ(parse_table(answers_csv(answers, out_), "conditions.csv").rows[0].fields[3], "switch_m=20");
   const Table levels = parse_table(answers_csv(answers, out_, true), "levels.csv");
   EXPECT_EQ(levels.columns[5], "level");
   EXPECT_EQ(levels.rows.size(), 2U);
