@@ -45,12 +45,12 @@ int fitting_size(int size, int least, uint64_t needed, uint64_t left) {
 BakeLoader::BakeLoader(const MakeContext& make, BakeMessages messages)
     : make_(make), messages_(std::move(messages)), cache_(bake_folder(), make.use_cache), left_(make.bake_budget) {}
 
-void BakeLoader::warn(const std::string& text) const {
+void warn_of_bake(const std::string& what, const std::string& text) {
   static std::mutex mutex;
   static std::set<std::string> said;
   const std::scoped_lock lock(mutex);
-  if (text.empty() || !said.insert(messages_.kind + text).second) return;
-  fmt::print(stderr, "crowdbench: warning: {}: {}\n", messages_.what, text);
+  if (text.empty() || !said.insert(what + text).second) return;
+  fmt::print(stderr, "crowdbench: warning: {}: {}\n", what, text);
 }
 
 std::optional<std::vector<uint8_t>> BakeLoader::stored(const std::string& key) const {

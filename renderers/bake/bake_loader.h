@@ -31,6 +31,9 @@ std::string budget_advice(const std::string& fits, const std::string& otherwise,
 // Of a bake whose bytes grow with the square of a size from `least` on: about the largest that fits; 0: none.
 int fitting_size(int size, int least, uint64_t needed, uint64_t left);
 
+// A warning about a bake of `what`, on stderr, once a process; nothing where the text is empty.
+void warn_of_bake(const std::string& what, const std::string& text);
+
 class BakeLoader {
  public:
   struct BakeMessages {
@@ -58,8 +61,7 @@ class BakeLoader {
     take(character, key, cached, bake->texture_bytes());
     return std::move(*bake);
   }
-  // A warning about a bake, on stderr, once a process; nothing where the text is empty.
-  void warn(const std::string& text) const;
+  void warn(const std::string& text) const { warn_of_bake(messages_.what, text); }
   // One a bake loaded.
   const std::vector<BakeRecord>& records() const { return records_; }
 

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/frame/frame_resources.h"
+#include "renderers/impostor/tiles/stored_frames.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "scene/cast/cast.h"
 #include "scene/pose/lod_mesh.h"
@@ -58,6 +61,20 @@ uint64_t posed_bytes(const scene::Cast& cast, const std::vector<size_t>& vertice
   return bytes;
 }
 
+// The coarsest of the clips that move, where fewer poses than kFewFramesASecond are stored of it; else empty.
+std::string coarse_poses_text(const scene::Character& character, const scene::PoseBank& bank, uint32_t poses) {
+  const scene::BankClip* longest = nullptr;
+  for (const scene::BankClip& clip : bank.clips())
+    if (clip.samples > 1 && (longest == nullptr || clip.seconds > longest->seconds)) longest = &clip;
+  if (longest == nullptr || poses >= kFewFramesASecond * longest->seconds * (1 - 1e-9)) return {};
+  return fmt::format(
+      "{}: {} stored poses of clip '{}' ({:.3g} s) are {:.2g} a second of motion, and {:.0f} would be {:g}: raise "
+      "poses "
+      "or budget (MiB), or shorten the clip",
+      character.name, poses, printable(character.clips[static_cast<size_t>(longest->clip)].name, 60), longest->seconds,
+      poses / longest->seconds, std::ceil(kFewFramesASecond * longest->seconds), kFewFramesASecond);
+}
+
 class RigidRepresentation : public Representation {
  public:
   RigidRepresentation(const MakeContext& make, const RigidOptions& options)
@@ -85,6 +102,7 @@ class RigidRepresentation : public Representation {
                   "lower poses, use fewer clips or characters, or raise budget (MiB)");
     for (size_t c = 0; c < cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *cast.banks[c];
+      warn_of_bake("rigid meshes", coarse_poses_text(*characters[c], bank, poses));
       CharacterPoses& out = characters_.emplace_back();
       std::vector<std::vector<scene::Mat3x4>> palettes;
       for (size_t k = 0; k < bank.clips().size(); ++k) {

@@ -10,6 +10,8 @@
 namespace crowdbench::scene {
 namespace {
 
+constexpr const char* kAdvice = "export it again; the Khronos glTF validator says where else it departs from glTF 2.0";
+
 using nlohmann::json;
 
 constexpr size_t kNameBytes = 1024;
@@ -63,17 +65,19 @@ GltfDocument::GltfDocument(const GltfSource& source, const GltfLimits& limits) :
   DuplicateFinder duplicates;
   json::sax_parse(text.begin(), text.end(), &duplicates);
   if (duplicates.name)
-    throw Error(source_.where(), fmt::format("JSON has the member {} twice in one object",
-                                             duplicates.name->empty() ? "\"\"" : printable(*duplicates.name, 60)));
+    throw Error(source_.where(),
+                fmt::format("JSON has the member {} twice in one object",
+                            duplicates.name->empty() ? "\"\"" : printable(*duplicates.name, 60)),
+                kAdvice);
   try {
     root_ = std::make_unique<json>(json::parse(text.begin(), text.end()));
   } catch (const json::exception& e) {
     std::string reason = e.what();
     const size_t bracket = reason.find("] ");
     if (bracket != std::string::npos) reason.erase(0, bracket + 2);
-    throw Error(source_.where(), "JSON does not parse: " + printable(reason, 160));
+    throw Error(source_.where(), "JSON does not parse: " + printable(reason, 160), kAdvice);
   }
-  if (!root_->is_object()) throw Error(source_.where(), "JSON is not an object");
+  if (!root_->is_object()) throw Error(source_.where(), "JSON is not an object", kAdvice);
   static constexpr std::array<const char*, 14> kArrays = {
       "accessors", "animations", "bufferViews", "buffers", "images",   "materials", "meshes",
       "nodes",     "samplers",   "scenes",      "skins",   "textures", "cameras",   "extensionsUsed"};

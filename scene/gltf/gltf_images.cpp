@@ -30,7 +30,8 @@ bool starts_with(std::span<const uint8_t> bytes, std::string_view magic, size_t 
 
 PictureHeader sized(PictureFormat format, uint32_t width, uint32_t height, const std::string& where) {
   if (width == 0 || height == 0 || width > 65535 || height > 65535)
-    throw Error(where, fmt::format("picture claims to be {} x {}", width, height));
+    throw Error(where, fmt::format("picture claims to be {} x {}", width, height),
+                "the picture is damaged; save it anew");
   return {format, static_cast<int>(width), static_cast<int>(height)};
 }
 
@@ -172,7 +173,8 @@ Image8 decode_jpeg_rgba(std::span<const uint8_t> bytes, const PictureHeader& hea
 
 PictureHeader picture_header(std::span<const uint8_t> bytes, const std::string& where) {
   if (bytes.size() >= kPngMagic.size() && std::equal(kPngMagic.begin(), kPngMagic.end(), bytes.begin())) {
-    if (bytes.size() < 24 || !starts_with(bytes, "IHDR", 12)) throw Error(where, "PNG has no header");
+    if (bytes.size() < 24 || !starts_with(bytes, "IHDR", 12))
+      throw Error(where, "PNG has no header", "export the texture again: the file is damaged");
     return sized(PictureFormat::png, big_endian(bytes, 16, 4), big_endian(bytes, 20, 4), where);
   }
   if (starts_with(bytes, "\xFF\xD8\xFF")) return jpeg_header(bytes, where);

@@ -18,6 +18,8 @@ namespace crowdbench::scene {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kDamaged = "the file is damaged; export it again";
+
 constexpr uint32_t kGlbMagic = 0x46546C67;   // "glTF"
 constexpr uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
@@ -120,7 +122,7 @@ GltfSource::GltfSource(std::span<const uint8_t> bytes, std::string where, fs::pa
   bool have_json = false;
   bool have_bin = false;
   while (at < length) {
-    if (length - at < 8) throw Error(where_, fmt::format("GLB chunk header at byte {} is cut short", at));
+    if (length - at < 8) throw Error(where_, fmt::format("GLB chunk header at byte {} is cut short", at), kDamaged);
     const uint32_t size = read_u32(bytes, at);
     const uint32_t type = read_u32(bytes, at + 4);
     at += 8;
@@ -128,17 +130,18 @@ GltfSource::GltfSource(std::span<const uint8_t> bytes, std::string where, fs::pa
       throw Error(where_, fmt::format("GLB chunk at byte {} says {} bytes, {} are left", at - 8, size, length - at),
                   "the file is truncated or damaged; get it again");
     if (size % 4 != 0)
-      throw Error(where_, fmt::format("GLB chunk at byte {} has length {}, not a multiple of 4", at - 8, size));
+      throw Error(where_, fmt::format("GLB chunk at byte {} has length {}, not a multiple of 4", at - 8, size),
+                  kDamaged);
     const std::span<const uint8_t> chunk = bytes.subspan(at, size);
     if (!have_json) {
-      if (type != kJsonChunk) throw Error(where_, "first GLB chunk is not JSON");
+      if (type != kJsonChunk) throw Error(where_, "first GLB chunk is not JSON", kDamaged);
       json_ = {reinterpret_cast<const char*>(chunk.data()), chunk.size()};
       have_json = true;
     } else if (type == kBinChunk && !have_bin) {
       bin_ = chunk;
       have_bin = true;
     } else if (type == kJsonChunk || type == kBinChunk) {
-      throw Error(where_, fmt::format("GLB has a second {} chunk", type == kJsonChunk ? "JSON" : "BIN"));
+      throw Error(where_, fmt::format("GLB has a second {} chunk", type == kJsonChunk ? "JSON" : "BIN"), kDamaged);
     }
     at += size;
   }
@@ -155,7 +158,8 @@ void GltfSource::fail(const std::string& path, const std::string& wrong, const s
 
 void GltfSource::scan_json() const {
   if (json_.size() > limits_.json_bytes)
-    throw Error(where_, fmt::format("JSON is {} bytes, more than the limit of {}", json_.size(), limits_.json_bytes));
+    throw Error(where_, fmt::format("JSON is {} bytes, more than the limit of {}", json_.size(), limits_.json_bytes),
+                "keep buffers and pictures out of the JSON, and save fewer nodes and keys");
   int depth = 0;
   size_t values = 1;
   bool in_string = false;
@@ -163,7 +167,7 @@ void GltfSource::scan_json() const {
     const char c = json_[i];
     // Some exporters pad the chunk with NUL instead of blanks; inside, a NUL would hide the rest from the parser.
     if (c == '\0' && json_.find_first_not_of('\0', i) != std::string_view::npos)
-      throw Error(where_, fmt::format("JSON holds a NUL byte at {}", i));
+      throw Error(where_, fmt::format("JSON holds a NUL byte at {}", i), kDamaged);
     if (in_string) {
       if (c == '\\')
         ++i;
@@ -177,7 +181,8 @@ void GltfSource::scan_json() const {
       case '{':
         ++values;
         if (++depth > limits_.json_depth)
-          throw Error(where_, fmt::format("JSON nests deeper than {} levels at byte {}", limits_.json_depth, i));
+          throw Error(where_, fmt::format("JSON nests deeper than {} levels at byte {}", limits_.json_depth, i),
+                      kDamaged);
         break;
       case ']':
       case '}': --depth; break;
@@ -186,7 +191,7 @@ void GltfSource::scan_json() const {
       default: break;
     }
     if (values > limits_.json_values)
-      throw Error(where_, fmt::format("JSON has more than {} values", limits_.json_values));
+      throw Error(where_, fmt::format("JSON has more than {} values", limits_.json_values), "use a simpler character");
   }
 }
 

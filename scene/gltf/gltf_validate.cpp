@@ -19,7 +19,9 @@ using nlohmann::json;
 
 void check_asset(GltfCheck& check) {
   const json* asset = check.member(check.root(), "asset");
-  if (!asset) throw Error(check.source.where(), "JSON has no asset, so it is not glTF 2.0");
+  if (!asset)
+    throw Error(check.source.where(), "JSON has no asset, so it is not glTF 2.0",
+                "name a glTF 2.0 file (.glb or .gltf)");
   check.require_object(*asset, "/asset");
   const auto major_of = [&](const char* key, bool required) {
     const std::string* version = check.text_or_none(*asset, "/asset", key);

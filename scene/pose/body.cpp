@@ -12,13 +12,15 @@
 namespace crowdbench::scene {
 namespace {
 
-// The mass of each vertex.
-std::vector<double> vertex_masses(const Character& character, std::span<const uint32_t> unseen) {
+// The mass of each vertex; held: what the joints of things that are held carry, those that are seen.
+std::vector<double> vertex_masses(const Character& character, std::span<const uint32_t> unseen,
+                                  std::vector<bool>& holds) {
   const Mesh& mesh = character.mesh;
   const Skeleton& skeleton = character.skeleton;
   auto bind = skin_positions(mesh, joint_matrices(character, -1, 0.0));
   put_aside(bind, unseen);
-  const auto held = [&](uint32_t v) { return skeleton.root_node >= 0 && skeleton.joints[mesh.joints[v][0]].rigid; };
+  const auto rigid = [&](uint32_t v) { return skeleton.joints[mesh.joints[v][0]].rigid; };
+  const auto held = [&](uint32_t v) { return skeleton.root_node >= 0 && rigid(v); };
   std::vector<double> mass(bind.size(), 0.0);
   double total = 0;
   const auto add = [&](bool by_area, bool with_held) {
@@ -26,9 +28,10 @@ std::vector<double> vertex_masses(const Character& character, std::span<const ui
       const CutOut cut_out(character, character.materials[static_cast<size_t>(p.material)]);
       for (size_t i = p.first_index; i + 2 < p.first_index + p.index_count; i += 3) {
         const uint32_t* t = &mesh.indices[i];
-        if (!with_held && held(t[0])) continue;
         const double area = by_area ? glm::length(glm::cross(bind[t[1]] - bind[t[0]], bind[t[2]] - bind[t[0]])) : 1.0;
         const TrianglePlace share = cut_out.cuts() && by_area ? 3.0 * cut_out.moment(t) : TrianglePlace(1.0);
+        if (rigid(t[0]) && by_area && area * (share.x + share.y + share.z) > 0) holds[mesh.joints[t[0]][0]] = true;
+        if (!with_held && held(t[0])) continue;
         for (int k = 0; k < 3; ++k) mass[t[k]] += area * share[k];
         total += area * (share.x + share.y + share.z) / 3;
       }
@@ -46,9 +49,10 @@ glm::dvec3 turned(const glm::dvec3& v, double sine, double cosine) {
 
 }  // namespace
 
-Body::Body(const Character& character, std::span<const uint32_t> unseen) : lumps_(character.skeleton.joints.size()) {
+Body::Body(const Character& character, std::span<const uint32_t> unseen)
+    : lumps_(character.skeleton.joints.size()), holds_(lumps_.size()) {
   const Mesh& mesh = character.mesh;
-  const std::vector<double> mass = vertex_masses(character, unseen);
+  const std::vector<double> mass = vertex_masses(character, unseen, holds_);
   const auto visit = [&](const auto& see) {
     for (size_t v = 0; v < mass.size(); ++v)
       for (int i = 0; mass[v] > 0 && i < kInfluences; ++i)

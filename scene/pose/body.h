@@ -18,6 +18,8 @@ class Body {
 
   // Does this entry of Skeleton::joints carry any of it?
   bool carried_by(size_t joint) const { return lumps_[joint].mass > 0; }
+  // Does it carry anything that is seen, of the body or of what is held?
+  bool shown_by(size_t joint) const { return carried_by(joint) || holds_[joint]; }
   // The centre of mass as posed, in the palette's space and unit.
   glm::dvec3 centre(const std::vector<glm::dmat4>& palette) const;
   // Points that stand for it: four a joint, from its mass and how far that spreads.
@@ -34,6 +36,7 @@ class Body {
     double spread = 0;       // root of the mean square distance from the centre
   };
   std::vector<Lump> lumps_;  // by joint
+  std::vector<bool> holds_;  // by joint: a thing with an area
   double mass_ = 0;
 };
 

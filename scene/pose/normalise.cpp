@@ -63,13 +63,13 @@ double last_interval(const Clip& clip) {
 
 glm::dvec3 horizontal(const glm::dvec3& v) { return {v.x, 0.0, v.z}; }
 
-// Whether two poses agree, the second one's travel undone (glTF space)? Joints that carry nothing have no say: a root
-// may stand still while the body travels.
+// Whether two poses agree, the second one's travel undone (glTF space)? Joints that carry nothing that is seen have no
+// say: a root may stand still while the body travels.
 bool same_pose(const Skeleton& skeleton, const Body& body, const std::vector<glm::dmat4>& a,
                const std::vector<glm::dmat4>& b, const ClipMotion& motion, double height) {
   const glm::dmat4 undone = travel_undone(motion, 1.0);
   for (size_t j = 0; j < skeleton.joints.size(); ++j) {
-    if (!body.carried_by(j) && !skeleton.joints[j].rigid) continue;
+    if (!body.shown_by(j)) continue;
     const auto n = static_cast<size_t>(skeleton.joints[j].node);
     const glm::dmat4 back = undone * b[n];
     if (glm::length(glm::dvec3(back[3] - a[n][3])) > kSameTranslation * height) return false;

@@ -1,8 +1,10 @@
 #include "renderers/rigid/rigid.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
 #include "renderers/mesh/mesh_draw.h"
@@ -66,6 +68,19 @@ TEST_F(RigidGl, BetweenStoredPosesTheNearestIsShown) {
   EXPECT_EQ(draw(cast, *rigid, 0.29), draw(cast, *rigid, 0.2));
   EXPECT_EQ(draw(cast, *rigid, 0.91), draw(cast, *rigid, 0.0));
   EXPECT_NE(draw(cast, *rigid, 0.31).ids, draw(cast, *rigid, 0.2).ids);
+}
+
+TEST_F(RigidGl, FewPosesOfAClipAreWarnedAbout) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 300}));
+  const double seconds = cast.banks[0]->clips()[0].seconds;
+  const auto enough = static_cast<int>(std::ceil(4 * seconds));
+  const auto said = [&](int poses) {
+    ::testing::internal::CaptureStderr();
+    make(cast, fmt::format("rigid:poses={}", poses));
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_NE(said(enough - 1).find(fmt::format("{} stored poses of clip", enough - 1)), std::string::npos);
+  EXPECT_EQ(said(enough), "");
 }
 
 TEST_F(RigidGl, EveryAgentHasItsOwnPoseOfItsOwnClip) {

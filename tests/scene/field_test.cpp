@@ -157,6 +157,27 @@ TEST(Undrawn, WhatAClipScalesToNothingCountsForNothing) {
   EXPECT_NEAR(load(card_with_a_flag({0, 1}, {1, 1}, 1).glb(), LoadOptions{}).placement.scale, 1.75 / 32, 1e-6);
 }
 
+// A joint of its own stands still at the root while the body travels, and what it carries is not seen.
+TEST(Undrawn, WhatIsHiddenDoesNotLengthenTheCycle) {
+  for (const float alpha : {0.0F, 1.0F}) {
+    Builder b = walking_card();
+    move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, 1});
+    EXPECT_EQ(cycle_seconds(load(b, LoadOptions{}), 0), 1);
+    b.doc["meshes"].push_back(b.doc["meshes"][0]);
+    b.doc["meshes"][1]["primitives"][0]["material"] = 1;
+    b.doc["materials"].push_back(
+        {{"alphaMode", "MASK"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, alpha}}}}});
+    b.doc["nodes"].push_back({{"mesh", 1}});
+    b.doc["scenes"][0]["nodes"].push_back(3);
+    const Character c = load(b, LoadOptions{});
+    EXPECT_EQ(c.skeleton.joints.size(), 3U);
+    if (alpha == 0)
+      EXPECT_EQ(cycle_seconds(c, 0), 1) << "of the body alone";
+    else
+      EXPECT_GT(cycle_seconds(c, 0), 1) << "what stands there is left behind, and the loop is closed";
+  }
+}
+
 TEST(Undrawn, WhatAClipShowsForAMomentIsDrawn) {
   Builder b = card_with_a_flag({0, 0.2F, 0.25F, 0.3F, 1}, {0, 0, 1, 0, 0}, 0);
   const Character c = load(b, LoadOptions{});

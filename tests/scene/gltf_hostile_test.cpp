@@ -55,6 +55,7 @@ void expect_little_memory() {
 void expect_refused(const std::vector<uint8_t>& bytes, const std::string& fragment) {
   const std::string what = error_of([&] { load(bytes, LoadOptions{}); });
   EXPECT_NE(what, kNoError);
+  EXPECT_NE(what.find("; "), std::string::npos) << "no advice: " << what;
   EXPECT_NE(what.find(fragment), std::string::npos) << "expected: " << fragment << "\n     got: " << what;
   EXPECT_EQ(what.find('\n'), std::string::npos);
   expect_little_memory();
