@@ -71,7 +71,7 @@ TEST_F(RigidGl, BetweenStoredPosesTheNearestIsShown) {
 }
 
 TEST_F(RigidGl, FewPosesOfAClipAreWarnedAbout) {
-  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 300}));
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 500}));
   const double seconds = cast.banks[0]->clips()[0].seconds;
   const auto enough = static_cast<int>(std::ceil(4 * seconds));
   const auto said = [&](int poses) {
