@@ -204,6 +204,15 @@ struct MakeContext {
 
 struct ViewSampling;  // renderers/impostor/views/view_sampling.h
 
+// What it is suited for beyond what is measured, a clause each, argued from how it works: "yes", or what stands against
+// it.
+struct Suitability {
+  std::string new_clips;   // clips that come at run time
+  std::string close_by;    // figures of several hundred pixels
+  std::string from_above;  // steep views
+  std::string shadows;     // of one limb on another, and of figures on each other
+};
+
 struct RepresentationType {
   std::string name;
   std::string summary;  // one line
@@ -221,6 +230,7 @@ struct RepresentationType {
                                 const std::shared_ptr<const scene::PoseBank>& bank) = nullptr;
   // What floor=1 still does, for reports, to follow "its floor is": "the mesh in one pose, without skinning".
   std::string floor;
+  Suitability suits;
   std::string example_options;  // of example_spec: "distance=9"; empty: none
 };
 

@@ -43,6 +43,11 @@ Json representations_json() {
                    {"required_by", type.required_by},
                    {"debug_views", debug_views(type)},
                    {"floor", type.floor},
+                   {"suits",
+                    {{"new_clips", type.suits.new_clips},
+                     {"close_by", type.suits.close_by},
+                     {"from_above", type.suits.from_above},
+                     {"shadows", type.suits.shadows}}},
                    {"options", options}});
   }
   return out;

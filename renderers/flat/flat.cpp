@@ -501,6 +501,10 @@ const RepresentationType flat_type = {
       return sampling;
     },
     .floor = "the same polygons and fetches without lighting",
+    .suits = {.new_clips = "no: every clip is baked",
+              .close_by = "texels are seen, and the card has no depth of its own but with depth=nailboard",
+              .from_above = "the nearest of the stored views",
+              .shadows = "none: light is that of stored normals"},
 };
 
 }  // namespace crowdbench::renderers

@@ -241,6 +241,10 @@ const RepresentationType hybrid_type = {
     },
     .components = 2,
     .floor = "the floors of both",
+    .suits = {.new_clips = "where both components do",
+              .close_by = "as the near component",
+              .from_above = "where both components do",
+              .shadows = "as the component that is drawn"},
     .example_options = "distance=9",
 };
 

@@ -114,6 +114,10 @@ const RepresentationType mesh_type = {
     },
     .reference = true,
     .floor = "the same triangles in one pose, without skinning",
+    .suits = {.new_clips = "yes: skinned when it is drawn",
+              .close_by = "yes",
+              .from_above = "yes",
+              .shadows = "its depth is its own; passes=N draws it again, as shadow maps do"},
 };
 
 }  // namespace crowdbench::renderers

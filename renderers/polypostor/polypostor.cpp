@@ -481,6 +481,10 @@ const RepresentationType polypostor_type = {
       return sample_polypostors(character, bank, bake_options(spec));
     },
     .floor = "the same polygons and fetches without lighting",
+    .suits = {.new_clips = "no: every clip is baked",
+              .close_by = "pieces of a picture are seen to slide",
+              .from_above = "the nearest of the stored views",
+              .shadows = "none: light is that of stored normals"},
 };
 
 }  // namespace crowdbench::renderers

@@ -96,6 +96,10 @@ const RepresentationType preskinned_type = {
       return std::make_unique<PreskinnedRepresentation>(context, options);
     },
     .floor = "the same triangles and passes in one pose, without skinning",
+    .suits = {.new_clips = "yes: skinned once a frame",
+              .close_by = "yes",
+              .from_above = "yes",
+              .shadows = "skinned once for all passes: passes=N draws it again"},
 };
 
 }  // namespace crowdbench::renderers

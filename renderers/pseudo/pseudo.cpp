@@ -190,6 +190,10 @@ const RepresentationType pseudo_type = {
       return std::make_unique<PseudoRepresentation>(context, options);
     },
     .floor = "every agent in its character's first pose, skinned once, without choosing",
+    .suits = {.new_clips = "yes: its poses are skinned once a frame",
+              .close_by = "neighbours share a pose and are out of step by up to half of one",
+              .from_above = "yes",
+              .shadows = "as the mesh"},
 };
 
 }  // namespace crowdbench::renderers

@@ -529,6 +529,10 @@ const RepresentationType relief_type = {
           "shows how the picture comes about instead of the picture"}},
     .make = make_relief,
     .floor = "the same proxies with one tap a pixel and no choice of face",
+    .suits = {.new_clips = "yes: boxes follow the joints; what is merged was chosen by the clips of the bake",
+              .close_by = "texels are seen",
+              .from_above = "yes: captured from six sides",
+              .shadows = "every pixel has its depth"},
 };
 
 }  // namespace crowdbench::renderers

@@ -216,6 +216,10 @@ const RepresentationType rigid_type = {
       return std::make_unique<RigidRepresentation>(context, options);
     },
     .floor = "every agent in its character's first stored pose, without the sort",
+    .suits = {.new_clips = "no: the poses of every clip are stored",
+              .close_by = "steps between stored poses are seen",
+              .from_above = "yes",
+              .shadows = "as the mesh"},
 };
 
 }  // namespace crowdbench::renderers

@@ -253,6 +253,10 @@ const RepresentationType surfel_type = {
       return std::make_unique<SurfelRepresentation>(context, options);
     },
     .floor = "the same points in one pose, without skinning",
+    .suits = {.new_clips = "yes: points are skinned when they are drawn",
+              .close_by = "discs are seen",
+              .from_above = "yes",
+              .shadows = "at the depth of its discs"},
 };
 
 }  // namespace crowdbench::renderers

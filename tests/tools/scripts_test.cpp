@@ -40,6 +40,7 @@ const std::map<std::string, std::string> kScripts = {
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
+    {"approaches.sh", "Approaches"},
     {"study_evidence.sh", "StudyEvidence"},
     {"study_kill.mjs", "StudyKill"},
     {"study_observer.mjs", "StudyObserver"},
@@ -203,6 +204,26 @@ TEST_F(ScriptsGl, StatisticsEvidence) {
   EXPECT_EQ(run("statistics_evidence.sh", build_ + " statistics.md --frobnicate").status, 2);
   EXPECT_EQ(run("statistics_evidence.sh", "nowhere other.md --tiny").status, 2);
   EXPECT_FALSE(fs::exists(folder_ / "other.md"));
+}
+
+// Every representation's line of what is argued, and numbers of those that the plan names.
+TEST_F(ScriptsGl, Approaches) {
+  write_file(folder_ / "tiny.toml",
+             std::string_view("name = \"tiny\"\n[scenario]\nwidth = 64\nheight = 48\ncrowd.agents = 3\n"
+                              "[axes]\nrepresentation = [\"mesh:triangles=500\", \"rigid\"]\n"
+                              "[[axes.scene]]\nlabel = \"three\"\n[measure]\nscores = [\"ssim\"]\n"
+                              "time_limit_s = 1\n[[table]]\ntitle = \"Speed\"\n"
+                              "rows = \"representation\"\ncolumns = \"scene\"\nvalue = \"speed\"\n"));
+  const Outcome outcome = run("approaches.sh", driver_ + " tiny.toml approaches.md");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  const std::string page = text("approaches.md");
+  const std::regex table("\n\\|---[|:-]+\n\\| ");
+  EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), table), std::sregex_iterator()), 3) << page;
+  EXPECT_TRUE(std::regex_search(page, std::regex("\\| rigid \\| [0-9.]+ \\| [0-9.]+ \\| [0-9.]+ \\|")));
+  EXPECT_EQ(page.find("n/a"), std::string::npos) << page;
+  EXPECT_EQ(page.find("|  |"), std::string::npos) << "an argument is missing: " << page;
+  EXPECT_EQ(run("approaches.sh", driver_ + " nowhere.toml approaches.md").status, 2);
+  EXPECT_EQ(run("approaches.sh", "").status, 2);
 }
 
 TEST_F(ScriptsGl, StudyEvidence) {

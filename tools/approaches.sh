@@ -1,0 +1,60 @@
+#!/bin/sh
+# Makes docs/approaches.md: every approach in numbers, from one seed on one machine, and in a line each what is argued.
+# Usage: approaches.sh DRIVER PLAN.toml OUT.md [--device D]
+#
+# PLAN: bench/plans/approaches.toml, or one of its form; its results are kept beside OUT as OUT.sqlite, and an ended run goes on.
+# A quarter of an hour on two cores once everything is baked.
+set -eu
+
+fail() {
+  echo "approaches: $*" >&2
+  exit 2
+}
+[ $# -ge 3 ] || fail "usage: approaches.sh DRIVER PLAN.toml OUT.md [--device D]"
+driver=$1 plan=$2 out=$3
+shift 3
+device=
+[ $# -eq 0 ] || { [ "$1" = --device ] && [ $# -eq 2 ] || fail "'$1' is not an option"; device=$2; }
+[ -x "$driver" ] || fail "$driver is not there"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+with_device() { if [ -n "$device" ]; then "$driver" "$@" --device "$device"; else "$driver" "$@"; fi; }
+
+# value JSON KEY: of the first member of that name. The driver prints one member a line.
+value() { sed -n "s/^ *\"$2\": \"\{0,1\}\(.*[^\",]\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | sed -n 1p; }
+
+results=${out%.md}.sqlite
+status=0
+with_device sweep "$plan" --out "$results" --markdown "$work/tables" >/dev/null || status=$?
+[ "$status" -le 1 ] || fail "status $status of the sweep"  # 1: points failed, which the tables show
+representations=$(sed -n 's/^representation = \[\(.*\)\]$/\1/p' "$plan" | tr -d '"' | tr ',' ' ')
+
+# bytes one|all REPRESENTATION: what it takes of the mannequin with its walk, or all of its clips, in $work/bake.
+bytes() {
+  played='--clip 0 --clip 1 --clip 2 --clip 3'
+  [ "$1" = all ] || played='--clip 0'
+  shift
+  with_device bake --character mannequin $played --representation "$1" --report --json >"$work/bake" 2>/dev/null || : >"$work/bake"
+}
+mib() { awk -v b="${1:-}" 'BEGIN { if (b == "") print "n/a"; else printf "%.2f\n", b / 1048576 }'; }
+
+{
+  printf '# The approaches beside each other\n\nMade by `tools/approaches.sh`. '
+  with_device info --json >"$work/info"
+  printf 'Drawn by %s.\n\n' "$(value "$work/info" renderer)"
+  cat "$work/tables"
+  printf '\n## What they take\n\nThe built-in mannequin by default options: MiB of textures and buffers with its walk alone and with its four clips, and the seconds\n'
+  printf 'that the bake took (of what comes from the cache, when it was baked).\n\n'
+  printf '| representation | one clip, MiB | four clips, MiB | bake of four, s |\n|---|--:|--:|--:|\n'
+  for r in $representations; do
+    bytes one "$r"
+    one=$(mib "$(value "$work/bake" gpu_bytes)")
+    bytes all "$r"
+    printf '| %s | %s | %s | %s |\n' "$r" "$one" "$(mib "$(value "$work/bake" gpu_bytes)")" \
+      "$(value "$work/bake" bake_seconds | awk '{ printf "%.1f", $1 }')"
+  done
+  printf '\n## What is argued\n\n| representation | clips at run time | close by | from above | shadows |\n|---|---|---|---|---|\n'
+  "$driver" info --representations --json | sed -n 's/^ *"\(name\|new_clips\|close_by\|from_above\|shadows\)": "\(.*\)",\{0,1\}$/\1\t\2/p' |
+    awk -F '\t' '{ of[$1] = $2 } $1 == "shadows" { printf "| %s | %s | %s | %s | %s |\n", of["name"], of["new_clips"], of["close_by"], of["from_above"], of["shadows"] }'
+} >"$out.part"
+mv "$out.part" "$out"
