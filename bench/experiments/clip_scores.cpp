@@ -123,8 +123,13 @@ std::vector<ClipScore> ClipComparison::finish() {
 
 std::string pooling_text(const ClipScore& score) {
   if (score.over_time) return "over time, as the score itself pools";
-  const bool some = score.infinite > 0 && score.infinite + score.absent < score.by_frame.size();
-  return (some ? "mean over frames that are finite" : "mean over frames") + extremes_text(score.result);
+  return score.infinite > 0 && score.infinite + score.absent < score.by_frame.size()
+             ? "mean over frames that are finite"
+             : "mean over frames";
+}
+
+std::string pooling_of_figures_text(const ClipScore& score) {
+  return pooling_text(score) + (score.over_time ? std::string() : extremes_text(score.result));
 }
 
 }  // namespace crowdbench::bench

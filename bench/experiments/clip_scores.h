@@ -54,8 +54,9 @@ class ClipComparison {
   size_t frames_ = 0;
 };
 
-// "mean over frames", "mean over frames; min the least and max the greatest of all frames", "over time, ...": how
-// `result` follows from the frames.
+// "mean over frames", "over time, ...": how the value of `result` follows from the frames.
 std::string pooling_text(const ClipScore& score);
+// The same of its pooled figures too: "mean over frames; min the least and max the greatest of all frames".
+std::string pooling_of_figures_text(const ClipScore& score);
 
 }  // namespace crowdbench::bench

@@ -190,12 +190,14 @@ TEST_F(CompareFolders, AreCharted) {
   } catch (const Error&) {
     GTEST_SKIP() << "npm packages of the chart library absent at configure time";
   }
-  compared({a.string(), b.string(), "--scores", "flip", "--fps", "25", "--chart", (folder / "chart.html").string()});
+  compared(
+      {a.string(), b.string(), "--scores", "flip,flicker", "--fps", "25", "--chart", (folder / "chart.html").string()});
   const std::string page = read_text(folder / "chart.html", size_t{64} << 20);
   EXPECT_NE(page.find("Two clips compared"), std::string::npos);
   EXPECT_NE(page.find("\"seconds\":0.08"), std::string::npos) << "frame 2 at 25 a second";
   EXPECT_NE(page.find("frame 2 (0.08 s)"), std::string::npos);
   EXPECT_NE(page.find("FLIP"), std::string::npos);
+  EXPECT_NE(page.find("Flicker, code values, frame 3 (0.12 s)"), std::string::npos) << "the map of its worst frame";
 }
 
 TEST_F(CompareFolders, WhatDoesNotGoTogetherIsRefused) {
