@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "core/statistics.h"
@@ -142,8 +143,10 @@ struct ColourFit {
 struct DepthGap {
   double median = 0;
   double depth = 0;    // metres, its own median
-  bool rigid = false;  // most of it by the same
+  bool rigid = false;  // most of it by the same, and its relief stayed: a plane has none, whatever it shows
 };
+
+double spread_of(std::span<const double> depths) { return quantile(depths, 0.95) - quantile(depths, 0.05); }
 
 std::optional<DepthGap> depth_gap(const AgentPictures& agent, const Motion& motion, const Range& range) {
   if (agent.source.depth.empty() || agent.test.depth.empty()) return std::nullopt;
@@ -163,13 +166,15 @@ std::optional<DepthGap> depth_gap(const AgentPictures& agent, const Motion& moti
     }
   if (gaps.empty()) return std::nullopt;
   DepthGap out;
+  constexpr double kOther = 0.5;  // of the relief, what the relief may differ by
+  const bool relief_stayed = spread_of(gaps) <= std::max(kSurfaceTolerance, kOther * spread_of(depths));
   out.median = median_in_place(gaps);
   out.depth = median_in_place(depths);
   const double within = std::max(0.5 * kSurfaceTolerance, 0.1 * std::abs(out.median));
   const auto same =
       std::count_if(gaps.begin(), gaps.end(), [&](double g) { return std::abs(g - out.median) <= within; });
   constexpr double kMost = 0.7;  // slanted surfaces and what stands out from the body have other gaps
-  out.rigid = static_cast<double>(same) >= kMost * static_cast<double>(gaps.size());
+  out.rigid = relief_stayed && static_cast<double>(same) >= kMost * static_cast<double>(gaps.size());
   return out;
 }
 

@@ -1,4 +1,10 @@
-// One frame of a crowd, scored agent by agent through the id buffers.
+// One frame of a crowd, scored agent by agent through the id buffers; and the depth error, which is one of these
+// scores.
+//
+// Depth error: the mean of |d_test - d_reference| over the pixels that carry the same agent in both pictures, d the
+// depth along the view axis in metres. 0 = equal, lower is better, no greatest; neither colours nor a display have a
+// say. Source: the mean absolute error. Limits: only pixels that both cover count, so that a wrong outline costs
+// nothing; a flat impostor is charged for its plane, though nobody sees that from where it stands.
 #pragma once
 #include <optional>
 #include <vector>

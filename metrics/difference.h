@@ -4,6 +4,10 @@
 // Code values: scores work on sRGB-encoded values of 0..255 as they lie in the file, not on linear light. Grey counts
 // as R = G = B; alpha is ignored (composite with over() first). 16-bit values count as v / 257, unrounded. Every
 // function that takes two pictures throws Error when their sizes differ.
+//
+// Viewing conditions: none. Source: the formulas at the functions are the whole definition; 255 is the peak of PSNR at
+// 16 bits too. Limits: no neighbour counts and no eye does. A shift by a pixel costs as much as noise; a step of a code
+// value costs as much in black, where it is seen, as in white, where it is not.
 #pragma once
 #include <array>
 #include <cstdint>

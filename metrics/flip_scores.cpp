@@ -69,9 +69,9 @@ ScoreResult result_of(const ImageF& errors, const ScoreInput& input) {
   ScoreResult result;
   result.conditions = conditions_of(input);
   result.value = pooled.mean;
-  result.pooled = {{"mean", pooled.mean}, {"weighted_median", pooled.weighted_median},
-                   {"q1", pooled.q1},     {"q3", pooled.q3},
-                   {"min", pooled.min},   {"max", pooled.max}};
+  result.pooled = {
+      {"mean", pooled.mean}, {"weighted_median", pooled.weighted_median}, {"q1", pooled.q1},
+      {"q3", pooled.q3},     {"min", pooled.min, OverFrames::least},      {"max", pooled.max, OverFrames::greatest}};
   if (input.maps) result.map = map_of(errors);
   return result;
 }
@@ -107,9 +107,9 @@ ScoreResult hdr_flip_score(const ScoreInput& input, Shared& shared) {
   ScoreResult result = result_of(errors.map, input);
   result.conditions += fmt::format(", tone mapped by ACES, {} exposures of {:.4f} to {:.4f}", errors.range.exposures,
                                    errors.range.start, errors.range.stop);
-  result.details.emplace_back("start_exposure", errors.range.start);
-  result.details.emplace_back("stop_exposure", errors.range.stop);
-  result.details.emplace_back("exposures", errors.range.exposures);
+  result.details = {{"start_exposure", errors.range.start},
+                    {"stop_exposure", errors.range.stop},
+                    {"exposures", static_cast<double>(errors.range.exposures)}};
   if (input.maps) result.drawings.push_back(exposures_of(errors));
   return result;
 }

@@ -188,18 +188,27 @@ class Telling {
     put_in_where(Cause::silhouette, [&](size_t i) { return now_.ids.data[i] != test_.ids.data[i]; });
   }
 
-  // How much farther away an agent is than where it was found to have moved to in the picture: the same points of its
-  // body are compared.
+  // How much farther away the surface that is drawn for an agent is than it would be where the agent was found to have
+  // moved to: the same points of its body are compared.
   void measure_gaps() {
-    std::map<uint32_t, std::vector<double>> farther;
+    struct Depths {
+      std::vector<double> gaps, own;
+    };
+    std::map<uint32_t, Depths> depths;
     for (size_t i = 0; i < pixels(); ++i)
-      if (const uint32_t id = now_.ids.data[i]; id != 0 && id == test_.ids.data[i])
-        if (const double gap = static_cast<double>(test_.depth.data[i]) - static_cast<double>(now_.depth.data[i]);
-            std::isfinite(gap))
-          farther[id].push_back(gap);
-    for (auto& [id, gaps] : farther) {
-      if (changes_[id].farther) continue;
-      changes_[id].farther = median_in_place(gaps);
+      if (const uint32_t id = now_.ids.data[i]; id != 0 && id == test_.ids.data[i]) {
+        const auto own = static_cast<double>(now_.depth.data[i]);
+        const double gap = static_cast<double>(test_.depth.data[i]) - own;
+        if (!std::isfinite(gap)) continue;
+        depths[id].gaps.push_back(gap);
+        depths[id].own.push_back(own);
+      }
+    for (auto& [id, of] : depths) {
+      AgentChange& change = changes_[id];
+      const double gap = median_in_place(of.gaps);
+      change.thickness = quantile(of.own, 0.95) - quantile(of.own, 0.05);
+      change.surface_farther = change.farther.value_or(0) + gap;
+      if (!change.farther && std::abs(gap) <= kSurfaceTolerance) change.farther = gap;
     }
   }
 

@@ -35,9 +35,17 @@ struct PicturesWithIds {
 // What happened to an agent.
 struct AgentChange {
   uint32_t id = 0;
-  bool posed = false;                         // it has the pose of PicturesWithIds::posed
-  double dx = 0, dy = 0;                      // pixels: its middle moved so far, right and down
-  std::optional<double> farther;              // metres, with depths: the median over its pixels
+  bool posed = false;     // it has the pose of PicturesWithIds::posed
+  double dx = 0, dy = 0;  // pixels: its middle moved so far, right and down
+  // Metres, with depths: how far it moved away, where all of its depths and its size changed as those of a body that
+  // moved do, or where they did not change. Nothing: other depths without that, as a flat impostor's, whose plane is
+  // behind most of the surface that it shows: that is no other place.
+  std::optional<double> farther;
+  // With depths: how much farther the surface that the test draws for it is than the reference's, at the same points of
+  // the body, the median over its pixels; and from the nearest to the farthest of the reference's, 5 % of either end
+  // left out. What is within `thickness` is another surface of the same body.
+  std::optional<double> surface_farther;      // metres
+  double thickness = 0;                       // metres; 0 without depths
   std::vector<uint32_t> changed_places_with;  // that it stood before, and which stand before it now
 };
 

@@ -235,7 +235,11 @@ std::string scores_markdown(ScoreTable table) {
                        s->direction == Direction::higher_is_better ? "higher" : "lower", range_end(s->least),
                        range_end(s->greatest), s->scope == Scope::region ? "region" : "picture", needs_text(s->needs),
                        s->computes, s->absence, s->source);
-  return out;
+  return out +
+         "\nOf a clip, a score over successive frames pools as its source says. Every other is the mean over the "
+         "frames "
+         "that have a finite value, and so is each of its further figures but `min`, the least of all frames, and "
+         "`max`, the greatest. A frame that has no value is null in `by_frame`, and counts for nothing.\n";
 }
 
 }  // namespace crowdbench::metrics

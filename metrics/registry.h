@@ -95,19 +95,28 @@ struct ScoreDrawing {
   const ColourTable* colours = nullptr;  // the source's
 };
 
+// How a figure of every frame becomes one of the whole sequence.
+enum class OverFrames : uint8_t { mean, least, greatest };
+struct ScoreFigure {
+  std::string name;  // "weighted_median"; [a-z0-9_]
+  double value = 0;
+  OverFrames over_frames = OverFrames::mean;
+};
+
 struct ScoreResult {
   std::optional<double> value;  // never NaN; infinite where the score's range says so
   std::string reason;           // why there is no value; empty where there is one
   std::string conditions;       // what it was computed under, where that is a choice: "67.02 pixels/degree"
   // Where the score's source pools one map in several ways: each by its name ("mean", "weighted_median"), that of
   // `value` among them. Else empty.
-  std::vector<std::pair<std::string, double>> pooled;
+  std::vector<ScoreFigure> pooled;
   // Further figures that explain `value` and are not other poolings of it: parts by channel, what was chosen.
-  std::vector<std::pair<std::string, double>> details;
+  std::vector<ScoreFigure> details;
   std::optional<ScoreMap> map;
-  // Over time, where the source has such figures: what each frame adds, as the value of a clip whose frames all add as
-  // much. Else empty. `map` is then the worst one's.
-  std::vector<double> by_frame;
+  // Over time: what each frame adds, as the value of a clip whose frames all add as much; nothing for a frame that adds
+  // none (a second difference has none in the first two). Empty where the score has no such figures. `map` is then that
+  // of the first frame of the worst value.
+  std::vector<std::optional<double>> by_frame;
   std::vector<ScoreDrawing> drawings;  // with ScoreInput::maps
 };
 // Not available, because ...

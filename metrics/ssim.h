@@ -1,4 +1,10 @@
-// Structural similarity with its map, and over five scales.
+// Structural similarity with its map, and over five scales; gradient magnitude similarity deviation.
+//
+// Colour space: BT.601 luma of sRGB code values, 0..255, which is not the luminance of a screen; colour has no say.
+// Viewing conditions: none is modelled; a pixel is a pixel, at whatever distance it is looked at (FLIP and
+// ColorVideoVDP are told where). Limits: of a picture that is mostly background these are mostly of that background,
+// where both agree: score the figure (`ssim_union`, a crop). Where both pictures are nearly flat SSIM is ruled by its
+// constants, and by rounding.
 #pragma once
 #include <optional>
 #include <string>
@@ -11,8 +17,9 @@ constexpr int kSsimWindow = 11;
 constexpr int kSsimRadius = kSsimWindow / 2;
 constexpr int kMsSsimSmallest = 176;
 
-// SSIM of Wang et al. 2004. With mu the means, s the (population) variances and covariance under an 11 x 11 Gaussian
-// window of sigma 1.5:
+// SSIM of Z. Wang, A. C. Bovik, H. R. Sheikh, E. P. Simoncelli, "Image quality assessment: from error visibility to
+// structural similarity", IEEE TIP 13(4), 2004; the mean of the map is the score. With mu the means, s the (population)
+// variances and covariance under an 11 x 11 Gaussian window of sigma 1.5:
 //   SSIM = (2 mu_a mu_b + C1) (2 s_ab + C2) / ((mu_a^2 + mu_b^2 + C1) (s_a + s_b + C2)),
 //   C1 = (0.01 * 255)^2, C2 = (0.03 * 255)^2.
 struct Ssim {
@@ -26,10 +33,11 @@ struct Ssim {
 // not fit, and no smaller one is put in its place. Throws Error when the sizes differ.
 std::optional<Ssim> ssim(const Plane& a, const Plane& b);
 
-// MS-SSIM of Wang, Simoncelli and Bovik 2003: the contrast terms of scales 1..4 and the SSIM of scale 5, each to its
-// power (0.0448, 0.2856, 0.3001, 0.2363, 0.1333), multiplied. A scale is halved by the mean of 2 x 2 pixels (the last
-// row or column of an odd size counts twice). 1 = equal, 0 the least. Nothing when a side is below 176 pixels.
-// first: ssim(a, b), where the caller has it already.
+// MS-SSIM of Z. Wang, E. P. Simoncelli, A. C. Bovik, "Multiscale structural similarity for image quality assessment",
+// 37th Asilomar Conference on Signals, Systems and Computers, 2003: the contrast terms of scales 1..4 and the SSIM of
+// scale 5, each to its power (0.0448, 0.2856, 0.3001, 0.2363, 0.1333), multiplied. A scale is halved by the mean of 2 x
+// 2 pixels (the last row or column of an odd size counts twice). 1 = equal, 0 the least. Nothing when a side is below
+// 176 pixels. first: ssim(a, b), where the caller has it already.
 std::optional<double> ms_ssim(const Plane& a, const Plane& b, const Ssim* first = nullptr);
 
 // GMSD: the standard deviation (N - 1) of the similarity of gradient magnitudes, (2 g_a g_b + 170) / (g_a^2 + g_b^2 +

@@ -1,5 +1,9 @@
 // Tears: what a drawn silhouette leaves out of the reference's inside, and what it draws apart from it. Both are too
 // few pixels to move an intersection over union, and are what an eye finds first.
+//
+// 0 = none, lower is better. Of ids alone: neither colours nor a display have a say. Source: nothing published is
+// followed. Limits: what is displaced by two pixels has a seam of holes on one side and of strays on the other; a gap
+// or a thread that is one pixel wide in the reference is all edge, and never counts.
 #pragma once
 #include <optional>
 

@@ -1,7 +1,9 @@
 #include "metrics/temporal.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "metrics/intermediates.h"
@@ -26,17 +28,36 @@ void Flicker::take(const Plane& reference, const Plane& test, const Mask* silhou
   now.silhouette = silhouette ? *silhouette : Mask();
   if (silhouette) require_same_size(now.error, now.silhouette);
   if (frames_ > 0) require_same_size(now.error, last_[(frames_ + 2) % 3].error);
+  by_frame_.emplace_back();
   if (++frames_ < 3) return;
-  const Frame& before = last_[(frames_ + 1) % 3];
-  const Frame& first = last_[frames_ % 3];
-  const auto inside = [](const Frame& frame, size_t i) {
-    return frame.silhouette.empty() || frame.silhouette.data[i] != 0;
-  };
+  double sum = 0;
+  uint64_t count = 0;
   for (size_t i = 0; i < now.error.data.size(); ++i) {
-    if (!inside(now, i) && !inside(before, i) && !inside(first, i)) continue;
-    sum_ += std::abs(now.error.data[i] - 2 * before.error.data[i] + first.error.data[i]);
-    ++count_;
+    if (!counts(i)) continue;
+    sum += change(i);
+    ++count;
   }
+  if (count > 0) by_frame_.back() = sum / static_cast<double>(count);
+  sum_ += sum;
+  count_ += count;
+}
+
+bool Flicker::counts(size_t pixel) const {
+  return std::any_of(last_.begin(), last_.end(),
+                     [&](const Frame& frame) { return frame.silhouette.empty() || frame.silhouette.data[pixel] != 0; });
+}
+
+double Flicker::change(size_t pixel) const {
+  const auto error = [&](size_t frame) { return last_[frame % 3].error.data[pixel]; };
+  return std::abs(error(frames_ - 1) - 2 * error(frames_ - 2) + error(frames_ - 3));
+}
+
+Plane Flicker::map() const {
+  assert(frames_ >= 3);
+  Plane out(last_[0].error.width, last_[0].error.height, 1);
+  for (size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] = counts(i) ? change(i) : std::numeric_limits<double>::quiet_NaN();
+  return out;
 }
 
 std::optional<double> Flicker::value() const {
@@ -74,21 +95,36 @@ std::vector<double> step_difference(std::span<const Image8> reference, std::span
 namespace {
 
 constexpr std::string_view kTooFew = "fewer than three frames, or nothing is drawn";
+constexpr double kWorstDrawn = 255;  // red, as in the map of differences; one frame that is half as far off is as red
+
+// A clip, and the map of the first of its frames that flicker most.
+struct RunningFlicker {
+  Flicker flicker;
+  std::optional<double> worst;
+  Plane map;
+
+  void take(const ScoreInput& frame, Shared& shared) {
+    const LumaPair& luma = luma_pair(frame, shared);
+    flicker.take(luma.reference, luma.test, frame.region);
+    const std::optional<double>& value = flicker.by_frame().back();
+    if (!frame.maps || !value || (worst && *value <= *worst)) return;
+    worst = value;
+    map = flicker.map();
+  }
+  ScoreResult finish() const {
+    ScoreResult result;
+    result.value = flicker.value();
+    result.by_frame = flicker.by_frame();
+    if (!result.value) result.reason = kTooFew;
+    if (worst) result.map = ScoreMap{map, 0, 0, 0, kWorstDrawn, "code values"};
+    return result;
+  }
+};
 
 FrameScore start_flicker() {
-  auto running = std::make_shared<Flicker>();
-  FrameScore out;
-  out.take = [running](const ScoreInput& frame, Shared& shared) {
-    const LumaPair& luma = luma_pair(frame, shared);
-    running->take(luma.reference, luma.test, frame.region);
-  };
-  out.finish = [running] {
-    ScoreResult result;
-    result.value = running->value();
-    if (!result.value) result.reason = kTooFew;
-    return result;
-  };
-  return out;
+  auto running = std::make_shared<RunningFlicker>();
+  return {[running](const ScoreInput& frame, Shared& shared) { running->take(frame, shared); },
+          [running] { return running->finish(); }};
 }
 
 }  // namespace
@@ -108,6 +144,7 @@ extern const Score score_flicker = {
         "mean of abs of the second difference in time of luma, less the reference's, over three frames' regions",
     .source = "",
     .absence = kTooFew,
+    .map_file = "flicker_map",
     .over_time = start_flicker,
 };
 

@@ -30,6 +30,8 @@ double thousandths(double pixels) { return std::round(1000 * pixels) / 1000; }
 void put_change(Json& row, const CauseErrors& errors, const metrics::AgentChange& change) {
   row["displaced_px"] = {thousandths(change.dx), thousandths(change.dy)};
   row["displaced_m"] = json_number(change.farther);
+  row["surface_m"] = json_number(change.surface_farther);
+  row["thickness_m"] = change.surface_farther ? Json(change.thickness) : Json(nullptr);
   row["late"] = errors.available(metrics::Cause::pose) ? Json(change.posed) : Json(nullptr);
   row["changed_places_with"] = Json::array();
   for (const uint32_t other : change.changed_places_with) row["changed_places_with"].push_back(other);
@@ -41,8 +43,13 @@ std::string change_text(const metrics::AgentChange& change) {
   if (change.dx != 0 || change.dy != 0)
     text += fmt::format("; displaced by {:.3g} pixels {} and {:.3g} {}", std::abs(change.dx),
                         change.dx < 0 ? "left" : "right", std::abs(change.dy), change.dy < 0 ? "up" : "down");
+  const auto far = [](double metres) {
+    return fmt::format("{:.3g} m {}", std::abs(metres), metres > 0 ? "farther" : "nearer");
+  };
   if (change.farther && std::abs(*change.farther) > metrics::kSurfaceTolerance)
-    text += fmt::format("; {:.3g} m {}", std::abs(*change.farther), *change.farther > 0 ? "farther" : "nearer");
+    text += "; " + far(*change.farther);
+  else if (!change.farther && change.surface_farther && std::abs(*change.surface_farther) > change.thickness)
+    text += "; the surface that is drawn for it " + far(*change.surface_farther);
   for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);
   return text;
 }

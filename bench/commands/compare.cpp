@@ -276,8 +276,8 @@ void print_text(const Result& result) {
     else
       fmt::print("not available: {}\n", scored.reason);
     for (const auto* figures : {&scored.pooled, &scored.details})
-      for (const auto& [name, value] : *figures)
-        fmt::print("   {:<15} {:>12}\n", name, metrics::value_text(*score, value));
+      for (const metrics::ScoreFigure& of : *figures)
+        fmt::print("   {:<15} {:>12}\n", of.name, metrics::value_text(*score, of.value));
   }
   print_display(result.setup, result.scores);
   if (result.worst)

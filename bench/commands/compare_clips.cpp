@@ -156,7 +156,7 @@ Json to_json(const CompareOptions& options, const CompareSetup& setup, const Res
   out["pooling"] = out["worst_frames"] = out["by_frame"] = Json::object();
   for (const ClipScore& of : result.scores) {
     const std::string name(of.score->name);
-    if (of.result.value) out["pooling"][name] = pooling_text(of);
+    if (of.result.value) out["pooling"][name] = pooling_of_figures_text(of);
     if (of.worst_frame)
       out["worst_frames"][name] = {{"frame", *of.worst_frame}, {"value", json_number(of.worst.value)}};
     for (const auto& value : of.by_frame) out["by_frame"][name].push_back(json_number(value));

@@ -89,7 +89,7 @@ std::string numbers_text(size_t in_file, size_t drawn) {
 std::string clip_text(const scene::Character& c, int clip) {
   if (clip < 0) return "the bind pose";
   const std::string& name = c.clips[static_cast<size_t>(clip)].name;
-  return fmt::format("clip {} '{}'", clip, printable(name.empty() ? "(unnamed)" : name, 40));
+  return fmt::format("the first pose of clip {} '{}'", clip, printable(name.empty() ? "(unnamed)" : name, 40));
 }
 
 Json clip_json(const scene::Character& c, size_t i) {
@@ -180,8 +180,8 @@ void print_text(const scene::Character& c) {
   line("vertices", numbers_text(file_vertices(c), scene::count_vertices(c.mesh)));
   line("joints", fmt::format("{} and {} rigid meshes, {} nodes; {} influences a vertex at most", count_joints(c, false),
                              count_joints(c, true), c.skeleton.nodes.size(), c.file_max_influences));
-  line("height", fmt::format("{:.4g} m ({:.6g} m a file unit): that of the first pose of {}", c.placement.height,
-                             c.placement.scale, clip_text(c, c.placement.upright_clip)));
+  line("height", fmt::format("{:.4g} m ({:.6g} m a file unit): that of {}", c.placement.height, c.placement.scale,
+                             clip_text(c, c.placement.upright_clip)));
   const glm::dvec3 origin = glm::dvec3(c.placement.model_from_gltf[3]) / c.placement.scale;
   line("stands at",
        fmt::format("x {:.4f}, ground y {:.4f}, z {:.4f} in file units; the ground is where its soles, else its "

@@ -15,7 +15,7 @@ Json json_number(const std::optional<double>& value) {
 Json score_json(const metrics::ScoreResult& result) {
   if (result.pooled.empty()) return json_number(result.value);
   Json out = Json::object();
-  for (const auto& [name, value] : result.pooled) out[name] = json_number(value);
+  for (const metrics::ScoreFigure& of : result.pooled) out[of.name] = json_number(of.value);
   return out;
 }
 
@@ -48,7 +48,8 @@ Json conditions_json(std::span<const metrics::Scored> scores) {
 Json details_json(std::span<const metrics::Scored> scores) {
   Json out = Json::object();
   for (const auto& [score, result] : scores)
-    for (const auto& [name, value] : result.details) out[std::string(score->name)][name] = json_number(value);
+    for (const metrics::ScoreFigure& of : result.details)
+      out[std::string(score->name)][of.name] = json_number(of.value);
   return out;
 }
 

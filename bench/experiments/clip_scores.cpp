@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace crowdbench::bench {
@@ -16,17 +17,50 @@ std::vector<const metrics::Score*> those(metrics::ScoreTable table, bool over_ti
 
 // The frames of a score over time that says what each adds.
 void keep_frames_over_time(ClipScore& of) {
-  const std::vector<double>& values = of.result.by_frame;
-  of.by_frame.assign(values.begin(), values.end());
-  for (size_t f = 0; f < values.size(); ++f) {
-    if (of.worst_frame && !metrics::is_worse(*of.score, values[f], *of.worst.value)) continue;
+  of.by_frame = of.result.by_frame;
+  for (size_t f = 0; f < of.by_frame.size(); ++f) {
+    const std::optional<double>& value = of.by_frame[f];
+    if (!value) {
+      ++of.absent;
+      continue;
+    }
+    if (of.worst_frame && !metrics::is_worse(*of.score, *value, *of.worst.value)) continue;
     of.worst_frame = f;
-    of.worst.value = values[f];
+    of.worst.value = value;
   }
   if (of.worst_frame) of.worst.map = of.result.map;
 }
 
+// "; min the least and max the greatest of all frames"
+std::string extremes_text(const metrics::ScoreResult& result) {
+  std::string text;
+  for (const metrics::ScoreFigure& of : result.pooled) {
+    if (of.over_frames == metrics::OverFrames::mean) continue;
+    text += text.empty() ? "; " : " and ";
+    text += of.name + (of.over_frames == metrics::OverFrames::least ? " the least" : " the greatest");
+  }
+  return text.empty() ? text : text + " of all frames";
+}
+
 }  // namespace
+
+void FigureOverFrames::add(double value) {
+  if (!std::isfinite(value)) return;
+  sum += value;
+  least = frames == 0 ? value : std::min(least, value);
+  greatest = frames == 0 ? value : std::max(greatest, value);
+  ++frames;
+}
+
+double FigureOverFrames::pooled(metrics::OverFrames how, double otherwise) const {
+  if (frames == 0) return otherwise;
+  switch (how) {
+    case metrics::OverFrames::least: return least;
+    case metrics::OverFrames::greatest: return greatest;
+    case metrics::OverFrames::mean: break;
+  }
+  return sum / static_cast<double>(frames);
+}
 
 ClipComparison::ClipComparison(metrics::ScoreTable table, metrics::Needs also)
     : still_(those(table, false)), moving_(those(table, true)), also_(also), over_time_(moving_), table_(table) {}
@@ -37,7 +71,6 @@ void ClipComparison::take(const metrics::ScoreInput& frame) {
   if (frames_ == 0) {
     by_frame_.resize(scored.size());
     pooled_.resize(scored.size());
-    counts_.resize(scored.size());
   }
   for (size_t i = 0; i < std::min(scored.size(), by_frame_.size()); ++i) {
     ClipScore& of = by_frame_[i];
@@ -52,15 +85,9 @@ void ClipComparison::take(const metrics::ScoreInput& frame) {
     if (std::isinf(*result.value)) ++of.infinite;
     of.result.conditions = result.conditions;
     pooled_[i].resize(1 + result.pooled.size());
-    counts_[i].resize(1 + result.pooled.size());
-    of.result.pooled.resize(result.pooled.size());
-    for (size_t k = 0; k <= result.pooled.size(); ++k) {
-      const double value = k == 0 ? *result.value : result.pooled[k - 1].second;
-      if (k > 0) of.result.pooled[k - 1].first = result.pooled[k - 1].first;
-      if (!std::isfinite(value)) continue;
-      pooled_[i][k] += value;
-      ++counts_[i][k];
-    }
+    pooled_[i][0].add(*result.value);
+    for (size_t k = 0; k < result.pooled.size(); ++k) pooled_[i][k + 1].add(result.pooled[k].value);
+    of.result.pooled = result.pooled;
     if (of.worst_frame && !metrics::is_worse(*of.score, *result.value, *of.worst.value)) continue;
     of.worst_frame = frames_;
     of.worst = std::move(result);
@@ -76,12 +103,11 @@ std::vector<ClipScore> ClipComparison::finish() {
     if (!all[i].worst_frame) continue;
     result.reason.clear();
     // Where no frame has a finite value all are infinite, and so is the worst.
-    const auto mean = [&](size_t k, double otherwise) {
-      return counts_[i][k] > 0 ? pooled_[i][k] / static_cast<double>(counts_[i][k]) : otherwise;
-    };
-    result.value = mean(0, *all[i].worst.value);
-    for (size_t k = 0; k < result.pooled.size(); ++k)
-      result.pooled[k].second = mean(k + 1, all[i].worst.pooled[k].second);
+    result.value = pooled_[i][0].pooled(metrics::OverFrames::mean, *all[i].worst.value);
+    for (size_t k = 0; k < result.pooled.size(); ++k) {
+      metrics::ScoreFigure& of = result.pooled[k];
+      of.value = pooled_[i][k + 1].pooled(of.over_frames, all[i].worst.pooled[k].value);
+    }
   }
   for (metrics::Scored& scored : over_time_.finish()) {
     ClipScore& of = all.emplace_back();
@@ -100,6 +126,10 @@ std::string pooling_text(const ClipScore& score) {
   return score.infinite > 0 && score.infinite + score.absent < score.by_frame.size()
              ? "mean over frames that are finite"
              : "mean over frames";
+}
+
+std::string pooling_of_figures_text(const ClipScore& score) {
+  return pooling_text(score) + (score.over_time ? std::string() : extremes_text(score.result));
 }
 
 }  // namespace crowdbench::bench

@@ -12,8 +12,9 @@ namespace crowdbench::bench {
 // One score of a sequence.
 struct ClipScore {
   const metrics::Score* score = nullptr;
-  // Of the whole sequence. Over time: as the score itself pools. Else the mean over the frames that have a finite
-  // value, of `value` and of every pooled figure; infinite where all are.
+  // Of the whole sequence. Over time: as the score itself pools. Else of the frames that have a finite value: the mean
+  // of `value`, and of every pooled figure the mean, the least or the greatest, as it says (ScoreFigure::over_frames);
+  // infinite where all are.
   metrics::ScoreResult result;
   bool over_time = false;
   std::vector<std::optional<double>> by_frame;  // empty where the score is over time and has none
@@ -21,6 +22,15 @@ struct ClipScore {
   size_t absent = 0;                            // frames without a value
   std::optional<size_t> worst_frame;            // the first of the worst value
   metrics::ScoreResult worst;                   // there: its value, map and drawings
+};
+
+// The finite values of one figure, frame by frame.
+struct FigureOverFrames {
+  double sum = 0, least = 0, greatest = 0;
+  size_t frames = 0;
+
+  void add(double value);
+  double pooled(metrics::OverFrames how, double otherwise) const;  // `otherwise`: without a frame
 };
 
 // While frames are shown to it, in order and one at a time.
@@ -40,12 +50,13 @@ class ClipComparison {
   metrics::ClipScores over_time_;
   metrics::ScoreTable table_;
   std::vector<ClipScore> by_frame_;
-  std::vector<std::vector<double>> pooled_;  // sums of each score's pooled figures over frames with finite ones
-  std::vector<std::vector<size_t>> counts_;
+  std::vector<std::vector<FigureOverFrames>> pooled_;  // by score: its value, then its pooled figures
   size_t frames_ = 0;
 };
 
-// "mean over frames", "over time": how `result` follows from the frames.
+// "mean over frames", "over time, ...": how the value of `result` follows from the frames.
 std::string pooling_text(const ClipScore& score);
+// The same of its pooled figures too: "mean over frames; min the least and max the greatest of all frames".
+std::string pooling_of_figures_text(const ClipScore& score);
 
 }  // namespace crowdbench::bench

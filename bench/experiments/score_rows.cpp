@@ -19,7 +19,7 @@ std::vector<ScoreRow> score_rows(std::span<const metrics::Scored> scores) {
     const std::string name(score->name);
     rows.push_back({name, result.value, result.reason});
     for (const auto* figures : {&result.pooled, &result.details})
-      for (const auto& [figure, value] : *figures) rows.push_back({name + "." + figure, value, ""});
+      for (const metrics::ScoreFigure& of : *figures) rows.push_back({name + "." + of.name, of.value, ""});
   }
   return rows;
 }

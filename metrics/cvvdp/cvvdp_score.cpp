@@ -59,7 +59,7 @@ ScoreResult result_of(const CvvdpResult& result) {
   ScoreResult out;
   out.value = result.jod;
   out.details = {{"q", result.q}};
-  for (size_t c = 0; c < result.channel_q.size(); ++c) out.details.emplace_back(kParts.at(c), result.channel_q[c]);
+  for (size_t c = 0; c < result.channel_q.size(); ++c) out.details.push_back({kParts.at(c), result.channel_q[c]});
   return out;
 }
 

@@ -27,7 +27,7 @@ ScoreDoc doc_of(const std::vector<ScoreDoc>& docs, std::string_view name) {
 
 std::string heading(const ScoreDoc& doc) {
   std::string text = doc.title;
-  if (text == doc.name) return text;  // not described: a name, no words
+  if (text == doc.name && doc.computes.empty()) return text;  // not described: a name, no words
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
   return doc.unit.empty() ? text : text + ", " + doc.unit;
 }

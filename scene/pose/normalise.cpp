@@ -8,7 +8,6 @@
 #include <cassert>
 #include <cctype>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "core/error.h"
@@ -18,6 +17,7 @@
 #include "scene/pose/facing.h"
 #include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/stance.h"
 #include "scene/pose/stand.h"
 
 namespace crowdbench::scene {
@@ -31,11 +31,7 @@ constexpr double kRootTurn = 0.05;         // radians: likewise for a net turn
 // the height. Who falls, sits down or lunges moves as far but does not travel.
 constexpr double kLeftOfTravel = 0.35;
 constexpr double kLeftOfHeight = 0.1;  // of a turn
-constexpr double kStraight = 0.087;    // sine of 5 degrees: a stance foot's direction this near to an axis is along it
-constexpr double kStanceAgrees = 0.6;  // of a clip's intervals: that many of them go where their median goes
 constexpr double kUpright = 0.75;  // of the default clip's first pose: clips in use that are lower do not stand upright
-constexpr double kContact = 0.04;  // of the height above the clip's lowest sole point: in contact
-constexpr double kStillFoot = 0.02;   // of the height a second: a foot that moves more slowly stands still
 constexpr double kMovingFeet = 0.05;  // of the height: a clip that moves a sole by more moves the feet
 constexpr size_t kMaxSoles = 48;
 constexpr int kMotionSamples = 24;  // poses of each clip, for its ground speed
@@ -79,12 +75,6 @@ bool same_pose(const Skeleton& skeleton, const Body& body, const std::vector<glm
     }
   }
   return true;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Enough to measure every clip by.
@@ -152,52 +142,7 @@ void measure_travel(const Measures& of, const std::vector<std::vector<glm::dmat4
   motion.direction = {settled(velocity.x / speed, 1.0), settled(velocity.z / speed, 1.0)};
 }
 
-// Along an axis where it nearly is.
-glm::dvec2 straightened(glm::dvec2 v) {
-  const double length = glm::length(v);
-  for (int axis = 0; axis < 2; ++axis)
-    if (std::abs(v[axis]) < kStraight * length) return axis == 0 ? glm::dvec2(0.0, v.y) : glm::dvec2(v.x, 0.0);
-  return v;
-}
-
-// The speed of a clip that stays in place: the point that stays lowest over an interval bears the weight, and goes
-// backwards as fast as the body would go forwards. tracks: the soles over the clip, by pose.
-void measure_stance(const std::vector<std::vector<glm::dvec3>>& tracks, double lowest, double height, double duration,
-                    ClipMotion& motion) {
-  std::vector<double> x;
-  std::vector<double> z;
-  for (size_t i = 0; i + 1 < tracks.size(); ++i) {
-    double best = lowest + kContact * height;
-    std::optional<glm::dvec3> moved;
-    for (size_t v = 0; v < tracks[i].size(); ++v) {
-      const glm::dvec3& a = tracks[i][v];
-      const glm::dvec3& b = tracks[i + 1][v];
-      if (std::max(a.y, b.y) > best) continue;
-      best = std::max(a.y, b.y);
-      moved = a - b;
-    }
-    if (!moved) continue;
-    x.push_back(moved->x * kMotionSamples / duration);
-    z.push_back(moved->z * kMotionSamples / duration);
-  }
-  if (x.empty()) return;
-  motion.from_stance = true;
-  auto sorted_x = x;
-  auto sorted_z = z;
-  const glm::dvec2 velocity = straightened({median(sorted_x), median(sorted_z)});
-  const double speed = glm::length(velocity);
-  if (speed <= kStillFoot * height) return;
-  size_t agree = 0;
-  for (size_t i = 0; i < x.size(); ++i)
-    if (glm::dot(glm::dvec2(x[i], z[i]), velocity) > 0.5 * speed * speed) ++agree;
-  // Feet shift and turn in clips that go nowhere; forwards, where people walk, the median is trusted.
-  const bool forwards = velocity.x == 0 && velocity.y > 0;
-  if (!forwards && static_cast<double>(agree) < kStanceAgrees * static_cast<double>(x.size())) return;
-  motion.ground_speed = speed;
-  motion.direction = {settled(velocity.x / speed, 1.0), settled(velocity.y / speed, 1.0)};
-}
-
-// As the figure that a borrowed clip was made for goes.
+// Where its feet say that it goes, or, where the clip is borrowed, those of the figure that it was made for.
 void take_velocity(const glm::dvec2& velocity, double height, ClipMotion& motion) {
   const double speed = glm::length(velocity);
   if (speed <= kStillFoot * height) return;
@@ -214,16 +159,12 @@ Measured measure(const Measures& of, int index) {
   const double duration = clip.duration();
   if (duration <= 0.0) return out;
   std::vector<std::vector<glm::dmat4>> poses;
-  std::vector<std::vector<glm::dvec3>> tracks;
-  double lowest = std::numeric_limits<double>::max();
+  SoleTracks tracks{{}, of.height, duration};
   for (int i = 0; i <= kMotionSamples; ++i) {
     const double at = i == kMotionSamples ? clip.end : clip.start + duration * i / kMotionSamples;
     poses.push_back(joint_matrices(character, index, at));
-    std::vector<glm::dvec3>& points = tracks.emplace_back();
-    for (const uint32_t v : of.soles) {
-      points.push_back(skin_one(character.mesh, v, poses.back()));
-      lowest = std::min(lowest, points.back().y);
-    }
+    std::vector<glm::dvec3>& points = tracks.poses.emplace_back();
+    for (const uint32_t v : of.soles) points.push_back(skin_one(character.mesh, v, poses.back()));
   }
   measure_travel(of, poses, duration, out.motion);
   if (clip.loops) {
@@ -233,13 +174,15 @@ Measured measure(const Measures& of, int index) {
       out.motion.closing_seconds = last_interval(clip);
   }
   for (size_t v = 0; v < of.soles.size(); ++v)
-    for (const auto& points : tracks)
-      if (glm::length(points[v] - tracks[0][v]) > kMovingFeet * of.height) out.moves_feet = true;
+    for (const auto& points : tracks.poses)
+      if (glm::length(points[v] - tracks.poses[0][v]) > kMovingFeet * of.height) out.moves_feet = true;
   if (out.motion.root_displacement != glm::dvec3(0.0) || out.motion.root_yaw != 0) return out;
-  if (clip.ground_velocity)
+  if (clip.ground_velocity) {
     take_velocity(*clip.ground_velocity, of.height, out.motion);
-  else
-    measure_stance(tracks, lowest, of.height, duration, out.motion);
+  } else if (const std::optional<glm::dvec2> velocity = stance_velocity(tracks)) {
+    out.motion.from_stance = true;
+    take_velocity(*velocity, of.height, out.motion);
+  }
   return out;
 }
 

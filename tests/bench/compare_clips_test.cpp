@@ -115,11 +115,61 @@ TEST_F(CompareFolders, EveryFrameTheWholeAndTheWorst) {
   EXPECT_EQ(out["worst_frames"]["flip"]["frame"], 2);
   const double flip = metrics::flip_pooled(metrics::flip_map(frame_of(2), frame_of(2, 12))).mean;
   EXPECT_NEAR(out["scores"]["flip"]["mean"].get<double>(), flip / 4, 1e-12);
-  EXPECT_GT(out["scores"]["flicker"].get<double>(), 0) << "a score over time";
-  EXPECT_FALSE(out["by_frame"].contains("flicker"));
   EXPECT_FALSE(out["by_frame"].contains("cvvdp")) << "without a frame rate";
   EXPECT_TRUE(fs::exists(folder / "maps" / "flip_map_frame0002.png"));
   EXPECT_TRUE(fs::exists(folder / "maps" / "error_pseudocolour_frame0002.png"));
+}
+
+// Errors of 0, 0, e and 0 by pixel: their second differences are e in frame 2, 2 e in frame 3.
+TEST_F(CompareFolders, AScoreOverTimeHasItsFramesItsWorstAndItsMap) {
+  const json out = compared({a.string(), b.string(), "--scores", "flicker,mae", "--maps", (folder / "maps").string()});
+  // 12 brighter, but the red of the square's 16 x 20 pixels, which is 0.299 of luma.
+  const double mean = (12.0 * (64 * 48 - 16 * 20) + 12.0 * 0.701 * 16 * 20) / (64 * 48);
+  const json& frames = out["by_frame"]["flicker"];
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_TRUE(frames[0].is_null()) << "no value is no 0";
+  EXPECT_TRUE(frames[1].is_null());
+  EXPECT_NEAR(frames[2].get<double>(), mean, 1e-9);
+  EXPECT_NEAR(frames[3].get<double>(), 2 * mean, 1e-9);
+  EXPECT_NEAR(out["scores"]["flicker"].get<double>(), 1.5 * mean, 1e-9);
+  EXPECT_EQ(out["worst_frames"]["flicker"]["frame"], 3);
+  EXPECT_EQ(out["worst_frames"]["flicker"]["value"], frames[3]);
+  EXPECT_EQ(out["pooling"]["flicker"], "over time, as the score itself pools");
+  EXPECT_TRUE(fs::exists(folder / "maps" / "flicker_map_frame0003.png"));
+  const json equal = compared({a.string(), a.string(), "--scores", "flicker"});
+  EXPECT_EQ(equal["by_frame"]["flicker"], json::parse("[null, null, 0.0, 0.0]"));
+  EXPECT_EQ(equal["worst_frames"]["flicker"]["frame"], 2) << "the first of the worst value";
+  for (const char* name : {"frame11.png", "frame12.png"}) fs::remove(a / name);
+  const json two = compared({a.string(), a.string(), "--scores", "flicker"});
+  EXPECT_EQ(two["by_frame"]["flicker"], json::parse("[null, null]"));
+  EXPECT_TRUE(two["scores"]["flicker"].is_null());
+  EXPECT_FALSE(two["worst_frames"].contains("flicker"));
+}
+
+// Of every frame the least and the greatest pixel: the clip's are those of all frames, and the rest are means.
+TEST_F(CompareFolders, ExtremesArePooledAsExtremes) {
+  write_png(b / "frame9.png", frame_of(0, 30));
+  const json out = compared({a.string(), b.string(), "--scores", "flip"});
+  std::vector<metrics::FlipPooled> of;  // frames 0 and 2 differ everywhere, 1 and 3 nowhere
+  for (int t = 0; t < 4; ++t)
+    of.push_back(metrics::flip_pooled(metrics::flip_map(frame_of(t), frame_of(t, t == 0 ? 30 : t == 2 ? 12 : 0))));
+  ASSERT_GT(of[2].min, 0);
+  ASSERT_GT(of[0].max, of[2].max);
+  EXPECT_EQ(out["scores"]["flip"]["min"], 0) << "not the mean of the minima";
+  EXPECT_EQ(out["scores"]["flip"]["max"].get<double>(), of[0].max);
+  EXPECT_NEAR(out["scores"]["flip"]["q3"].get<double>(), (of[0].q3 + of[2].q3) / 4, 1e-12);
+  EXPECT_EQ(out["pooling"]["flip"], "mean over frames; min the least and max the greatest of all frames");
+}
+
+// By hand: a figure of each kind over three frames, one of them infinite.
+TEST(FigureOverFrames, MeanLeastAndGreatestOfTheFiniteOnes) {
+  using metrics::OverFrames;
+  FigureOverFrames figure;
+  EXPECT_EQ(figure.pooled(OverFrames::least, 7), 7) << "no frame yet";
+  for (const double value : {-1.0, std::numeric_limits<double>::infinity(), -4.0}) figure.add(value);
+  EXPECT_EQ(figure.pooled(OverFrames::mean, 7), -2.5);
+  EXPECT_EQ(figure.pooled(OverFrames::least, 7), -4);
+  EXPECT_EQ(figure.pooled(OverFrames::greatest, 7), -1);
 }
 
 TEST_F(CompareFolders, ScoresAreChosenAndBounded) {
@@ -140,12 +190,14 @@ TEST_F(CompareFolders, AreCharted) {
   } catch (const Error&) {
     GTEST_SKIP() << "npm packages of the chart library absent at configure time";
   }
-  compared({a.string(), b.string(), "--scores", "flip", "--fps", "25", "--chart", (folder / "chart.html").string()});
+  compared(
+      {a.string(), b.string(), "--scores", "flip,flicker", "--fps", "25", "--chart", (folder / "chart.html").string()});
   const std::string page = read_text(folder / "chart.html", size_t{64} << 20);
   EXPECT_NE(page.find("Two clips compared"), std::string::npos);
   EXPECT_NE(page.find("\"seconds\":0.08"), std::string::npos) << "frame 2 at 25 a second";
   EXPECT_NE(page.find("frame 2 (0.08 s)"), std::string::npos);
   EXPECT_NE(page.find("FLIP"), std::string::npos);
+  EXPECT_NE(page.find("Flicker, code values, frame 3 (0.12 s)"), std::string::npos) << "the map of its worst frame";
 }
 
 TEST_F(CompareFolders, WhatDoesNotGoTogetherIsRefused) {

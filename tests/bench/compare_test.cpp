@@ -444,6 +444,36 @@ TEST(Compare, WhatHappenedToEachAgentIsNamed) {
   EXPECT_THROW(compared(folder / "a.png", folder / "b.png", {"--pose-ref", "x.png"}), CLI::ParseError);
 }
 
+// The plane of a flat card is behind the surface that it shows: no agent moved for that. What lies farther behind than
+// the body is thick is said, as what it is.
+TEST(Compare, ACardsPlaneIsNoDisplacement) {
+  const fs::path folder = scratch();
+  Drawn body;
+  body.box(1, 8, 4, 16, 14, 60, 5);
+  const auto round = [&](int x) { return 5 + 0.3F * std::pow(static_cast<float>(x - 16) / 8, 2.0F); };
+  for (int y = 4; y < 18; ++y)
+    for (int x = 8; x < 24; ++x) *body.depth.at(x, y) = round(x);
+  body.save(folder, "body");
+  for (const float plane : {5.2F, 5.6F}) {
+    Drawn card = body;
+    card.box(1, 8, 4, 16, 14, 90, plane);
+    card.save(folder, "card");
+    const std::vector<std::string> files = {
+        "--ids-ref",   (folder / "body_ids.exr").string(),   "--ids-test",   (folder / "card_ids.exr").string(),
+        "--depth-ref", (folder / "body_depth.exr").string(), "--depth-test", (folder / "card_depth.exr").string()};
+    const json agent = compared(folder / "body.png", folder / "card.png", files)["causes"]["agents"][0];
+    EXPECT_TRUE(agent["displaced_m"].is_null()) << agent;
+    EXPECT_EQ(agent["displaced_px"], json({0, 0}));
+    EXPECT_NEAR(agent["surface_m"].get<double>(), plane - 5.075, 0.03);  // the median is half way to the edge
+    EXPECT_NEAR(agent["thickness_m"].get<double>(), 0.27, 0.04);
+    std::vector<std::string> words = {(folder / "body.png").string(), (folder / "card.png").string()};
+    words.insert(words.end(), files.begin(), files.end());
+    const std::string text = output_of(words);
+    EXPECT_EQ(text.find("farther") != std::string::npos, plane > 5.5F) << text;
+    EXPECT_EQ(text.find("the surface that is drawn for it 0.5") != std::string::npos, plane > 5.5F) << text;
+  }
+}
+
 TEST(Compare, RefusesPicturesOfTwoSizesAndMissingFiles) {
   EXPECT_NE(error_of(kImages / "p10_tiny_1x1_ref.png", kImages / "p05_flat_offset_ref.png").find("is 64 x 48 pixels"),
             std::string::npos);

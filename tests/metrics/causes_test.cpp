@@ -367,7 +367,43 @@ TEST(PictureCauses, DepthsTellSurfacesFromTextures) {
   EXPECT_FALSE(told(a, b).errors.available(Cause::surface));
   const PictureCauses causes = told(a, b, true);
   expect_only(causes.errors, "surface", 4);
-  EXPECT_NEAR(change(causes, 4).farther.value(), 0.5, 1e-6);
+  EXPECT_FALSE(change(causes, 4).farther) << "as large as before: not the same body farther away";
+  EXPECT_NEAR(change(causes, 4).surface_farther.value(), 0.5, 1e-6);
+  EXPECT_EQ(change(causes, 4).thickness, 0);
+}
+
+// A flat card at the place of a round body, in its plane: behind most of the surface that it shows, by less than the
+// body is thick, and nowhere else than the body.
+TEST(PictureCauses, AFlatCardAtItsPlaceIsNotFartherAway) {
+  Pictures a = Pictures::of({});
+  Pictures b = a;
+  constexpr float kNearest = 5;
+  constexpr float kRadius = 0.3F;
+  for (int y = 0; y < a.ids.height; ++y)
+    for (int x = 0; x < a.ids.width; ++x) {
+      if (*a.ids.at(x, y) != 1) continue;
+      const float across = std::min(1.0F, std::abs(static_cast<float>(x) - 7.5F) / 6);  // a cylinder
+      *a.depth.at(x, y) = kNearest + kRadius * (1 - std::sqrt(1 - across * across));
+      *b.depth.at(x, y) = kNearest + kRadius;
+      for (int c = 0; c < 3; ++c) b.codes.at(x, y)[c] = static_cast<uint8_t>(b.codes.at(x, y)[c] / 2);
+    }
+  const AgentChange card = change(told(a, b, true), 1);
+  EXPECT_EQ(card.dx, 0);
+  EXPECT_FALSE(card.farther) << "its depths are a plane's, not a body's that moved";
+  EXPECT_GT(card.surface_farther.value(), 0.15);
+  EXPECT_GT(card.thickness, 0);
+  EXPECT_EQ(change(told(a, a, true), 1).farther, 0) << "where it was";
+  // A body of two planes, most of it the nearer: three quarters of the card are behind by the same.
+  for (int y = 0; y < a.ids.height; ++y)
+    for (int x = 0; x < a.ids.width; ++x) {
+      if (*a.ids.at(x, y) != 1) continue;
+      *a.depth.at(x, y) = y < 24 ? kNearest : kNearest + 0.15F;
+      *b.depth.at(x, y) = kNearest + 0.15F;
+    }
+  const AgentChange block = change(told(a, b, true), 1);
+  EXPECT_FALSE(block.farther) << "the relief of a body that moved would be there";
+  EXPECT_NEAR(block.surface_farther.value(), 0.15, 1e-6);
+  EXPECT_NEAR(block.thickness, 0.15, 1e-6);
 }
 
 // A slanted body that only moved in the picture is as far away as it was, point by point.

@@ -302,10 +302,11 @@ TEST_F(CvvdpScore, OfPicturesSaysWhatItIsMadeOf) {
   EXPECT_EQ(result.value, direct.jod);
   EXPECT_FALSE(result.map) << "not asked for";
   ASSERT_EQ(result.details.size(), 4U);
-  EXPECT_EQ(result.details[0], (std::pair<std::string, double>("q", direct.q)));
-  EXPECT_EQ(result.details[2].first, "q_red_green");
+  EXPECT_EQ(result.details[0].name, "q");
+  EXPECT_EQ(result.details[0].value, direct.q);
+  EXPECT_EQ(result.details[2].name, "q_red_green");
   // A part is at most the whole, which the source's powers lower by 1e-5^(1/4) once more.
-  for (size_t i = 1; i < 4; ++i) EXPECT_LE(result.details[i].second, direct.q + 0.06);
+  for (size_t i = 1; i < 4; ++i) EXPECT_LE(result.details[i].value, direct.q + 0.06);
   input_.maps = true;
   EXPECT_EQ(computed().map->values.width, 48);
 }
@@ -350,7 +351,7 @@ TEST_F(CvvdpScore, OfAClipIsThatOfTheFramesShown) {
   ASSERT_EQ(result.by_frame.size(), 4U);
   for (size_t f = 0; f < 4; ++f) EXPECT_EQ(result.by_frame[f], cvvdp_jod(expected.frame_q[f]));
   EXPECT_GT(result.by_frame[0], result.by_frame[2]) << "nothing has happened yet";
-  EXPECT_EQ(result.details.back().first, "q_transient");
+  EXPECT_EQ(result.details.back().name, "q_transient");
   EXPECT_TRUE(result.map);
   EXPECT_EQ(run(0).reason, "the frame rate is not given");
 }

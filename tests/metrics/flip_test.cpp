@@ -192,7 +192,7 @@ TEST(FlipScore, IsPooledAndOfTheDisplayAndOfAgents) {
   const Scored at_default = flip_of(input, shared);
   ASSERT_TRUE(at_default.score);
   std::vector<std::string> names;
-  for (const auto& [name, value] : at_default.result.pooled) names.push_back(name);
+  for (const ScoreFigure& of : at_default.result.pooled) names.push_back(of.name);
   EXPECT_EQ(names, (std::vector<std::string>{"mean", "weighted_median", "q1", "q3", "min", "max"}));
   EXPECT_EQ(at_default.result.value, flip_pooled(flip_map(a, b)).mean);
   Display display;

@@ -123,6 +123,29 @@ TEST(HdrFlip, ExposuresByHand) {
   EXPECT_NE(exposure_range(image, settings).reason.find("start above"), std::string::npos);
 }
 
+// Flat greys of light 1 and 2, at half and at twice the light, by Reinhard's v / (1 + v): 1/3 against 1/2 and 2/3
+// against 4/5. The darker exposure shows more of it; FLIP of two flat greys is 0.95 / 16.51 of their lightnesses'
+// distance^0.7.
+TEST(HdrFlip, IdentityAndTwoExposuresByHand) {
+  ImageF one(9, 7, 1);
+  std::fill(one.data.begin(), one.data.end(), 1.0F);
+  ImageF two = one;
+  std::fill(two.data.begin(), two.data.end(), 2.0F);
+  HdrFlipSettings settings;
+  settings.tone_mapper = ToneMapper::reinhard;
+  settings.start = -1;
+  settings.stop = 1;
+  settings.exposures = 2;
+  const auto flip = [](double a, double b) {
+    return 0.95 / 16.51044 * std::pow(116 * (std::cbrt(b) - std::cbrt(a)), 0.7);
+  };
+  ASSERT_GT(flip(1.0 / 3, 1.0 / 2), flip(2.0 / 3, 4.0 / 5) + 0.01);
+  const HdrFlip errors = hdr_flip(one, two, settings);
+  for (const float v : errors.map.data) EXPECT_NEAR(v, flip(1.0 / 3, 1.0 / 2), 1e-4);
+  for (const float v : errors.exposure.data) EXPECT_EQ(v, 0) << "the first exposure";
+  for (const float v : hdr_flip(two, two, settings).map.data) EXPECT_EQ(v, 0);
+}
+
 TEST(HdrFlip, WhatHasNoValueSaysWhy) {
   ImageF black(6, 6, 3);
   ImageF lit = black;

@@ -560,6 +560,21 @@ TEST(Flicker, ByHandAndOverSilhouettes) {
   const std::vector<Mask> none(5, grey(0, 0));
   EXPECT_FALSE(flicker(r, t, none));
   EXPECT_FALSE(flicker(std::span(r).first(2), std::span(t).first(2)));
+  // By frame, over two pixels; seen through a silhouette of frame 1 alone there is none once three frames are empty.
+  using Values = std::vector<std::optional<double>>;
+  const auto by_frame = [&](const std::vector<Mask>& masks) {
+    Flicker running;
+    for (size_t i = 0; i < 5; ++i) running.take(luma601(r[i]), luma601(t[i]), masks.empty() ? nullptr : &masks[i]);
+    return running.by_frame();
+  };
+  EXPECT_EQ(by_frame({}), (Values{{}, {}, 5.0, 10.0, 5.0}));
+  std::vector<Mask> once = none;
+  once[1] = grey(0, 255);
+  EXPECT_EQ(by_frame(once), (Values{{}, {}, 10.0, 20.0, {}}));
+  Flicker running;
+  for (size_t i = 0; i < 4; ++i) running.take(luma601(r[i]), luma601(t[i]), &right[i]);
+  EXPECT_TRUE(std::isnan(running.map().data[0])) << "outside of the silhouettes";
+  EXPECT_NEAR(running.map().data[1], 20, 1e-12);
   // The pop shows as a step into it and a step out of it, over two pixels.
   EXPECT_EQ(step_difference(r, t), (std::vector<double>{0, 5, 5, 0}));
 }

@@ -506,6 +506,26 @@ TEST(Feet, StayWhereTheyStandForwardsSidewaysAndBackward) {
     }
 }
 
+// A turn of one joint alone, as files with one animation a channel have it: once, and to and fro.
+TEST(Feet, OneJointThatTurnsAloneDoesNotWalk) {
+  const float s = 0.2F;
+  const auto c = static_cast<float>(std::sqrt(1 - 0.04));
+  struct Case {
+    std::vector<float> times, turns;
+  };
+  for (const Case& of : {Case{{0, 1}, {0, 0, 0, 1, 0, 0, s, c}}, Case{{0, 1}, {0, 0, 0, 1, s, 0, 0, c}},
+                         Case{{0, 0.5F, 1}, {0, 0, 0, 1, s, 0, 0, c, 0, 0, 0, 1}},
+                         Case{{0, 0.7F, 1}, {0, 0, -s, c, 0, 0, s, c, 0, 0, -s, c}}}) {
+    Builder b = walking_card();
+    attributes(b)["POSITION"] = b.accessor<float>({-0.25F, 0, 0.1F, 0.25F, 0, 0.1F, 0.25F, 1, 0, -0.25F, 1, 0}, "VEC3");
+    attributes(b)["JOINTS_0"] = b.accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4");
+    move(b, 0, 1, "rotation", of.times, of.turns);
+    const Character card = load(b);
+    EXPECT_EQ(card.motion[0].ground_speed, 0) << of.turns[3] << " " << of.turns.size();
+    EXPECT_EQ(card.motion[0].root_displacement, glm::dvec3(0.0));
+  }
+}
+
 TEST(Feet, AnAgentFacesItsHeadingAndGoesWhereTheClipGoes) {
   Cast cast;
   cast.characters = {std::make_shared<const Character>(walker({0, -1}, false))};

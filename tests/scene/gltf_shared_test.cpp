@@ -56,6 +56,35 @@ INSTANTIATE_TEST_SUITE_P(Files, GltfShared,
                                          Expected{"Mannequiny.glb", 13932, 10366, 45, 0, 3, 3, 11, 0, true}),
                          [](const auto& test) { return std::filesystem::path(test.param.file).stem().string(); });
 
+// Metres a second of clips in place: walks, runs and strafes go, blows and falls do not.
+TEST(GltfSharedSpeeds, AreOfWhatSteps) {
+  struct Speed {
+    const char* clip;
+    double of;
+  };
+  const std::pair<const char*, std::vector<Speed>> files[] = {
+      {"CesiumMan.glb", {{"0", 1.090}}},
+      {"QuaterniusKnight.glb", {{"HumanArmature|Walking", 1.091}, {"HumanArmature|Run", 4.144}}},
+      {"Robot.glb", {{"Robot_Walking", 1.758}, {"Robot_Running", 5.318}}},
+      {"Mannequiny.glb", {{"walk", 1.618}, {"run", 6.672}}},
+      {"KayKitKnight.glb",
+       {{"Walking_A", 0.422},
+        {"Walking_Backwards", 0.431},
+        {"Running_B", 1.548},
+        {"Running_Strafe_Left", 2.541},
+        {"1H_Melee_Attack_Stab", 0},
+        {"Death_B", 0},
+        {"Hit_A", 0},
+        {"Sit_Chair_StandUp", 0}}}};
+  for (const auto& [file, speeds] : files) {
+    if (!std::filesystem::exists(kCharacters / file)) GTEST_SKIP() << "needs shared/characters/" << file;
+    const Character c = load_character(kCharacters / file);
+    for (const Speed& speed : speeds)
+      EXPECT_NEAR(c.motion.at(static_cast<size_t>(require_clip(c, speed.clip))).ground_speed, speed.of, 6e-4)
+          << file << " " << speed.clip;
+  }
+}
+
 TEST(GltfSharedPoses, AgreeWithAnIndependentSkinner) {
   const std::filesystem::path golden = kCharacters / "golden_pose.json";
   if (!std::filesystem::exists(golden)) GTEST_SKIP() << "needs shared/characters/golden_pose.json";
