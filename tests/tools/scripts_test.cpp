@@ -41,6 +41,7 @@ const std::map<std::string, std::string> kScripts = {
     {"relief_sweep.mjs", "ReliefSweep"},
     {"score_correlations.sh", "ScoreCorrelations"},
     {"approaches.sh", "Approaches"},
+    {"drivers.mjs", "Drivers"},
     {"study_evidence.sh", "StudyEvidence"},
     {"study_kill.mjs", "StudyKill"},
     {"study_observer.mjs", "StudyObserver"},
@@ -204,6 +205,18 @@ TEST_F(ScriptsGl, StatisticsEvidence) {
   EXPECT_EQ(run("statistics_evidence.sh", build_ + " statistics.md --frobnicate").status, 2);
   EXPECT_EQ(run("statistics_evidence.sh", "nowhere other.md --tiny").status, 2);
   EXPECT_FALSE(fs::exists(folder_ / "other.md"));
+}
+
+TEST_F(ScriptsGl, Drivers) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("drivers.mjs", driver_ + " pictures --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_TRUE(std::regex_search(outcome.text,
+                                std::regex("128 bits[^|]*\\|[^]*\\| `time_wrap` \\| [0-9.e-]+ \\| [^|]+ \\| [0-9]")));
+  EXPECT_TRUE(std::regex_search(outcome.text, std::regex("\\| mesh \\| [0-9]+, [0-9.e-]+ \\|"))) << outcome.text;
+  EXPECT_EQ(outcome.text.find("undefined"), std::string::npos) << outcome.text;
+  EXPECT_EQ(run("drivers.mjs", driver_ + " pictures --frobnicate").status, 2);
+  EXPECT_EQ(run("drivers.mjs", "").status, 2);
 }
 
 // Every representation's line of what is argued, and numbers of those that the plan names.
