@@ -62,6 +62,7 @@ Json switch_json(const TuneReport& report, size_t subject, const TuneSwitch& one
   return {{"from", candidate_name(report, one.change.from)},
           {"to", candidate_name(report, one.change.to)},
           {"height_px", one.height_px},
+          {"next_taller_px", report.request.heights_px[one.change.bin - 1]},
           {"interval_px", one.certainty.height_px ? interval_json(*one.certainty.height_px) : Json(nullptr)},
           {"share_of_resamples", one.certainty.share},
           {"decided", one.certainty.decided()},

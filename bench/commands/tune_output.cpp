@@ -52,7 +52,7 @@ void print_switch(const TuneReport& report, size_t subject, const TuneSwitch& on
   const metrics::Score& pop = *report.request.pop.score;
   fmt::print("from {:.1f} pixels ({:.1f} m) on {} instead of {}; {}\n", one.height_px,
              depth_in_report(report, subject, one.height_px), candidate_name(report, one.change.to),
-             candidate_name(report, one.change.from), switch_certainty_text(one));
+             candidate_name(report, one.change.from), switch_certainty_text(report, one));
   if (one.hysteresis > 0)
     fmt::print("  hysteresis {:.1f} %: far below {:.1f} pixels, near again above {:.1f}\n", 100 * one.hysteresis,
                one.height_px / (1 + one.hysteresis), one.height_px * (1 + one.hysteresis));
@@ -121,6 +121,7 @@ void print_proof(const TuneReport& report) {
         "% {:.{}f}, worst {:.{}f} at {:.1f} pixels: {}\n",
         one.worse, one.views, one.over_threshold, score.title, one.tail, score.digits, one.worst, score.digits,
         one.worst_height_px, one.holds ? "holds" : "does NOT hold");
+  if (const std::string text = other_character_text(report); !text.empty()) fmt::print("  {}\n", printable(text, 400));
 }
 
 }  // namespace

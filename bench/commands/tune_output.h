@@ -13,7 +13,8 @@ Json tune_json(const TuneReport& report);
 std::string tune_page_of(const TuneReport& report);
 
 // ---- sentences that the text and the page share
-std::string switch_certainty_text(const TuneSwitch& one);
+// With the next taller height that was measured: between the two the switch may be anywhere.
+std::string switch_certainty_text(const TuneReport& report, const TuneSwitch& one);
 // "one texel a pixel would switch at 24.1 pixels (31.2 m): there 95 % of the figures have ..."
 std::string predicted_text(const TuneReport& report, const PredictedSwitch& one);
 std::string lens_text(const TuneReport& report, const LensSpread& spread);
@@ -21,5 +22,7 @@ std::string lens_verdict(const std::vector<LensSpread>& spreads);
 std::string budget_text(const TuneReport& report, const TuneAnswer& answer);
 std::string saving_text(const TuneAnswer& answer);
 std::string promise_text(const SpeedPromise& promise);
+// Why a promise may fail on a character that was not tuned; empty where it holds, or is of those that were.
+std::string other_character_text(const TuneReport& report);
 
 }  // namespace crowdbench::bench

@@ -49,8 +49,8 @@ reports::TunePageSwitch switch_of(const TuneReport& report, size_t subject, cons
       out.ratio = fmt::format("{:.2f}", pixels_spanned(texel, report.request.subjects[subject], one.height_px));
   if (one.hysteresis > 0) out.hysteresis = fmt::format("{:.1f} %", 100 * one.hysteresis);
   out.pop = fmt::format("{} {}", report.request.pop.score->title, score_of(*report.request.pop.score, one.pop.tail));
-  out.sure = one.certainty.decided() ? fmt::format("in {:.1f} % of the resamples", 100 * one.certainty.share)
-                                     : switch_certainty_text(one);
+  out.next = pixels(report.request.heights_px[one.change.bin - 1]);
+  out.sure = fmt::format("{:.1f} %{}", 100 * one.certainty.share, one.certainty.decided() ? "" : ", undecided");
   return out;
 }
 
@@ -72,12 +72,21 @@ std::vector<std::string> answer_sentences(const TuneReport& report, size_t subje
     out.push_back(text + ".");
     const auto unsure = std::count_if(answer.switches.begin(), answer.switches.end(),
                                       [](const TuneSwitch& one) { return !one.certainty.decided(); });
-    out.push_back(unsure == 0 ? std::string("Every change is in at least 95 % of the resampled measurements.")
-                              : fmt::format("{} of the {} changes are undecided: fewer than 95 % of the resampled "
-                                            "measurements make them.",
-                                            unsure, answer.switches.size()));
+    if (unsure == 0)
+      out.emplace_back("Every change is in at least 95 % of the resampled measurements.");
+    else
+      out.push_back(fmt::format("Undecided, in fewer than 95 % of the resampled measurements: {} of {} {}.", unsure,
+                                answer.switches.size(), answer.switches.size() == 1 ? "change" : "changes"));
   }
-  if (answer.budget) out.push_back(budget_text(report, answer) + ".");
+  if (answer.budget)
+    out.push_back(budget_text(report, answer) + ".");
+  else
+    out.push_back(fmt::format(
+        "Of the figures that each draws there, no more than 5 % have {} {} than {:g}.",
+        report.request.error.score->title,
+        report.request.error.score->direction == metrics::Direction::higher_is_better ? "of less" : "of more",
+        report.request.error.value));
+  if (report.request.subjects.size() > 1) out.push_back("Metres are those of " + name_of(report, subject) + ".");
   if (agents_in_view(answer) > 0) out.push_back(saving_text(answer) + ".");
   return out;
 }
@@ -98,6 +107,7 @@ std::vector<std::string> proof_lines(const TuneReport& report) {
         "end's 5 % {}: {}.",
         on.empty() ? " of " + name_of(report, one.subject) : on, one.worse, one.views, one.over_threshold, score.title,
         score_of(score, one.tail), one.holds ? "holds" : "does NOT hold"));
+  if (const std::string text = other_character_text(report); !text.empty()) out.push_back(text + ".");
   return out;
 }
 

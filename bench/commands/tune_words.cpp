@@ -22,11 +22,14 @@ std::string range_text(double low, double high, int digits) {
 
 }  // namespace
 
-std::string switch_certainty_text(const TuneSwitch& one) {
+std::string switch_certainty_text(const TuneReport& report, const TuneSwitch& one) {
+  const std::string next =
+      fmt::format("the next taller height measured is {:.1f}", report.request.heights_px[one.change.bin - 1]);
   if (!one.certainty.decided())
-    return fmt::format("undecided: {:.1f} % of the resamples switch between these two", 100 * one.certainty.share);
-  return fmt::format("95 % of the resamples: {} pixels",
-                     range_text(one.certainty.height_px->low, one.certainty.height_px->high, 1));
+    return fmt::format("undecided: {:.1f} % of the resamples switch between these two; {}", 100 * one.certainty.share,
+                       next);
+  return fmt::format("95 % of the resamples: {} pixels; {}",
+                     range_text(one.certainty.height_px->low, one.certainty.height_px->high, 1), next);
 }
 
 std::string predicted_text(const TuneReport& report, const PredictedSwitch& one) {
@@ -101,6 +104,13 @@ std::string promise_text(const SpeedPromise& promise) {
   return fmt::format("promised of the whole frame on another seed: {}, from {} seeds",
                      times_fast(promise.ratio, promise.on_another_seed.low, promise.on_another_seed.high),
                      promise.seeds.size());
+}
+
+std::string other_character_text(const TuneReport& report) {
+  if (!report.proof || report.proof->character.empty() || report.proof->holds()) return "";
+  return fmt::format(
+      "the promise is of what was tuned; {} was not: name it with --also-character for a rule that is of it too",
+      report.proof->character);
 }
 
 }  // namespace crowdbench::bench

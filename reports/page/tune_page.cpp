@@ -45,6 +45,7 @@ Rows switches_of(const TunePage& page) {
                     {"to", one.to},
                     {"height", one.height},
                     {"height_interval", one.height_interval},
+                    {"next", one.next},
                     {"depth", one.depth},
                     {"depth_interval", one.depth_interval},
                     {"ratio", one.ratio},

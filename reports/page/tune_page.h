@@ -13,11 +13,12 @@ namespace crowdbench::reports {
 struct TunePageSwitch {
   std::string from, to;
   std::string height, height_interval;  // pixels
+  std::string next;                     // the next taller height that was measured, pixels
   std::string depth, depth_interval;    // metres
   std::string ratio;                    // pixels that a texel spans
   std::string hysteresis;
   std::string pop;
-  std::string sure;
+  std::string sure;  // the share of the resamples that make this change
 };
 // A rule of thumb beside a measured switch.
 struct TunePageRule {

@@ -84,7 +84,8 @@ TunePage made_up_page() {
   page.broken = {"it does NOT hold"};
   page.answer = {"From the eye to 32 m draw near; from there on <far>."};
   page.software = true;
-  page.switches = {{"near", "<far>", "5.0", "4.0 to 6.0", "32.0", "27 to 40", "0.50", "2.0 %", "error 3", "sure"}};
+  page.switches = {
+      {"near", "<far>", "5.0", "4.0 to 6.0", "8.0", "32.0", "27 to 40", "0.50", "2.0 %", "error 3", "sure"}};
   page.draws_as = "hybrid(near,far)";
   const TunePagePicture picture{"what differs", 8, 8, encode_png(Image8(8, 8, 3))};
   page.pictures = {{"near to far", {picture, picture, picture}}};
@@ -132,27 +133,27 @@ class TunePageTest : public testing::Test {
 TEST_F(TunePageTest, TellsWhatDoesNotHoldThenTheAnswerThenWhatItIsFrom) {
   const std::string html = shown(made_up_page());
   size_t last = 0;
-  for (const char* text :
-       {"it does NOT hold",
-        "From the eye to 32 m draw near; from there on &lt;far&gt;.",
-        "Drawn by a software rasteriser",
-        "<td class=\"l\">&lt;far&gt;</td><td class=\"l\">near</td><td>5.0</td><td>4.0 to 6.0</td><td>32.0</td>",
-        "<code>hybrid(near,far)</code>",
-        "near to far",
-        "data:image/png",
-        "Error and cost by distance: a walker",
-        "By itself: the same.",
-        "Mean absolute error, code values: the worst 5 % of the figures",
-        "Time of one more agent",
-        "<td><b>8.00</b></td>",
-        "relief is left out",
-        "not enough (10)",
-        "<td>0.0456</td>",
-        "one rule holds.",
-        "keeps the promise",
-        "promised: 2 times",
-        "<td>17</td>",
-        "<dt>seed</dt><dd>1</dd>"}) {
+  for (const char* text : {"it does NOT hold",
+                           "From the eye to 32 m draw near; from there on &lt;far&gt;.",
+                           "Drawn by a software rasteriser",
+                           "<td class=\"l\">&lt;far&gt;</td><td class=\"l\">near</td><td>5.0</td><td>4.0 to "
+                           "6.0</td><td>8.0</td><td>32.0</td>",
+                           "<code>hybrid(near,far)</code>",
+                           "near to far",
+                           "data:image/png",
+                           "Error and cost by distance: a walker",
+                           "By itself: the same.",
+                           "Mean absolute error, code values: the worst 5 % of the figures",
+                           "Time of one more agent",
+                           "<td><b>8.00</b></td>",
+                           "relief is left out",
+                           "not enough (10)",
+                           "<td>0.0456</td>",
+                           "one rule holds.",
+                           "keeps the promise",
+                           "promised: 2 times",
+                           "<td>17</td>",
+                           "<dt>seed</dt><dd>1</dd>"}) {
     const size_t at = html.find(text, last);
     ASSERT_NE(at, std::string::npos) << text << " is not there, or before what it should follow";
     last = at;
