@@ -66,7 +66,7 @@ function tables() {
 }
 
 const browser = await puppeteer.launch({
-  browser: 'chrome', executablePath: program, headless: true, userDataDir: profile,
+  browser: 'chrome', executablePath: program, headless: true, userDataDir: profile, timeout: 180_000, protocolTimeout: 300_000,
   args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync']
 })
 const said = { page: pages[0], views: [], tables: {}, wrong: [] }
@@ -84,9 +84,9 @@ try {
       view = { width, scheme, console: [], elsewhere: [] }
       await page.setViewport({ width, height: 900 })
       await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }])
-      await page.goto(url, { waitUntil: 'load' })
+      await page.goto(url, { waitUntil: 'load', timeout: 120_000 })
       const drawn = "Number(document.body.dataset.drawn || 0) >= document.querySelectorAll('script[data-plot]').length"
-      await page.waitForFunction(drawn, { timeout: 20_000 }).catch(() => {})
+      await page.waitForFunction(drawn, { timeout: 60_000 }).catch(() => {})
       await page.evaluate(() => document.querySelectorAll('details').forEach((one) => { if (!one.closest('.plot')) one.open = true }))
       Object.assign(view, await page.evaluate(look))
       if (options.pictures) await page.screenshot({ path: join(options.pictures, `${width}-${scheme}.png`), fullPage: true })
