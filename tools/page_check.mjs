@@ -2,7 +2,7 @@
 // with it: messages in the console, charts that were not drawn, requests to elsewhere, sideways scroll, text that a chart
 // cuts off, tick labels that overlap. Prints JSON, with the text of every table that has an id.
 //
-//   node tools/page_check.mjs PAGE.html [--pictures FOLDER]
+//   node tools/page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS]   that long at most for the charts
 //
 // Status 0: nothing is wrong; 1: something is; 2: wrong options; 77: there is no chromium.
 import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs'
@@ -15,13 +15,13 @@ import puppeteer from 'puppeteer-core'
 let options
 let pages
 try {
-  ({ values: options, positionals: pages } = parseArgs({ allowPositionals: true, options: { pictures: { type: 'string' } } }))
+  ({ values: options, positionals: pages } = parseArgs({ allowPositionals: true, options: { pictures: { type: 'string' }, wait: { type: 'string', default: '60' } } }))
 } catch (error) {
   console.error(`page_check: ${error.message}`)
   process.exit(2)
 }
-if (pages.length !== 1 || !existsSync(pages[0])) {
-  console.error('usage: page_check.mjs PAGE.html [--pictures FOLDER]')
+if (pages.length !== 1 || !existsSync(pages[0]) || !(Number(options.wait) > 0)) {
+  console.error('usage: page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS]')
   process.exit(2)
 }
 const program = '/usr/bin/chromium'
@@ -86,7 +86,7 @@ try {
       await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }])
       await page.goto(url, { waitUntil: 'load', timeout: 120_000 })
       const drawn = "Number(document.body.dataset.drawn || 0) >= document.querySelectorAll('script[data-plot]').length"
-      await page.waitForFunction(drawn, { timeout: 60_000 }).catch(() => {})
+      await page.waitForFunction(drawn, { timeout: 1000 * Number(options.wait) }).catch(() => {})
       await page.evaluate(() => document.querySelectorAll('details').forEach((one) => { if (!one.closest('.plot')) one.open = true }))
       Object.assign(view, await page.evaluate(look))
       if (options.pictures) await page.screenshot({ path: join(options.pictures, `${width}-${scheme}.png`), fullPage: true })

@@ -262,7 +262,7 @@ TEST_F(Scripts, PageCheck) {
              "<!doctype html><title>t</title><body><div style='width: 700px'>wide</div>"
              "<table id='t'><tr><td> 1 </td><td>2</td></tr></table>"
              "<script>console.warn('a warning')</script><script type='application/json' data-plot='none'></script>");
-  const Outcome outcome = run("page_check.mjs", quoted(folder_ / "wide.html") + " 2>/dev/null");
+  const Outcome outcome = run("page_check.mjs", quoted(folder_ / "wide.html") + " --wait 0.2");
   EXPECT_EQ(outcome.status, 1) << outcome.text;
   const nlohmann::json said = nlohmann::json::parse(outcome.text, nullptr, false);
   ASSERT_TRUE(said.is_object()) << outcome.text;
