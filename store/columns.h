@@ -83,9 +83,10 @@ struct Table {
 template <typename... Rows>
 struct RowTypes {};
 // Every table, in the order in which they are made and read: what a table references comes before it.
-using StoreTables = RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow,
-                             SweepPointRow, PictureRow, CurveRow, CurveBinRow, ThresholdRow, CauseRangeRow,
-                             CauseShareRow, PopRow, PopScoreRow, StudyParticipantRow, StudyAnswerRow>;
+using StoreTables =
+    RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow, SweepPointRow,
+             PictureRow, CurveRow, CurveBinRow, ThresholdRow, CauseRangeRow, CauseShareRow, PopRow, PopScoreRow,
+             TuningRow, TunedSwitchRow, StudyParticipantRow, StudyAnswerRow>;
 
 // The table whose rows these are.
 template <typename Row>
@@ -125,6 +126,10 @@ const Table<PopRow>& table();
 template <>
 const Table<PopScoreRow>& table();
 template <>
+const Table<TuningRow>& table();
+template <>
+const Table<TunedSwitchRow>& table();
+template <>
 const Table<StudyParticipantRow>& table();
 template <>
 const Table<StudyAnswerRow>& table();
@@ -151,6 +156,10 @@ struct Owned<CauseRangeRow> {
 template <>
 struct Owned<PopRow> {
   static constexpr auto rows = &PopRow::scores;
+};
+template <>
+struct Owned<TuningRow> {
+  static constexpr auto rows = &TuningRow::switches;
 };
 template <typename Row>
 concept OwnsRows = requires {

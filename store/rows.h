@@ -309,6 +309,43 @@ struct PopRow {
   bool operator==(const PopRow&) const = default;
 };
 
+// A change of representation in a tuned rule.
+struct TunedSwitchRow {
+  int place = 0;
+  std::string from, to;
+  double height_px = 0;
+  std::optional<double> low_px, high_px;
+  double share = 0;
+  bool decided = false;
+  double depth = 0;
+  std::optional<double> pixels_per_texel, pixels_per_error;
+  double hysteresis = 0;
+  std::optional<double> pop;
+  bool operator==(const TunedSwitchRow&) const = default;
+};
+
+// Which representation to draw from which height on, as `tune` found it.
+struct TuningRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::string character;
+  std::string score;
+  double threshold = 0;
+  std::string pop_score;
+  double pop_threshold = 0;
+  std::optional<double> budget_ns;
+  std::optional<std::string> representation;  // absent: there is none, and the reason says why
+  std::string reason;
+  double agents = 0;
+  std::optional<double> saving, saving_low, saving_high;
+  std::optional<double> promised, promised_low, promised_high;
+  std::optional<bool> lenses_hold, proof_holds;
+  std::string display;
+  bool display_given = false;
+  std::vector<TunedSwitchRow> switches;
+  bool operator==(const TuningRow&) const = default;
+};
+
 // Somebody who takes part in a study.
 struct StudyParticipantRow {
   int64_t id = 0;
@@ -339,7 +376,7 @@ struct StudyAnswerRow {
   bool operator==(const StudyAnswerRow&) const = default;
 };
 
-// What a file holds; samples, scores, bins and shares lie in the rows that they belong to.
+// What a file holds; samples, scores, bins, shares and switches lie in the rows that they belong to.
 struct StoreContents {
   std::vector<RunRow> runs;
   std::vector<MeasurementRow> measurements;
@@ -353,6 +390,7 @@ struct StoreContents {
   std::vector<ThresholdRow> thresholds;
   std::vector<CauseRangeRow> cause_ranges;
   std::vector<PopRow> pops;
+  std::vector<TuningRow> tunings;
   std::vector<StudyParticipantRow> participants;
   std::vector<StudyAnswerRow> answers;
 };

@@ -234,6 +234,7 @@ template int64_t StoreWriter::write(const CurveRow&);
 template int64_t StoreWriter::write(const ThresholdRow&);
 template int64_t StoreWriter::write(const CauseRangeRow&);
 template int64_t StoreWriter::write(const PopRow&);
+template int64_t StoreWriter::write(const TuningRow&);
 template int64_t StoreWriter::write(const StudyParticipantRow&);
 template int64_t StoreWriter::write(const StudyAnswerRow&);
 

@@ -14,10 +14,13 @@
 #include "bench/commands/score_commands.h"
 #include "bench/commands/tune_output.h"
 #include "bench/experiments/quality.h"
-#include "bench/experiments/switch_distance.h"
+#include "bench/experiments/tune_rows.h"
 #include "bench/stage/low_polygon.h"
 #include "bench/stage/stage.h"
+#include "bench/timing/run_facts.h"
+#include "core/command_line.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/progress.h"
 #include "scene/cast/cast.h"
 #include "scene/cast/open_character.h"
@@ -39,6 +42,7 @@ struct Options {
   uint64_t moments = 12, fade = 0, rounds = 20;
   uint64_t promise_seeds = kPromiseSeeds, prove = 0, prove_figures = 240;
   std::string prove_on;
+  std::string page, results;
   bool check_views = false;
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
   bool no_cache = false;
@@ -169,25 +173,6 @@ TuneRequest read_request(const Options& options, metrics::ScoreTable table, cons
   return request;
 }
 
-// Where a texel of the representation spans a pixel, as it is derived; nothing without texels.
-std::optional<double> predicted_height(gl::Context& context, const TuneRequest& request, const renderers::Spec& spec) {
-  SwitchRequest one;
-  one.character = request.subjects[0].character;
-  one.representation = spec;
-  one.ratios = {1};
-  one.width = request.cost.width;
-  one.height = request.cost.height;
-  one.fov_y_deg = glm::degrees(request.cost.fov_y);
-  one.clip = request.subjects[0].clip;
-  one.bake_budget = request.cost.bake_budget;
-  one.use_cache = request.cost.use_cache;
-  try {
-    return measure_switch_distance(context, one).rows[0].height_px;
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
 // The scenario's characters, or that of --character, and those of --also-character in equal shares.
 ChosenScenario chosen_scenario(const Options& options) {
   ChosenScenario chosen = read_scenario(options.scene);
@@ -258,13 +243,27 @@ TuneProof prove(gl::Context& context, const Options& options, const TuneReport& 
   return proof;
 }
 
+// What the rules of thumb say of every candidate that was not refused.
+void predict_all(gl::Context& context, TuneReport& report) {
+  Progress progress("predictions", report.request.subjects.size() * report.request.candidates.size());
+  report.predicted.assign(report.request.subjects.size(),
+                          std::vector<TunePrediction>(report.request.candidates.size()));
+  for (size_t s = 0; s < report.request.subjects.size(); ++s)
+    for (size_t c = 0; c < report.request.candidates.size(); ++c) {
+      throw_if_interrupted();
+      progress.advance();
+      if (report.result.subjects[s].refused[c].empty())
+        report.predicted[s][c] =
+            predict(context, report.request, report.request.subjects[s], report.request.candidates[c]);
+    }
+}
+
 void describe_plan(gl::Context& context, const Options& options, const scene::Cast& cast, const OtherCast* other,
                    const Staged& staged, TuneReport& report) {
   const TuneAnswer& answer = report.result.together;
   if (!answer.plan) return;
-  for (const TuneSwitch& change : answer.switches)
-    report.predicted_px.push_back(
-        predicted_height(context, report.request, report.request.candidates[change.change.to]));
+  predict_all(context, report);
+  if (!options.page.empty()) report.pictures = draw_switches(context, report.request, answer);
   TuneProofRequest request = proof_request(options, staged, cast);
   request.representation = tuned_representation(report.request, answer);
   if (options.promise_seeds > 0 && staged.crowd.size() > 0)
@@ -295,7 +294,7 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
   if (options.prove > 0 && staged.crowd.size() == 0)
     throw Error("--prove", "the crowd has no agents, so that no speed is promised", "give some with --agents");
   report.request.cost.fov_y = staged.camera.fov_y;
-  report.renderer = context->renderer();
+  report.run = describe_run(*context, choose_timing_method(*context), chosen.scenario, "tune", command_line());
   report.crowd = static_cast<uint32_t>(staged.crowd.size());
   {
     Stage stage(*context, cast);
@@ -323,7 +322,11 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
 }
 
 int run_tune(const Options& options, metrics::ScoreTable table) {
+  std::optional<StoreWriter> store;
+  if (!options.results.empty()) store.emplace(options.results);  // refused before anything is drawn
   const TuneReport report = measure(options, table);
+  if (store) write_tune_rows(*store, tune_rows(report, store->write(report.run)));
+  if (!options.page.empty()) write_file(options.page, std::string_view(tune_page_of(report)));
   if (options.json)
     fmt::print("{}\n", tune_json(report).dump(2));
   else
@@ -387,13 +390,17 @@ void add_tune(Command& app, Run& run) {
       "allowed the cheapest is taken, for the scenario's agents and camera; with --budget-ms, of all sets that take "
       "no\n"
       "longer, the one that loses least, whatever the threshold. Several characters get a rule each and one for all.\n"
+      "Times are of this machine and of the device that draws; what is printed first says which. On a software "
+      "rasteriser\n"
+      "they choose and compare, and a budget in milliseconds is one for that rasteriser.\n"
       "Exit status 1: nothing is allowed somewhere, nothing fits, or a proof fails.\n\n"
       "Examples:\n"
       "  crowdbench tune --representation flat,relief\n"
       "  crowdbench tune street.toml --character knight.glb --threshold ssim=0.9 --pop-threshold ssim=0.8 --fade 8 "
       "--json\n"
       "  crowdbench tune --budget-ms 8 --agents 5000\n"
-      "  crowdbench tune --representation flat --prove 20 --check-views");
+      "  crowdbench tune --representation flat --prove 20 --check-views\n"
+      "  crowdbench tune street.toml --also-character fox.glb --page tuned.html --db results.sqlite");
   auto options = std::make_shared<Options>();
   options->error = default_threshold(metrics::scores());
   add_scene_options(*command, options->scene);
@@ -414,6 +421,13 @@ void add_tune(Command& app, Run& run) {
   add_view_options(*command, *options);
   add_proof_options(*command, *options);
   add_display_option(*command, options->scene.display);
+  command
+      ->add_option(
+          "--page", options->page,
+          "one self-contained page: the answer, errors and costs by distance, pictures of each switch, engines")
+      ->type_name("FILE.html")
+      ->output_file();
+  add_results_option(*command, options->results);
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_json_option(*command, options->json);
   command->callback([options, &run] { run = [options] { return run_tune(*options, metrics::scores()); }; });

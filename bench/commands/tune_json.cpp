@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "bench/commands/score_json.h"
@@ -37,11 +38,31 @@ Json candidate_json(const TuneReport& report, const TuneMeasured& measured, size
   return out;
 }
 
+// What the rules of thumb would do, by their names; null where a rule says nothing of such a candidate.
+Json predicted_json(const TuneReport& report, size_t subject, const TuneSwitch& one) {
+  Json out = {{"one_texel_a_pixel", nullptr}, {"an_error_of_one_pixel", nullptr}};
+  for (const PredictedSwitch& predicted : predicted_switches(report, subject, one.change.to, one.height_px)) {
+    const TuneError& error = *predicted.error;
+    const bool known = !predicted.beyond && !error.values.empty();
+    std::string key = predicted.rule;
+    std::replace(key.begin(), key.end(), ' ', '_');
+    out[key] = {{"height_px", predicted.height_px},
+                {"depth_m", predicted.depth_m},
+                {"pixels_at_the_switch", predicted.pixels},
+                {"promised", known ? json_number(error.promised) : Json(nullptr)},
+                {"allowed", known ? Json(error.allowed) : Json(nullptr)},
+                {"agent_ns", known ? Json(predicted.cost_ns) : Json(nullptr)}};
+  }
+  return out;
+}
+
 Json switch_json(const TuneReport& report, size_t subject, const TuneSwitch& one) {
   const EngineSizes engines = engines_in_report(report, subject, one.height_px);
+  const std::optional<double> godot_pixels = godot_pixels_in_report(report, subject, one);
   return {{"from", candidate_name(report, one.change.from)},
           {"to", candidate_name(report, one.change.to)},
           {"height_px", one.height_px},
+          {"next_taller_px", report.request.heights_px[one.change.bin - 1]},
           {"interval_px", one.certainty.height_px ? interval_json(*one.certainty.height_px) : Json(nullptr)},
           {"share_of_resamples", one.certainty.share},
           {"decided", one.certainty.decided()},
@@ -50,7 +71,9 @@ Json switch_json(const TuneReport& report, size_t subject, const TuneSwitch& one
           {"hysteresis", one.hysteresis},
           {"unity_screen_relative_height", engines.unity_height},
           {"unreal_screen_size", engines.unreal_size},
-          {"godot_visibility_range_m", engines.godot_metres}};
+          {"godot_visibility_range_m", engines.godot_metres},
+          {"godot_threshold_pixels", godot_pixels ? Json(*godot_pixels) : Json(nullptr)},
+          {"predicted", predicted_json(report, subject, one)}};
 }
 
 Json budget_json(const TuneReport& report, const TuneAnswer& answer) {
@@ -80,6 +103,8 @@ Json answer_json(const TuneReport& report, size_t subject, const TuneAnswer& ans
   if (answer.plan)
     for (const size_t c : answer.plan->candidate) out["chosen"].push_back(candidate_name(report, c));
   for (const TuneSwitch& one : answer.switches) out["switches"].push_back(switch_json(report, subject, one));
+  const std::optional<MeshLodCurve> curve = mesh_lod_in_report(report, subject, answer);
+  out["unity_mesh_lod"] = curve ? Json({{"slope", curve->slope}, {"bias", curve->bias}}) : Json(nullptr);
   out["representation"] = answer.plan ? Json(tuned_representation(report.request, answer).text()) : Json(nullptr);
   out["no_plan"] = answer.plan ? Json(nullptr) : Json(no_plan_text(report, answer));
   out["budget"] = budget_json(report, answer);
@@ -130,6 +155,28 @@ Json proof_json(const TuneReport& report) {
           {"errors", errors}};
 }
 
+Json spreads_json(const TuneReport& report) {
+  if (!report.lenses) return nullptr;
+  Json out = Json::array();
+  for (const LensSpread& one : lens_spreads(report)) {
+    const auto number = [&](double value) { return one.conditions == 0 ? Json(nullptr) : json_number(value); };
+    const TuneError& error = report.result.subjects[one.subject].errors[one.candidate][one.bin];
+    out.push_back({{"subject", one.subject},
+                   {"representation", candidate_name(report, one.candidate)},
+                   {"height_px", report.request.heights_px[one.bin]},
+                   {"conditions", one.conditions},
+                   {"skipped", one.skipped},
+                   {"as_tuned", number(one.tuned)},
+                   {"interval", interval_json(error.interval)},
+                   {"low", number(one.low)},
+                   {"high", number(one.high)},
+                   {"kept", one.conditions == 0 ? Json(nullptr) : Json(one.kept)},
+                   {"within", one.conditions == 0 ? Json(nullptr) : Json(one.within)},
+                   {"as_if_switched_at_px", one.height_px ? interval_json(*one.height_px) : Json(nullptr)}});
+  }
+  return out;
+}
+
 Json lenses_json(const TuneReport& report) {
   if (!report.lenses) return nullptr;
   Json out = Json::array();
@@ -143,6 +190,7 @@ Json lenses_json(const TuneReport& report) {
                    {"skipped", one.skipped},
                    {"views", one.views},
                    {"worst_5_percent", number(one.tail)},
+                   {"worst_5_percent_as_tuned", number(one.tuned_tail)},
                    {"mean_difference", number(one.mean_difference)},
                    {"largest_difference", number(one.largest_difference)},
                    {"worse_than_promised", one.worse},
@@ -164,7 +212,9 @@ Json tune_json(const TuneReport& report) {
               {"height", request.cost.height},
               {"fov_y_deg", glm::degrees(request.cost.fov_y)},
               {"clock", result.subjects[0].costs.clock},
-              {"renderer", report.renderer},
+              {"renderer", report.run.gl_renderer},
+              {"software", report.run.software},
+              {"times", times_text(report)},
               {"crowd", report.crowd},
               {"characters", Json::array()}};
   for (size_t s = 0; s < result.subjects.size(); ++s) {
@@ -175,12 +225,12 @@ Json tune_json(const TuneReport& report) {
     out["characters"].push_back(one);
   }
   const Json together = answer_json(report, 0, result.together);
-  for (const char* key : {"agents", "chosen", "switches", "representation", "no_plan", "budget", "reference_over_plan"})
+  for (const char* key :
+       {"agents", "chosen", "switches", "representation", "no_plan", "unity_mesh_lod", "budget", "reference_over_plan"})
     out[key] = together.at(key);
-  out["one_texel_a_pixel_px"] = Json::array();
-  for (const auto& predicted : report.predicted_px) out["one_texel_a_pixel_px"].push_back(json_number(predicted));
   out["promise"] = promise_json(report);
   out["lenses"] = lenses_json(report);
+  out["lens_spreads"] = spreads_json(report);
   out["proof"] = proof_json(report);
   return out;
 }

@@ -37,41 +37,29 @@ void print_heights(const TuneReport& report, size_t subject) {
   }
 }
 
-std::string switch_text(const TuneReport& report, size_t subject, const TuneSwitch& one) {
-  const metrics::Score& pop = *report.request.pop.score;
+std::string engines_text(const TuneReport& report, size_t subject, const TuneSwitch& one) {
   const EngineSizes engines = engines_in_report(report, subject, one.height_px);
-  const std::string sure =
-      one.certainty.decided()
-          ? fmt::format("in resamples {:.1f} to {:.1f} pixels", one.certainty.height_px->low,
-                        one.certainty.height_px->high)
-          : fmt::format("undecided: {:.1f} % of the resamples switch between these two", 100 * one.certainty.share);
-  return fmt::format(
-      "from {:.1f} pixels ({:.1f} m) on {} instead of {}; {}\n  the switch shows {} {:.{}f}; Unity {:.4f} of the "
-      "screen's "
-      "height at lodBias 1, Unreal screen size {:.4f}, Godot visibility range {:.2f} m",
-      one.height_px, depth_in_report(report, subject, one.height_px), candidate_name(report, one.change.to),
-      candidate_name(report, one.change.from), sure, pop.title, one.pop.tail, pop.digits, engines.unity_height,
-      engines.unreal_size, engines.godot_metres);
+  std::string text = fmt::format(
+      "Unity {:.4f} of the screen's height at lodBias 1, Unreal screen size {:.4f}, Godot visibility range "
+      "{:.2f} m",
+      engines.unity_height, engines.unreal_size, engines.godot_metres);
+  if (const auto pixels = godot_pixels_in_report(report, subject, one))
+    text += fmt::format(", its mesh LOD threshold {:.2f} pixels", *pixels);
+  return text;
 }
 
-std::string budget_text(const TuneReport& report, const TuneAnswer& answer) {
-  const TuneBudgetAnswer& budget = *answer.budget;
-  double agents = 0;
-  for (const double in_bin : answer.table.agents) agents += in_bin;
-  const double each = std::max(agents, 1.0);
-  std::string text = fmt::format(
-      "{:g} ms for {} agents, {:.0f} of them in view: the least visible set takes {:.2f} ms by its agents' costs, "
-      "{:.2f} of "
-      "them without any agent",
-      1e-6 * report.request.budget_ns, report.crowd, agents, 1e-6 * (budget.base_ns + answer.plan->cost),
-      1e-6 * budget.base_ns);
-  if (budget.measured_ns) text += fmt::format("; as a crowd {:.2f} ms", 1e-6 * *budget.measured_ns);
-  if (budget.factor > 1)
-    text += fmt::format(" (costs corrected by {:.2f}: what was sought first took longer than its agents' costs said)",
-                        budget.factor);
-  return text + fmt::format("\n  an agent loses {:.3f} of {} on average; no set within the budget less than {:.3f}",
-                            answer.plan->error / each, report.request.error.score->title,
-                            std::max(0.0, budget.bound) / each);
+void print_switch(const TuneReport& report, size_t subject, const TuneSwitch& one) {
+  const metrics::Score& pop = *report.request.pop.score;
+  fmt::print("from {:.1f} pixels ({:.1f} m) on {} instead of {}; {}\n", one.height_px,
+             depth_in_report(report, subject, one.height_px), candidate_name(report, one.change.to),
+             candidate_name(report, one.change.from), switch_certainty_text(report, one));
+  if (one.hysteresis > 0)
+    fmt::print("  hysteresis {:.1f} %: far below {:.1f} pixels, near again above {:.1f}\n", 100 * one.hysteresis,
+               one.height_px / (1 + one.hysteresis), one.height_px * (1 + one.hysteresis));
+  fmt::print("  the switch shows {} {:.{}f}; {}\n", pop.title, one.pop.tail, pop.digits,
+             engines_text(report, subject, one));
+  for (const PredictedSwitch& predicted : predicted_switches(report, subject, one.change.to, one.height_px))
+    fmt::print("  {:.2f} pixels {}; {}\n", predicted.pixels, predicted.unit, predicted_text(report, predicted));
 }
 
 void print_answer(const TuneReport& report, size_t subject, const TuneAnswer& answer) {
@@ -83,7 +71,9 @@ void print_answer(const TuneReport& report, size_t subject, const TuneAnswer& an
   if (answer.switches.empty())
     fmt::print("{} at every height{}\n", candidate_name(report, answer.plan->candidate[0]),
                answer.budget ? "" : ": nothing cheaper is allowed");
-  for (const TuneSwitch& one : answer.switches) fmt::print("{}\n", switch_text(report, subject, one));
+  for (const TuneSwitch& one : answer.switches) print_switch(report, subject, one);
+  if (const auto curve = mesh_lod_in_report(report, subject, answer))
+    fmt::print("Unity Mesh LOD of those levels: slope {:.3f}, bias {:.3f} at threshold 1\n", curve->slope, curve->bias);
   fmt::print("draws as: {}\n", tuned_representation(report.request, answer).text());
 }
 
@@ -100,26 +90,14 @@ void print_noise(const TuneReport& report, size_t subject) {
 }
 
 void print_lenses(const TuneReport& report) {
-  const metrics::Score& score = *report.request.error.score;
-  size_t broken = 0;
-  size_t skipped = 0;
-  for (const TuneLensCheck& one : *report.lenses) {
-    skipped += one.skipped;
-    if (one.holds || one.skipped) continue;
-    ++broken;
-    fmt::print("NOT through {:g} degrees on {} rows: {} at {:.1f} pixels, {} of {} views are worse than promised\n",
-               one.lens.fov_y_deg, one.lens.rows, candidate_name(report, one.candidate),
-               report.request.heights_px[one.bin], one.worse, one.views);
-  }
-  double largest = 0;  // of skipped ones 0
-  for (const TuneLensCheck& one : *report.lenses) largest = std::max(largest, std::abs(one.mean_difference));
-  fmt::print(
-      "the rule in pixels holds in {} of {} checks (rows and lenses, at the same pixels per degree); {} differs by "
-      "{:.{}f} "
-      "on average at most\n",
-      report.lenses->size() - skipped - broken, report.lenses->size() - skipped, score.title, largest, score.digits);
-  if (skipped > 0)
-    fmt::print("  {} further checks were skipped: their figures are taller than so many rows show whole\n", skipped);
+  const std::vector<LensSpread> spreads = lens_spreads(report);
+  fmt::print("720, 1080 and 2160 rows, 30 and 90 degrees, at the same pixels per degree: {}\n", lens_verdict(spreads));
+  for (const LensSpread& spread : spreads) fmt::print("  {}\n", printable(lens_text(report, spread), 1000));
+  for (const TuneLensCheck& one : *report.lenses)
+    if (!one.holds && !one.skipped)
+      fmt::print("  NOT through {:g} degrees on {} rows: {} at {:.1f} pixels, {} of {} views are worse than promised\n",
+                 one.lens.fov_y_deg, one.lens.rows, candidate_name(report, one.candidate),
+                 report.request.heights_px[one.bin], one.worse, one.views);
 }
 
 void print_proof(const TuneReport& report) {
@@ -143,63 +121,21 @@ void print_proof(const TuneReport& report) {
         "% {:.{}f}, worst {:.{}f} at {:.1f} pixels: {}\n",
         one.worse, one.views, one.over_threshold, score.title, one.tail, score.digits, one.worst, score.digits,
         one.worst_height_px, one.holds ? "holds" : "does NOT hold");
+  if (const std::string text = other_character_text(report); !text.empty()) fmt::print("  {}\n", printable(text, 400));
 }
 
 }  // namespace
-
-bool TuneProof::holds() const {
-  return speed.holds && std::all_of(errors.begin(), errors.end(), [](const ErrorProof& one) { return one.holds; });
-}
-
-std::string candidate_name(const TuneReport& report, size_t candidate) {
-  return report.request.candidates[candidate].text();
-}
-
-double depth_in_report(const TuneReport& report, size_t subject, double height_px) {
-  const SwitchCostRequest& lens = report.request.cost;
-  return depth_of_height(report.request.subjects[subject].character->placement.height, height_px, lens.height,
-                         lens.fov_y);
-}
-
-EngineSizes engines_in_report(const TuneReport& report, size_t subject, double height_px) {
-  const SwitchCostRequest& lens = report.request.cost;
-  return engine_sizes(report.bounds[subject], depth_in_report(report, subject, height_px), lens.fov_y,
-                      static_cast<double>(lens.width) / lens.height);
-}
-
-double agents_in_view(const TuneReport& report) {
-  double sum = 0;
-  for (const double agents : report.result.together.table.agents) sum += agents;
-  return sum;
-}
-
-std::string no_plan_text(const TuneReport& report, const TuneAnswer& answer) {
-  if (answer.budget) {
-    const TuneBudgetAnswer& budget = *answer.budget;
-    std::string text = fmt::format("nothing fits in {:g} ms: ", 1e-6 * report.request.budget_ns);
-    if (!std::isfinite(budget.cheapest_ns)) return text + "no chain of switches keeps the pop threshold";
-    text += fmt::format("the cheapest set takes {:.2f} ms for {} agents, {:.2f} of them without any agent",
-                        1e-6 * budget.factor * budget.cheapest_ns, report.crowd, 1e-6 * budget.factor * budget.base_ns);
-    if (budget.measured_ns)
-      text += fmt::format("; as a crowd a frame takes {:.2f} times its agents' costs", budget.factor);
-    return text;
-  }
-  const auto bin = first_forbidden_bin(answer.table);
-  if (!bin) return "no chain of switches keeps the pop threshold";
-  return fmt::format("no candidate keeps {} {:g} at {:.1f} pixels", report.request.error.score->title,
-                     report.request.error.value, report.request.heights_px[*bin]);
-}
 
 void print_tune(const TuneReport& report) {
   const TuneResult& result = report.result;
   const TuneAnswer& answer = result.together;
   if (report.proof && !report.proof->holds()) fmt::print("the promise below does NOT hold on unseen crowds\n");
+  fmt::print("times: {}\n", times_text(report));
   for (size_t s = 0; s < result.subjects.size(); ++s) {
     const size_t views = result.subjects[s].views;
-    fmt::print("{}: {} at the bad end's 5 % of {} views and moments, threshold {:g}; {} of one more agent; {}x{}\n",
+    fmt::print("{}: {} at the bad end's 5 % of {} views and moments, threshold {:g}; time of one more agent; {}x{}\n",
                printable(report.request.subjects[s].character->name), report.request.error.score->title, views,
-               report.request.error.value, result.subjects[s].costs.clock, report.request.cost.width,
-               report.request.cost.height);
+               report.request.error.value, report.request.cost.width, report.request.cost.height);
     if (views < kTailValues)
       fmt::print("  fewer than {} views bound no tail: the worst one seen stands for its end\n", kTailValues);
     print_heights(report, s);
@@ -212,21 +148,8 @@ void print_tune(const TuneReport& report) {
   if (!result.alone.empty()) fmt::print("for all {} characters (metres of the first):\n", result.subjects.size());
   print_answer(report, 0, answer);
   if (!answer.plan) return;
-  for (size_t i = 0; i < report.predicted_px.size(); ++i)
-    if (const auto& predicted = report.predicted_px[i])
-      fmt::print("  one texel a pixel would switch to {} at {:.1f} pixels ({:.1f} m)\n",
-                 candidate_name(report, answer.switches[i].change.to), *predicted,
-                 depth_in_report(report, 0, *predicted));
-  if (agents_in_view(report) > 0)
-    fmt::print(
-        "{:.0f} agents in view: {:.2f} times as fast as {} ({:.2f} to {:.2f}), what a frame costs anyhow not counted\n",
-        agents_in_view(report), answer.reference_cost / std::max(answer.plan->cost, 1e-9),
-        renderers::reference_spec().text(), answer.saving.low, answer.saving.high);
-  if (report.promise)
-    fmt::print(
-        "promised: the whole frame on another seed {:.2f} times as fast as {} ({:.2f} to {:.2f}, from {} seeds)\n",
-        report.promise->ratio, renderers::reference_spec().text(), report.promise->on_another_seed.low,
-        report.promise->on_another_seed.high, report.promise->seeds.size());
+  if (agents_in_view(answer) > 0) fmt::print("{}\n", saving_text(answer));
+  if (report.promise) fmt::print("{}\n", promise_text(*report.promise));
   if (report.lenses) print_lenses(report);
   if (report.proof) print_proof(report);
 }

@@ -1,48 +1,28 @@
-// What `tune` prints: for people, and as JSON.
+// What `tune` prints: for people, as JSON, as a page.
 #pragma once
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "bench/experiments/switch_distance.h"
-#include "bench/experiments/tune.h"
-#include "bench/experiments/tune_proof.h"
-#include "bench/experiments/tune_views.h"
-#include "core/error.h"
+#include "bench/experiments/tune_report.h"
 #include "core/json.h"
 
 namespace crowdbench::bench {
 
-struct TuneProof {
-  std::string character;  // of the crowds; empty: the tuned ones
-  SpeedProof speed;
-  std::vector<ErrorProof> errors;
-  bool holds() const;
-};
-
-struct TuneReport {
-  TuneRequest request;
-  TuneResult result;
-  std::string renderer;
-  uint32_t crowd = 0;              // agents of the scenario, in view or not
-  std::vector<glm::dvec3> bounds;  // by subject, metres: the box around the clip's poses, which engines measure by
-  // By switch: the height at which a texel of the far representation spans one pixel; nothing where it has no texels.
-  std::vector<std::optional<double>> predicted_px;
-  std::optional<SpeedPromise> promise;
-  std::optional<std::vector<TuneLensCheck>> lenses;
-  std::optional<TuneProof> proof;
-  std::optional<Error> failed;  // of what comes after the tuning: predictions, promise, lenses or proof
-};
-
-// ---- what both forms say
-std::string candidate_name(const TuneReport& report, size_t candidate);
-double depth_in_report(const TuneReport& report, size_t subject, double height_px);
-EngineSizes engines_in_report(const TuneReport& report, size_t subject, double height_px);
-double agents_in_view(const TuneReport& report);
-// Why an answer has no plan.
-std::string no_plan_text(const TuneReport& report, const TuneAnswer& answer);
-
 void print_tune(const TuneReport& report);
 Json tune_json(const TuneReport& report);
+// One self-contained HTML page. Throws Error when the program was built without the chart library.
+std::string tune_page_of(const TuneReport& report);
+
+// ---- sentences that the text and the page share
+// With the next taller height that was measured: between the two the switch may be anywhere.
+std::string switch_certainty_text(const TuneReport& report, const TuneSwitch& one);
+// "one texel a pixel would switch at 24.1 pixels (31.2 m): there 95 % of the figures have ..."
+std::string predicted_text(const TuneReport& report, const PredictedSwitch& one);
+std::string lens_text(const TuneReport& report, const LensSpread& spread);
+std::string lens_verdict(const std::vector<LensSpread>& spreads);
+std::string budget_text(const TuneReport& report, const TuneAnswer& answer);
+std::string saving_text(const TuneAnswer& answer);
+std::string promise_text(const SpeedPromise& promise);
+// Why a promise may fail on a character that was not tuned; empty where it holds, or is of those that were.
+std::string other_character_text(const TuneReport& report);
 
 }  // namespace crowdbench::bench

@@ -77,6 +77,9 @@ struct TuneError {
 struct TunePop {
   double tail = 0;  // the bad end's 5 % over the blocks
   bool allowed = false;
+  size_t subject = 0;  // of which character
+  size_t block = 0;    // in which it shows most, into tune_views
+  double worst = 0;    // what it shows there
 };
 
 // What was measured of one character.

@@ -109,6 +109,7 @@ std::vector<QualityView> tune_views(const TuneBlocks& blocks, const TuneSubject&
 TuneMeasurement::TuneMeasurement(gl::Context& context, const TuneRequest& request, size_t subject)
     : context_(context),
       request_(request),
+      index_(subject),
       subject_(request.subjects[subject]),
       blocks_(tune_views(request.blocks, request.subjects[subject], request.seed)) {
   measured_.views = blocks_.size();
@@ -279,13 +280,15 @@ TunePop TuneMeasurement::measured_pop(size_t from, size_t to, double height) con
   std::vector<renderers::Capture> before;
   std::vector<double> bad;
   TunePop out;
+  out.subject = index_;
   if (!measured_.refused[from].empty() || !measured_.refused[to].empty()) return out;
   QualitySetup setup = setup_of({from, to}, {height}, {&score, 1});
-  if (setup.views.size() > kPopViews) {  // the pictures of all of them are held at once
-    std::vector<QualityView> some;
-    for (size_t i = 0; i < kPopViews; ++i) some.push_back(setup.views[i * setup.views.size() / kPopViews]);
-    setup.views = std::move(some);
-  }
+  // The pictures of all of them are held at once.
+  const size_t count = std::min(setup.views.size(), kPopViews);
+  const auto block = [&](size_t i) { return i * blocks_.size() / count; };
+  std::vector<QualityView> some;
+  for (size_t i = 0; i < count; ++i) some.push_back(setup.views[block(i)]);
+  setup.views = std::move(some);
   compute_quality(context_, setup, [&](const QualityRow& row, const QualityPictures& pictures) {
     if (row.index == 0)
       before.push_back(pictures.test);
@@ -295,6 +298,9 @@ TunePop TuneMeasurement::measured_pop(size_t from, size_t to, double height) con
   const double tail = badness_tail(bad);
   out.tail = value_of_badness(*score, tail);
   out.allowed = tail <= badness_of(*score, request_.pop.value);
+  const auto worst = std::max_element(bad.begin(), bad.end());
+  out.block = block(static_cast<size_t>(worst - bad.begin()));
+  out.worst = value_of_badness(*score, *worst);
   return out;
 }
 

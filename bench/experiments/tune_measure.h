@@ -62,6 +62,7 @@ class TuneMeasurement {
 
   gl::Context& context_;
   const TuneRequest& request_;
+  size_t index_;  // of the subject
   const TuneSubject& subject_;
   std::vector<QualityView> blocks_;
   std::vector<size_t> timed_;  // candidates that were not refused

@@ -25,9 +25,11 @@ std::vector<size_t> bins_to_check(const TuneRequest& request, const SwitchPlan& 
 void judge(TuneLensCheck& check, const metrics::Score& score, double promised, const std::vector<double>& first,
            const std::vector<double>& values) {
   std::vector<double> bad;
+  std::vector<double> tuned;
   double sum = 0;
   for (size_t i = 0; i < values.size(); ++i) {
     bad.push_back(badness_of(score, values[i]));
+    tuned.push_back(badness_of(score, first[i]));
     if (bad.back() > badness_of(score, promised)) ++check.worse;
     const double difference = values[i] - first[i];
     sum += difference;
@@ -35,6 +37,7 @@ void judge(TuneLensCheck& check, const metrics::Score& score, double promised, c
   }
   check.views = values.size();
   check.tail = value_of_badness(score, badness_tail(bad));
+  check.tuned_tail = value_of_badness(score, badness_tail(tuned));
   check.mean_difference = sum / static_cast<double>(values.size());
   check.holds = binomial_at_least(check.worse, check.views, 0.05) >= 0.025;
 }

@@ -26,6 +26,7 @@ struct TuneLensCheck {
   bool skipped = false;  // the figure is too tall for the lens's rows: nothing was drawn, what follows says nothing
   size_t views = 0;
   double tail = 0;                // the bad end's 5 % there
+  double tuned_tail = 0;          // the same through the tuning's own lens, of the same directions and moments
   double mean_difference = 0;     // there less at the tuning's own lens, same directions and moments
   double largest_difference = 0;  // of a view, either way
   size_t worse = 0;               // views worse than was promised (TuneError::promised)

@@ -27,10 +27,28 @@ std::string cost_of(const std::vector<Scene>& scenes, const std::string& charact
                      1 / best->low, agents_text(best->of.agents));
 }
 
+// A tuned rule weighs what a switch shows, too.
+void add_tuned(const StoreContents& contents, const std::vector<Scene>& scenes, const std::vector<ScoreDoc>& docs,
+               Lead& out) {
+  for (const TuningRow& tuning : contents.tunings)
+    for (const TunedSwitchRow& row : tuning.switches) {
+      std::string from = fmt::format("from {:.1f} m on, where figures are {:.1f} px tall", row.depth, row.height_px);
+      from += row.decided && row.low_px ? fmt::format(" (95 %: {:.1f} to {:.1f} px)", *row.low_px, *row.high_px)
+                                        : std::string(" (undecided)");
+      const ScoreDoc doc = doc_of(docs, tuning.score);
+      out.rows.push_back({tuning.character, row.to,
+                          tuning.budget_ns ? time_text(*tuning.budget_ns) + " a frame"
+                                           : doc.title + " " + score_text(doc, tuning.threshold),
+                          std::move(from), cost_of(scenes, tuning.character, row.to)});
+    }
+}
+
 }  // namespace
 
 Lead lead_of(const StoreContents& contents, const std::vector<Scene>& scenes, const std::vector<ScoreDoc>& docs) {
   Lead out;
+  add_tuned(contents, scenes, docs, out);
+  const bool tuned = !out.rows.empty();
   for (const CurveRow& curve : contents.curves) {
     if (curve.against != "distance_m" || curve.bins.empty()) continue;
     for (const ThresholdRow& row : contents.thresholds) {
@@ -43,7 +61,12 @@ Lead lead_of(const StoreContents& contents, const std::vector<Scene>& scenes, co
   if (out.rows.empty())
     out.silent =
         "From which distance on another representation may be drawn is not in this file: nothing in it was scored "
-        "against distance. The command “distance” with --db adds that; “tune” answers it whole.";
+        "against distance. The command “tune” with --db adds that, and “distance” without what switches show.";
+  else if (tuned)
+    out.basis =
+        "Rows of “tune”: the cheapest chain in which neither errors nor switches show more than was allowed; others "
+        "are "
+        "read from what each agent of a crowd scored against how far away it was, and from paired times.";
   else
     out.basis =
         "Read from what each agent of a crowd scored against how far away it was, and from paired times. What a switch "

@@ -12,11 +12,11 @@ struct LeadRow {
   std::string character;
   std::string representation;
   std::string score;  // "SSIM 0.9"
-  std::string from;   // as threshold_text(), which has the interval
+  std::string from;   // with its interval
   std::string cost;   // "0.42 of mesh's time (0.40 to 0.44), 1,000 agents"; "not timed in this file"
 };
 struct Lead {
-  std::vector<LeadRow> rows;  // from the thresholds of curves against distance
+  std::vector<LeadRow> rows;  // from tuned rules, then from the thresholds of curves against distance
   std::string silent;         // where there are none: what the file lacks, and which command adds it
   std::string basis;          // what the rows are read from
 };

@@ -261,8 +261,19 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
              "tune --representation mesh:triangles=100 --agents 9 --size 160x120 --heights 3 --moments 1 " +
              std::string(
                  "--azimuth-deg 0,90 --elevation-deg 0 --rounds 4 --threshold mae=255 --promise-seeds 3 --prove 1 "
-                 "--prove-figures 8 --budget-ms 100000 --json") +
+                 "--prove-figures 8 --budget-ms 100000 --page t.html --db t.sqlite --json") +
              character);
+         EXPECT_NE(text("t.html").find("Which representation from which distance on"), std::string::npos);
+         EXPECT_TRUE(j.at("software").is_boolean());
+         EXPECT_NE(j.at("times").get<std::string>().find(j.at("renderer").get<std::string>()), std::string::npos);
+         const Outcome report = run("report t.sqlite --out t2.html --json-out t.json");
+         EXPECT_EQ(report.status, 0) << report.text;
+         const json rows = json::parse(text("t.json"));
+         ASSERT_EQ(rows.at("tunings").size(), 1U);
+         EXPECT_EQ(rows.at("tunings")[0].at("representation"), j.at("representation"));
+         EXPECT_EQ(rows.at("tunings")[0].at("budget_ns"), 1e11);
+         EXPECT_EQ(rows.at("tunings")[0].at("tuned_switches").size(), j.at("switches").size());
+         EXPECT_EQ(rows.at("comparisons").size(), 6U) << "three heights from two sides, one candidate";
          EXPECT_EQ(j.at("characters")[0].at("candidates").size(), 2U);
          EXPECT_EQ(j.at("characters")[0].at("candidates")[0].at("heights").size(), 3U);
          EXPECT_EQ(j.at("chosen").size(), 3U);

@@ -353,6 +353,8 @@ TEST_F(Manners, OutputsNeedAFolderThatIsThere) {
       "distance --representation mesh --out a/b/agents.csv",
       "distance --representation mesh --chart a/b/page.html",
       "distance --representation mesh --db a/b/r.sqlite",
+      "tune --page a/b/page.html",
+      "tune --db a/b/r.sqlite",
       "quality --representation mesh --db a/b/r.sqlite",
       "correlate r.sqlite --markdown a/b/r.md",
       "study serve served --answers a/b/answers.sqlite",

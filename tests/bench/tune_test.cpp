@@ -11,9 +11,14 @@
 #include <set>
 
 #include "bench/commands/tune_output.h"
+#include "bench/experiments/engine_settings.h"
 #include "bench/experiments/switch_distance.h"
 #include "bench/experiments/tune_measure.h"
+#include "bench/experiments/tune_pictures.h"
+#include "bench/experiments/tune_predict.h"
 #include "bench/experiments/tune_proof.h"
+#include "bench/experiments/tune_report.h"
+#include "bench/experiments/tune_rows.h"
 #include "bench/experiments/tune_views.h"
 #include "core/probability.h"
 #include "core/random.h"
@@ -93,6 +98,29 @@ TEST_F(TuneGl, AThresholdBetweenTheErrorsOfTwoHeightsSwitchesThere) {
   ASSERT_TRUE(result.together.plan);
   EXPECT_EQ(result.subjects[0].errors[1][0].allowed, near < far);
   EXPECT_EQ(result.subjects[0].errors[1][2].allowed, far < near);
+  // Pictures of a change: the figure before and after it, from the direction in which it shows most.
+  TuneAnswer shown = result.together;
+  TuneSwitch change;
+  change.change = {0, 1, 2};
+  change.height_px = 24;
+  change.pop.block = 3;
+  shown.switches = {change};
+  const std::vector<TuneSwitchPictures> pictures = draw_switches(context_, request, shown);
+  ASSERT_EQ(pictures.size(), 1U);
+  EXPECT_EQ(pictures[0].view.azimuth_deg, 90);
+  EXPECT_NEAR(pictures[0].before.height, 24 + 12, 6) << "the figure and its margin";
+  EXPECT_EQ(pictures[0].before.width, pictures[0].difference.width);
+  EXPECT_NE(pictures[0].before.data, pictures[0].after.data);
+  // What is predicted of the candidates: a level's error, nothing of the reference.
+  EXPECT_EQ(predict(context_, request, request.subjects[0], request.candidates[0]).error, 0);
+  const TunePrediction level = predict(context_, request, request.subjects[0], request.candidates[1]);
+  EXPECT_GT(level.error, 0);
+  EXPECT_LT(level.error, 0.5);
+  EXPECT_EQ(level.texel, 0);
+  EXPECT_GT(predict(context_, request, request.subjects[0],
+                    renderers::parse_spec(renderers::default_impostor().name + ":views=sphere-4x1,texels=32,frames=1"))
+                .texel,
+            0);
   // A pop of nothing forbids the change where the pictures differ.
   request.pop.value = 0;
   const TuneResult still = tune(context_, request);
@@ -194,6 +222,16 @@ TEST_F(TuneGl, WhatWasPromisedHoldsThroughOtherLensesAndOnUnseenFigures) {
   ASSERT_EQ(checks.size(), 3U) << "one bin from which another than the reference draws on, three lenses";
   EXPECT_TRUE(checks.back().skipped) << "48 pixels take a picture of more than 60 rows";
   checks.pop_back();
+  TuneReport report;
+  report.request = request;
+  report.result = result;
+  report.lenses = checks;
+  const std::vector<LensSpread> spreads = lens_spreads(report);
+  ASSERT_EQ(spreads.size(), 1U);
+  EXPECT_EQ(spreads[0].conditions, 2U);
+  EXPECT_TRUE(spreads[0].kept);
+  EXPECT_EQ(spreads[0].low, std::min(checks[0].tail, checks[1].tail));
+  EXPECT_EQ(spreads[0].tuned, checks[0].tuned_tail);
   for (const TuneLensCheck& check : checks) {
     EXPECT_TRUE(check.holds) << check.lens.rows << " rows, " << check.lens.fov_y_deg << " degrees";
     EXPECT_EQ(check.views, 12U);
@@ -328,6 +366,172 @@ TEST(TunedRepresentation, EnginesUnitsComeBackAsTheSameHeight) {
     const double widest = 1 / std::tan(fov / 2);  // P11; P00 is less in a picture wider than tall
     EXPECT_NEAR(height_at(widest * radius / sizes.unreal_size), height_px, 1e-9);
   }
+}
+
+// Unity's culling and Godot's, as engine_settings.h states them, written out once more.
+TEST(EngineSettings, MeshLodAndPixelThresholdSwitchWhereTheRuleDoes) {
+  const double fov = 35 * std::numbers::pi / 180;
+  const glm::dvec3 bounds(0.8, 1.8, 0.6);
+  const double depths[] = {4, 9, 25};
+  const auto sphere = [&](double depth) { return sphere_pixels(bounds, depth, 720, fov); };
+  EXPECT_NEAR(sphere(4), std::sqrt(0.64 + 3.24 + 0.36) * 720 / (8 * std::tan(fov / 2)), 1e-9);
+  const auto level = [&](const MeshLodCurve& curve, double depth, double threshold) {
+    const double height_at = threshold * 2 * std::tan(fov / 2) / 720 * depth;  // of `threshold` pixels, metres
+    return std::max(0.0, std::log2(height_at / glm::length(bounds)) * curve.slope + curve.bias);
+  };
+  const auto one = mesh_lod_curve(std::vector<double>{sphere(4)});
+  ASSERT_TRUE(one);
+  EXPECT_NEAR(level(*one, 4, 1), 1, 1e-9);
+  EXPECT_LT(level(*one, 3.99, 1), 1);
+  const auto two = mesh_lod_curve(std::vector<double>{sphere(4), sphere(9)});
+  ASSERT_TRUE(two);
+  EXPECT_NEAR(level(*two, 4, 1), 1, 1e-9);
+  EXPECT_NEAR(level(*two, 9, 1), 2, 1e-9);
+  EXPECT_NEAR(mesh_lod_begins(*two, 2), sphere(9), 1e-6);
+  EXPECT_NEAR(mesh_lod_level(*two, sphere(9), 2), level(*two, 9, 2), 1e-9);
+  const auto three = mesh_lod_curve(std::vector<double>{sphere(4), sphere(9), sphere(25)});
+  ASSERT_TRUE(three);
+  for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(level(*three, depths[i], 1), static_cast<double>(i + 1), 0.1);
+  EXPECT_FALSE(mesh_lod_curve({}));
+  EXPECT_FALSE(mesh_lod_curve(std::vector<double>{10, 20})) << "levels begin ever farther away";
+
+  // At the threshold's distance the error spans just so many pixels of the box's nearest point.
+  const double threshold = godot_threshold_pixels(0.01, bounds, 9, 720, fov);
+  EXPECT_NEAR(threshold * 2 * std::tan(fov / 2) / 720 * (9 - 0.3), 0.01, 1e-12);
+  EXPECT_NEAR(godot_lod_distance(0.01, bounds, threshold, 720, fov), 9, 1e-9);
+}
+
+// A report with one switch to a mesh of 100 triangles, of which nothing was drawn.
+TuneReport made_up_report() {
+  TuneReport report;
+  report.request = request_of("mae", 10);
+  report.run.gl_renderer = "a pencil";
+  report.run.software = true;
+  report.bounds = {glm::dvec3(0.8, 1.8, 0.6)};
+  report.request.cost.fov_y = 0.6;
+  report.crowd = 20;
+  TuneMeasured measured;
+  measured.views = 4;
+  measured.refused = {"", ""};
+  measured.errors.assign(2, std::vector<TuneError>(3));
+  for (size_t b = 0; b < 3; ++b) {
+    measured.errors[0][b] = {{0, 0, 0, 0}, 0, 0, {0, 0}, 0, true};
+    const double tail = 12 - 2.0 * static_cast<double>(b);
+    measured.errors[1][b] = {{tail, 1, 2, 3}, 2, tail, {tail - 1, tail + 1}, tail + 1, tail + 1 <= 10};
+  }
+  measured.cost_heights_px = {60, 10};
+  measured.costs.clock = "cpu";
+  measured.costs.agents = {4, 4};
+  measured.costs.costs.assign(2, std::vector<AgentCost>(2));
+  for (AgentCost& cost : measured.costs.costs[0]) cost = {4000, {3900, 4100}, true, {}};
+  for (AgentCost& cost : measured.costs.costs[1]) cost = {1000, {900, 1100}, true, {}};
+  measured.table = {
+      {{4000, 4000, 4000}, {1000, 1000, 1000}}, {{0, 0, 0}, {2, 2, 2}}, {{1, 1, 1}, {0, 0, 1}}, {1, 2, 10}};
+  report.result.subjects = {measured};
+  TuneAnswer& answer = report.result.together;
+  answer.table = measured.table;
+  answer.plan = SwitchPlan{{0, 0, 1}, 22000, 20};
+  answer.reference_cost = 52000;
+  answer.saving = {2, 2.5};
+  TuneSwitch one;
+  one.change = {0, 1, 2};
+  one.height_px = 10;
+  one.certainty = {0.975, Interval{9, 12}};
+  one.pop = {3.5, true, 0, 0, 4};
+  one.hysteresis = 0.15;
+  answer.switches = {one};
+  const double height = report.request.subjects[0].character->placement.height;
+  report.predicted = {{{}, {0, height / 20}}};  // an error of one pixel at 20 pixels
+  return report;
+}
+
+TEST(TuneReport, HoldsRulesOfThumbAgainstWhatWasMeasured) {
+  const TuneReport report = made_up_report();
+  const std::vector<PredictedSwitch> rules = predicted_switches(report, 0, 1, 10);
+  ASSERT_EQ(rules.size(), 1U) << "a mesh has no texels";
+  EXPECT_STREQ(rules[0].rule, "an error of one pixel");
+  EXPECT_NEAR(rules[0].height_px, 20, 1e-9);
+  EXPECT_NEAR(rules[0].pixels, 0.5, 1e-9);
+  EXPECT_EQ(rules[0].error->tail, 10) << "24 pixels is the height that figures of 20 are drawn by";
+  EXPECT_FALSE(rules[0].beyond);
+  EXPECT_NE(predicted_text(report, rules[0]).find("11.00 or less, 10 was asked for: NOT enough; 1.00 us"),
+            std::string::npos)
+      << predicted_text(report, rules[0]);
+  EXPECT_NE(times_text(report).find("cpu time of a pencil (a software rasteriser: nothing here says how long"),
+            std::string::npos);
+  ASSERT_EQ(mesh_switches(report, report.result.together), 1U);
+  const auto curve = mesh_lod_in_report(report, 0, report.result.together);
+  ASSERT_TRUE(curve);
+  EXPECT_NEAR(mesh_lod_begins(*curve, 1),
+              glm::length(report.bounds[0]) / report.request.subjects[0].character->placement.height * 10, 1e-6);
+  const auto pixels = godot_pixels_in_report(report, 0, report.result.together.switches[0]);
+  ASSERT_TRUE(pixels);
+  EXPECT_NEAR(*pixels, 0.5, 0.01) << "the box's front is a little nearer than its middle";
+}
+
+TEST(TuneReport, SaysOfEveryLensWhetherTheRuleIsKeptAndLiesWithinItsInterval) {
+  TuneReport report = made_up_report();
+  TuneLensCheck check;
+  check.bin = 2;
+  check.candidate = 1;
+  check.views = 24;
+  check.tuned_tail = 8;
+  check.holds = true;
+  check.tail = 7.5;
+  report.lenses = {check, check, check};
+  (*report.lenses)[1].tail = 8.5;
+  (*report.lenses)[2].skipped = true;
+  std::vector<LensSpread> spreads = lens_spreads(report);
+  ASSERT_EQ(spreads.size(), 1U);
+  EXPECT_EQ(spreads[0].conditions, 2U);
+  EXPECT_EQ(spreads[0].skipped, 1U);
+  EXPECT_EQ(spreads[0].low, 7.5);
+  EXPECT_EQ(spreads[0].high, 8.5);
+  EXPECT_TRUE(spreads[0].kept && spreads[0].within);
+  // The errors of the neighbours: 10 at 24 pixels, 8 at 10.
+  ASSERT_TRUE(spreads[0].height_px);
+  const double slope = 2 / std::log(2.4);
+  EXPECT_NEAR(spreads[0].height_px->low, 10 * std::exp(-0.5 / slope), 1e-9);
+  EXPECT_NEAR(spreads[0].height_px->high, 10 * std::exp(0.5 / slope), 1e-9);
+  EXPECT_NE(lens_verdict(spreads).find("holds at every resolution"), std::string::npos);
+
+  (*report.lenses)[1].tail = 9.5;  // beyond the interval, 7 to 9, though few enough views are worse
+  spreads = lens_spreads(report);
+  EXPECT_TRUE(spreads[0].kept);
+  EXPECT_FALSE(spreads[0].within);
+  EXPECT_NE(lens_verdict(spreads).find("keeps its promise"), std::string::npos);
+  (*report.lenses)[1].holds = false;
+  spreads = lens_spreads(report);
+  EXPECT_FALSE(spreads[0].kept);
+  EXPECT_NE(lens_verdict(spreads).find("does NOT hold"), std::string::npos);
+  EXPECT_NE(lens_text(report, spreads[0]).find("the promise is NOT kept"), std::string::npos);
+}
+
+TEST(TuneRows, AreTheRuleAndEveryScore) {
+  TuneReport report = made_up_report();
+  StoreContents rows = tune_rows(report, 7);
+  EXPECT_EQ(rows.comparisons.size(), 3U * 4) << "three heights, two directions, two moments; the reference is no row";
+  EXPECT_EQ(rows.comparisons[8].height_px, 10);
+  EXPECT_EQ(rows.comparisons[8].scores[0].value, 8);
+  ASSERT_EQ(rows.tunings.size(), 1U);
+  const TuningRow& row = rows.tunings[0];
+  EXPECT_EQ(row.run, 7);
+  EXPECT_EQ(row.representation, tuned_representation(report.request, report.result.together).text());
+  EXPECT_NEAR(row.saving.value(), 52.0 / 22, 1e-9);
+  EXPECT_EQ(row.promised, std::nullopt);
+  EXPECT_EQ(row.lenses_hold, std::nullopt);
+  ASSERT_EQ(row.switches.size(), 1U);
+  EXPECT_EQ(row.switches[0].height_px, 10);
+  EXPECT_EQ(row.switches[0].low_px, 9);
+  EXPECT_TRUE(row.switches[0].decided);
+  EXPECT_EQ(row.switches[0].pixels_per_texel, std::nullopt);
+  EXPECT_NEAR(row.switches[0].pixels_per_error.value(), 0.5, 1e-9);
+  EXPECT_EQ(row.switches[0].pop, 3.5);
+  report.result.together.plan.reset();
+  report.result.together.switches.clear();
+  rows = tune_rows(report);
+  EXPECT_EQ(rows.tunings[0].representation, std::nullopt);
+  EXPECT_FALSE(rows.tunings[0].reason.empty());
 }
 
 TEST(SwitchCost, IsStraightInLogarithmsBetweenHeightsAndConstantBeyond) {

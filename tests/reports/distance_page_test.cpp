@@ -85,6 +85,24 @@ TEST(Lead, TellsTheCostOfTheCurvesOwnCharacter) {
   EXPECT_EQ(rows()[0].cost, "0.5 of mesh’s time (0.5 to 0.5), 100 agents");
 }
 
+TEST(Lead, TellsTunedRulesFirst) {
+  StoreContents contents = one_curve();
+  TuningRow tuning;
+  tuning.character = "walker";
+  tuning.score = "s";
+  tuning.threshold = 8.5;
+  tuning.switches = {{0, "mesh", "flat", 24.1, 22, 26, 0.97, true, 31.25, {}, {}, 0, {}},
+                     {1, "flat", "relief", 10, {}, {}, 0.5, false, 75, {}, {}, 0, {}}};
+  contents.tunings = {tuning};
+  const Lead lead = lead_of(contents, {}, {doc()});
+  ASSERT_EQ(lead.rows.size(), 3U);
+  EXPECT_EQ(lead.rows[0].from, "from 31.2 m on, where figures are 24.1 px tall (95 %: 22.0 to 26.0 px)");
+  EXPECT_EQ(lead.rows[0].score, "sharpness 8.5");
+  EXPECT_EQ(lead.rows[1].representation, "relief");
+  EXPECT_NE(lead.rows[1].from.find("(undecided)"), std::string::npos);
+  EXPECT_NE(lead.basis.find("Rows of “tune”"), std::string::npos);
+}
+
 TEST(Lead, LeavesOutCurvesWithoutBins) {
   StoreContents contents = one_curve();
   contents.curves[0].bins.clear();

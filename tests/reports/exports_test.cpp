@@ -97,6 +97,8 @@ StoreContents full_contents() {
   all.cause_ranges[0].id = 11;
   all.pops = {full_pop(3)};
   all.pops[0].id = 12;
+  all.tunings = {full_tuning(3)};
+  all.tunings[0].id = 15;
   all.participants = {full_participant()};
   all.participants[0].id = 13;
   all.answers = {full_answer(13)};
@@ -127,7 +129,7 @@ const char* const kFullMeasurement = R"({"id": 4, "run": 3, "representation": "f
 // Columns in this order, which spreadsheets and scripts of others have come to know.
 TEST(Exports, JsonHasEveryColumnUnderItsName) {
   const auto all = nlohmann::ordered_json::parse(results_json(full_contents()));
-  ASSERT_EQ(all.size(), 13U) << all;
+  ASSERT_EQ(all.size(), 14U) << all;
   const auto wanted = [](const char* text) { return nlohmann::ordered_json::parse(text); };
   EXPECT_EQ(all.at("runs").at(0).dump(), wanted(kFullRun).dump());
   auto measurement = all.at("measurements").at(0);
@@ -178,6 +180,19 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
     "distance_m": 20.5, "pixels_px": 321, "worst_tick": 33, "display": "standard_fhd: ...", "pop_scores": [
     {"name": "pop_flip", "value": 0.125}, {"name": "pop_luma", "value": null}]}])json")
                                        .dump());
+  EXPECT_EQ(all.at("tunings").dump(), wanted(R"json([{"id": 15, "run": 3, "character": "mannequin + fox.glb",
+    "score": "ssim", "threshold": 0.875, "pop_score": "psnr", "pop_threshold": 31.5, "budget_ns": 8000000.0,
+    "representation": "hybrid(mesh,flat,height=24)", "reason": "a made-up one", "agents": 321.5,
+    "reference_over_plan": 3.5, "reference_over_plan_low": 3.25, "reference_over_plan_high": 3.75, "promised": 2.5,
+    "promised_low": 2.25, "promised_high": 2.75, "lenses_hold": true, "proof_holds": false,
+    "display": "standard_fhd: ...", "display_given": true, "tuned_switches": [
+    {"place": 0, "from": "mesh", "to": "flat", "height_px": 24.5, "height_low_px": 20.5, "height_high_px": 28.5,
+     "share": 0.9375, "decided": false, "depth_m": 12.25, "pixels_per_texel": 0.5, "pixels_per_error": 1.5,
+     "hysteresis": 0.125, "pop": 0.75},
+    {"place": 1, "from": "flat", "to": "relief", "height_px": 12.5, "height_low_px": null, "height_high_px": null,
+     "share": 0.0, "decided": true, "depth_m": 30.25, "pixels_per_texel": null, "pixels_per_error": null,
+     "hysteresis": 0.0, "pop": null}]}])json")
+                                          .dump());
   EXPECT_EQ(all.at("participants").dump(),
             wanted(R"json([{"id": 13, "study": "0a1b", "participant": "2c3d", "list": "4",
     "state": "finished", "token": "4e5f", "started": "2026-01-02T03:04:05Z", "ended": "2026-01-02T03:34:05Z",

@@ -207,6 +207,33 @@ inline PopRow full_pop(int64_t run) {
   return row;
 }
 
+inline TuningRow full_tuning(int64_t run) {
+  TuningRow row;
+  row.run = run;
+  row.character = "mannequin + fox.glb";
+  row.score = "ssim";
+  row.threshold = 0.875;
+  row.pop_score = "psnr";
+  row.pop_threshold = 31.5;
+  row.budget_ns = 8e6;
+  row.representation = "hybrid(mesh,flat,height=24)";
+  row.reason = "a made-up one";
+  row.agents = 321.5;
+  row.saving = 3.5;
+  row.saving_low = 3.25;
+  row.saving_high = 3.75;
+  row.promised = 2.5;
+  row.promised_low = 2.25;
+  row.promised_high = 2.75;
+  row.lenses_hold = true;
+  row.proof_holds = false;
+  row.display = "standard_fhd: ...";
+  row.display_given = true;
+  row.switches = {{0, "mesh", "flat", 24.5, 20.5, 28.5, 0.9375, false, 12.25, 0.5, 1.5, 0.125, 0.75},
+                  {1, "flat", "relief", 12.5, {}, {}, 0, true, 30.25, {}, {}, 0, {}}};
+  return row;
+}
+
 inline StudyParticipantRow full_participant() {
   StudyParticipantRow row;
   row.study = "0a1b";

@@ -338,6 +338,9 @@ TEST_F(StoreTest, EveryFieldComesBack) {
     wanted.pops = {full_pop(run), PopRow()};
     wanted.pops[1].run = run;
     for (PopRow& row : wanted.pops) row.id = store.write(row);
+    wanted.tunings = {full_tuning(run), TuningRow()};
+    wanted.tunings[1].run = run;
+    for (TuningRow& row : wanted.tunings) row.id = store.write(row);
     wanted.participants = {full_participant(), full_participant()};
     wanted.participants[1].participant = "";
     wanted.participants[1].state = "withdrawn";
@@ -368,6 +371,7 @@ TEST_F(StoreTest, EveryFieldComesBack) {
   EXPECT_TRUE(all.thresholds == wanted.thresholds);
   EXPECT_TRUE(all.cause_ranges == wanted.cause_ranges);
   EXPECT_TRUE(all.pops == wanted.pops);
+  EXPECT_TRUE(all.tunings == wanted.tunings);
   EXPECT_TRUE(all.participants == wanted.participants);
   EXPECT_TRUE(all.answers == wanted.answers);
 }

@@ -36,6 +36,7 @@ const std::map<std::string, std::string> kScripts = {
     {"gpu_check.sh", "Bundle"},
     {"lod_equal.mjs", "LodEqual"},
     {"masked_hair.mjs", "MaskedHair"},
+    {"page_check.mjs", "PageCheck"},
     {"polypostor_figures.mjs", "PolypostorFigures"},
     {"relief_quality.mjs", "ReliefQuality"},
     {"relief_sweep.mjs", "ReliefSweep"},
@@ -286,6 +287,28 @@ TEST_F(Scripts, StudyObserver) {
   EXPECT_EQ(outcome.status, 2) << outcome.text;
   EXPECT_NE(outcome.text.find("usage: study_observer.mjs URL"), std::string::npos) << outcome.text;
   EXPECT_NE(run("study_observer.mjs", "--quick").text.find("'--quick'"), std::string::npos);
+}
+
+// What it finds right is found by PagesBrowserSlow in tests/bench.
+TEST_F(Scripts, PageCheck) {
+  NEEDS(Need{"node", "nodejs"});
+  NEEDS(Need{"chromium", "chromium"});
+  if (!fs::exists(kTop / "node_modules/puppeteer-core")) GTEST_SKIP() << "puppeteer-core is not installed (npm ci)";
+  write_file(folder_ / "wide.html",
+             "<!doctype html><title>t</title><body><div style='width: 700px'>wide</div>"
+             "<table id='t'><tr><td> 1 </td><td>2</td></tr></table>"
+             "<script>console.warn('a warning')</script><script type='application/json' data-plot='none'></script>");
+  const Outcome outcome = run("page_check.mjs", quoted(folder_ / "wide.html") + " --wait 0.2");
+  EXPECT_EQ(outcome.status, 1) << outcome.text;
+  const nlohmann::json said = nlohmann::json::parse(outcome.text, nullptr, false);
+  ASSERT_TRUE(said.is_object()) << outcome.text;
+  EXPECT_EQ(said.at("views")[0].at("sideways_px"), 0);
+  EXPECT_GT(said.at("views")[2].at("sideways_px"), 200) << "390 pixels hold no 700";
+  EXPECT_EQ(said.at("views")[0].at("console")[0], "warn: a warning");
+  EXPECT_EQ(said.at("views")[0].at("drawn"), 0);
+  EXPECT_EQ(said.at("tables").at("t")[0], (nlohmann::json{"1", "2"}));
+  EXPECT_EQ(run("page_check.mjs", "").status, 2);
+  EXPECT_EQ(run("page_check.mjs", "nowhere.html --quick").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {
