@@ -222,7 +222,8 @@ TEST(MeshLevelKey, IsOfTheOptionsTheClipsInUseAndTheFilesLevel) {
 TEST(MeshLevel, IsSaidByTheTypeOfTheReference) {
   const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
   const auto level = [&](const char* spec) {
-    return reference_type().level(parse_spec(spec), cast.characters[0], cast.banks[0], {.use_cache = false});
+    return reference_type().level(parse_spec(spec), cast.characters[0], cast.banks[0],
+                                  {.use_cache = false, .progress = false});
   };
   const auto made = level("mesh:triangles=400");
   ASSERT_TRUE(made.has_value());
