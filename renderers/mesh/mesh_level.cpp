@@ -66,10 +66,11 @@ std::optional<LevelBake> deserialise_level(std::span<const uint8_t> bytes, const
   bake.info.note.assign(note.begin(), note.end());
   bake.info.error = read_error(in);
   if (in.value<uint8_t>() != 0) {
-    LevelInfo::Other& other = bake.info.meshoptimizer.emplace();
+    LevelInfo::Other other;
     other.triangles = in.value<uint64_t>();
     other.stated = in.value<double>();
     other.error = read_error(in);
+    bake.info.meshoptimizer = other;
   }
   if (!in.ok() || !in.at_end() || bake.vertices != mesh.positions.size()) return std::nullopt;
   const auto clip = static_cast<size_t>(bake.info.error.bank_clip);

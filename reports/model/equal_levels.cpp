@@ -46,8 +46,8 @@ PointTimes times_at(const Scene& scene, uint32_t agents, double occupancy) {
     (level ? out.levels : out.others).push_back(*timed);
   }
   std::ranges::stable_sort(out.levels, [](const Timed& a, const Timed& b) { return a.triangles > b.triangles; });
-  const auto repeated = std::ranges::unique(out.levels, {}, &Timed::triangles);
-  out.levels.erase(repeated.begin(), repeated.end());
+  const auto as_fine = [](const Timed& a, const Timed& b) { return a.triangles == b.triangles; };
+  out.levels.erase(std::unique(out.levels.begin(), out.levels.end(), as_fine), out.levels.end());
   return out;
 }
 
