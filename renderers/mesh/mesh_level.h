@@ -23,8 +23,8 @@ struct MeshLevels {
   std::vector<BakeRecord> records;
 };
 
-// From the cache, else made, its error measured and kept: half a second of CPU for 5,000 triangles, 4 s for 100,000. The
-// options are not those of the whole mesh. Throws Error: a character's file has no such level.
+// From the cache, else made, its error measured and kept: half a second of CPU for 5,000 triangles, 4 s for 100,000.
+// The options are not those of the whole mesh. Throws Error: a character's file has no such level.
 MeshLevels load_mesh_levels(const std::vector<std::shared_ptr<const scene::Character>>& characters,
                             const std::vector<std::shared_ptr<const scene::PoseBank>>& banks,
                             const MeshLevelOptions& options, const BakePolicy& policy);
