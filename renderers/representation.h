@@ -16,6 +16,7 @@
 #include "scene/character/character.h"
 #include "scene/crowd/crowd.h"
 #include "scene/frame/frame.h"
+#include "scene/pose/lod_mesh.h"
 #include "scene/pose/pose_bank.h"
 
 namespace crowdbench::gl {
@@ -92,6 +93,32 @@ struct Kept {
   uint64_t whole_bytes = 0;  // the same had nothing been left out
 };
 
+// A level of detail of a character's mesh, and how far its surface is from the whole mesh's: symmetric distances, over
+// poses of the clips in use (scene::lod_error).
+struct LevelInfo {
+  std::string character;
+  uint64_t triangles = 0;
+  uint64_t of_triangles = 0;  // the whole mesh's
+  double height = 0;          // metres, of the character at scale 1
+  scene::LodError error;      // metres
+  std::string worst_clip;     // of the pose with the largest error
+  // What meshoptimizer's simplifier makes of the whole mesh in one pose, asked for as many triangles; absent where the
+  // level is the file's own.
+  struct Other {
+    uint64_t triangles = 0;
+    double stated = 0;  // metres, as it states it
+    scene::LodError error;
+  };
+  std::optional<Other> meshoptimizer;
+  std::string note;  // what was asked for and could not be had; empty: nothing
+  // The largest error where the figure is so many pixels tall; 0 where it has no height.
+  double pixels(double figure_px) const { return height > 0 ? error.max / height * figure_px : 0; }
+};
+struct LevelMesh {
+  scene::Mesh mesh;
+  LevelInfo info;
+};
+
 struct BakeInfo {
   double seconds = 0;   // spent on baking or on reading the cache
   bool cached = false;  // came from the cache
@@ -102,6 +129,7 @@ struct BakeInfo {
   std::vector<BakeItem> items;  // of the only character; none where there are several
   std::vector<Kept> kept;       // one a representation that something was left out of; a hybrid's are its components'
   std::vector<std::string> notes;  // what was asked for and could not be had, and why
+  std::vector<LevelInfo> levels;   // that it draws, one a character; a hybrid's are its components'
 };
 
 // agents[c]: indices into frame.agents[c], ascending.
@@ -191,6 +219,14 @@ struct ViewSample {
 // Shows every view_sample of one character that a scenario will give.
 using VisitViewSamples = std::function<void(size_t character, const std::function<void(const ViewSample&)>& see)>;
 
+// How bakes are made and kept.
+struct BakePolicy {
+  uint64_t budget = uint64_t{512} << 20;
+  bool use_cache = true;
+  bool rebake = false;
+  bool progress = true;
+};
+
 struct MakeContext {
   gl::Context& context;
   const scene::Cast& cast;
@@ -200,6 +236,8 @@ struct MakeContext {
   bool progress = true;
   // Set: types that honour it (honours_required_by) keep only what these view samples show, and show nothing elsewhere.
   VisitViewSamples required_by = {};
+
+  BakePolicy policy() const { return {bake_budget, use_cache, rebake, progress}; }
 };
 
 struct ViewSampling;  // renderers/impostor/views/view_sampling.h
@@ -228,6 +266,12 @@ struct RepresentationType {
   // Null where no views are stored.
   ViewSampling (*view_sampling)(const Spec& spec, const scene::Character& character,
                                 const std::shared_ptr<const scene::PoseBank>& bank) = nullptr;
+  // The level of detail of a character's mesh that a spec of this type draws, made or read from the cache, without a
+  // driver; std::nullopt: the whole mesh. Null where no levels are drawn by themselves.
+  std::optional<LevelMesh> (*level)(const Spec& spec, const std::shared_ptr<const scene::Character>& character,
+                                    const std::shared_ptr<const scene::PoseBank>& bank,
+                                    const BakePolicy& policy) = nullptr;
+
   // What floor=1 still does, for reports, to follow "its floor is": "the mesh in one pose, without skinning".
   std::string floor;
   Suitability suits;

@@ -9,6 +9,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/level_output.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/audit.h"
@@ -184,6 +185,7 @@ void print_json(const Options& options, const renderers::Spec& spec, const scene
     for (const renderers::Kept& kept : bake.kept) out["required_by"]["kept"].push_back(json_of(kept));
   }
   out["notes"] = bake.notes;
+  out["levels"] = levels_json(bake.levels);
   out["facts"] = Json::object();
   for (const auto& [name, value] : bake.facts) out["facts"][name] = number(value);
   if (options.report)
@@ -221,6 +223,7 @@ void print_text(const Options& options, const renderers::Spec& spec, const scene
   fmt::print("  textures      {:.1f} MiB\n  buffers       {:.2f} MiB\n  on disk       {:.1f} MiB\n",
              mib(bytes.texture_bytes), mib(bytes.buffer_bytes), mib(bytes.disk_bytes));
   for (const auto& [name, value] : bake.facts) fmt::print("  {:<13} {:g}\n", name, value);
+  for (const renderers::LevelInfo& level : bake.levels) fmt::print("  level of {}\n", level_text(level));
   for (const std::string& note : bake.notes) fmt::print("  note: {}\n", printable(note));
   if (options.report)
     for (const renderers::BakeItem& item : bake.items) {

@@ -5,6 +5,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/level_output.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
@@ -37,9 +38,12 @@ struct Options {
   uint64_t bake_budget_mib = kDefaultBakeBudgetMiB;
 };
 
-// The rows of the file, and the stages of the points that were solved for now.
+// The rows of the file, the levels of detail that were drawn now, and the stages of the points that were solved for
+// now.
 std::string json_of(const StoreContents& contents, const SweepSummary& summary) {
   Json all = Json::parse(reports::results_json(contents, score_docs(metrics::scores())));
+  Json& levels = all["levels"] = Json::object();
+  for (const DrawnLevels& drawn : summary.levels) levels[drawn.representation] = levels_json(drawn.levels);
   Json& stages = all["stages"] = Json::array();
   for (const StagedPoint& point : summary.stages)
     stages.push_back({{"agents", point.agents},
@@ -84,7 +88,7 @@ int run_bench(const Options& options) {
   if (request.representations.empty()) {
     for (const renderers::RepresentationType& type : renderers::representation_types())
       if (!type.reference && stands_alone(type)) request.representations.push_back(renderers::parse_spec(type.name));
-    request.representations.push_back(low_polygon_spec());
+    for (const renderers::Spec& level : level_specs()) request.representations.push_back(level);
   }
   StoreWriter store(options.out);  // refused before anything is drawn
   const scene::Cast cast = open_cast(request.scenario, chosen.folder, chosen.places);
@@ -110,6 +114,9 @@ int run_bench(const Options& options) {
     summary =
         run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
   }
+  if (std::ranges::none_of(request.representations, is_level))
+    summary.remarks.push_back(fmt::format("no level of detail of {} was timed beside them: --representation {} is one",
+                                          renderers::reference_spec().text(), low_polygon_spec().text()));
   const StoreContents contents = read_store(options.out, false, false);
   if (options.json) {
     fmt::print("{}", json_of(contents, summary));
@@ -118,6 +125,9 @@ int run_bench(const Options& options) {
     return summary.invalid == 0 ? 0 : 1;
   }
   fmt::print("{}", sweep_table(contents, run));
+  for (const DrawnLevels& drawn : summary.levels)
+    for (const renderers::LevelInfo& level : drawn.levels)
+      fmt::print("{} of {}\n", drawn.representation, level_text(level));
   for (const std::string& remark : summary.remarks) fmt::print("{}\n", remark);
   fmt::print("{} points measured, {} taken from the file; {}\n", summary.measured, summary.held, options.out);
   return summary.invalid == 0 ? 0 : 1;
@@ -138,7 +148,7 @@ void add_bench(Command& app, Run& run) {
   SweepRequest& request = options->request;
   add_scenario_argument(*command, options->scene.file);
   add_representation_option(*command, options->representations,
-                            "drawn beside the mesh (all that are built in, and a level of the mesh)");
+                            "drawn beside the mesh (all that are built in, and levels of the mesh)");
   command->add_option("--agents", options->agents, "numbers of agents (1,10,100,1000)")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -187,9 +197,10 @@ void add_bench(Command& app, Run& run) {
       ->type_name("FILE.sqlite")
       ->capture_default_str()
       ->output_file();
-  add_json_option(*command, options->json,
-                  "print every row of the result file as JSON instead of the table, and the stages of the points\n"
-                  "measured now (camera, crowd, occupancy)");
+  add_json_option(
+      *command, options->json,
+      "print every row of the result file as JSON instead of the table, and of the points measured now the\n"
+      "stages (camera, crowd, occupancy) and the errors of levels of detail");
   command->callback([options, &run] { run = [options] { return run_bench(*options); }; });
 }
 

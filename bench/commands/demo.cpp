@@ -177,7 +177,8 @@ SweepSummary time_crowds(gl::Context& context, const scene::Cast& cast, const Ti
                          const scene::Scenario& scenario, const Options& options, StoreWriter& store) {
   SweepRequest request;
   request.scenario = scenario;
-  request.representations = {renderers::parse_spec(options.representation), low_polygon_spec()};
+  request.representations = level_specs();
+  request.representations.insert(request.representations.begin(), renderers::parse_spec(options.representation));
   request.budget_ms = 6000;
   request.time_limit_s = options.tiny ? 0.1 : 7;
   request.rounds = options.tiny ? 10 : 24;

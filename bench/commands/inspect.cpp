@@ -9,13 +9,16 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/level_output.h"
 #include "bench/commands/options.h"
 #include "core/error.h"
 #include "core/json.h"
+#include "renderers/representation.h"
 #include "scene/cast/open_character.h"
 #include "scene/character/drawn.h"
 #include "scene/gltf/gltf.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -26,6 +29,9 @@ struct Options {
   std::string height = "1.75";
   std::vector<std::string> hide;
   std::vector<std::string> clips;
+  std::vector<std::string> levels;
+  double figure_px = kLevelFigurePx;
+  bool no_cache = false;
   bool no_rigid = false;
   bool json = false;
 };
@@ -122,7 +128,28 @@ Json material_json(const scene::Material& m) {
           {"alpha_cutoff", m.alpha_cutoff}};
 }
 
-Json to_json(const scene::Character& c) {
+using Levels = std::vector<renderers::LevelInfo>;
+
+// Of the levels asked for, by the options of the reference that draw them.
+Levels levels_asked_for(const Options& options, const std::shared_ptr<const scene::Character>& character) {
+  Levels out;
+  if (options.levels.empty()) return out;
+  std::vector<int> clips;
+  for (const std::string& clip : options.clips) clips.push_back(scene::require_clip_or_none(*character, clip));
+  if (clips.empty()) clips.push_back(character->placement.default_clip);
+  const auto bank = std::make_shared<const scene::PoseBank>(*character, clips);
+  const renderers::RepresentationType& type = renderers::reference_type();
+  for (const std::string& text : options.levels) {
+    const renderers::Spec spec = parse_representation(type.name + ":" + text, "--level");
+    auto level = type.level(spec, character, bank, {.use_cache = !options.no_cache});
+    if (!level)
+      throw Error("--level", fmt::format("'{}' is the whole mesh", printable(text, 40)), "write triangles=500 or so");
+    out.push_back(std::move(level->info));
+  }
+  return out;
+}
+
+Json to_json(const scene::Character& c, const Levels& levels, double figure_px) {
   const Bytes bytes = measure_bytes(c);
   const glm::dvec3 ground(c.placement.model_from_gltf[3]);
   Json out = {{"file", c.source},
@@ -143,6 +170,8 @@ Json to_json(const scene::Character& c) {
               {"default_clip", nullptr},
               {"clips", Json::array()},
               {"primitives", c.mesh.primitives.size()},
+              {"lods", Json::array()},
+              {"levels", levels_json(levels, figure_px)},
               {"materials", Json::array()},
               {"textures", Json::array()},
               {"bytes", bytes.file},
@@ -151,6 +180,7 @@ Json to_json(const scene::Character& c) {
               {"content_hash", c.content_hash},
               {"warnings", c.warnings}};
   if (c.placement.default_clip >= 0) out["default_clip"] = c.placement.default_clip;
+  for (const scene::Mesh& lod : c.levels) out["lods"].push_back({{"triangles", lod.indices.size() / 3}});
   for (size_t i = 0; i < c.clips.size(); ++i) out["clips"].push_back(clip_json(c, i));
   for (const scene::Material& m : c.materials) out["materials"].push_back(material_json(m));
   for (const scene::Texture& t : c.images)
@@ -172,7 +202,19 @@ std::string ground_text(const scene::ClipMotion& motion) {
   return text;
 }
 
-void print_text(const scene::Character& c) {
+// A line a level, under one heading.
+void print_levels(const scene::Character& c, const Levels& levels, const Options& options) {
+  std::string own;
+  for (const scene::Mesh& lod : c.levels) own += fmt::format(", {}", lod.indices.size() / 3);
+  if (!own.empty()) fmt::print("{:<14}{}{} triangles; lod=1 is the second\n", "levels", c.triangles(), own);
+  for (size_t i = 0; i < levels.size(); ++i)
+    fmt::print("{:<14}{} of {}\n", i == 0 ? "level" : "", printable(options.levels[i]),
+               level_text(levels[i], options.figure_px));
+  for (const renderers::LevelInfo& level : levels)
+    if (!level.note.empty()) fmt::print("note: {}\n", printable(level.note));
+}
+
+void print_text(const scene::Character& c, const Levels& levels, const Options& options) {
   const Bytes bytes = measure_bytes(c);
   const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<14}{}\n", key, value); };
   line("character", printable(c.source, 300));
@@ -193,6 +235,7 @@ void print_text(const scene::Character& c) {
   line("textures", textures.empty() ? "none" : textures);
   line("bytes", fmt::format("{} in the file; in memory {}: mesh {}, clips {}, textures {}", bytes.file, bytes.memory(),
                             bytes.mesh, bytes.clips, bytes.images));
+  print_levels(c, levels, options);
   fmt::print("\n{:>4}  {:<32}{:>9}{:>9}{:>9}  {}\n", "clip", "name", "seconds", "start", "end", "ground speed");
   for (size_t i = 0; i < c.clips.size(); ++i) {
     const scene::Clip& clip = c.clips[i];
@@ -232,13 +275,14 @@ int inspect(const Options& options) {
   entry.rigid_meshes = !options.no_rigid;
   entry.hide = options.hide;
   entry.clips = options.clips;
-  const scene::Character character = scene::open_character(entry);
-  for (const std::string& clip : options.clips) scene::require_clip_or_none(character, clip);
-  if (!options.out.empty()) scene::save_character(character, options.out);
+  const auto character = std::make_shared<const scene::Character>(scene::open_character(entry));
+  for (const std::string& clip : options.clips) scene::require_clip_or_none(*character, clip);
+  if (!options.out.empty()) scene::save_character(*character, options.out);
+  const Levels levels = levels_asked_for(options, character);
   if (options.json)
-    fmt::print("{}\n", to_json(character).dump(2));
+    fmt::print("{}\n", to_json(*character, levels, options.figure_px).dump(2));
   else
-    print_text(character);
+    print_text(*character, levels, options);
   return 0;
 }
 
@@ -249,6 +293,7 @@ void add_inspect(Command& app, Run& run) {
   command->footer(
       "Examples:\n  crowdbench inspect knight.glb\n  crowdbench inspect knight.glb --json --hide 2H_Sword\n"
       "  crowdbench inspect mannequin:joints=53 --out mannequin.glb\n  crowdbench inspect hero.fbx --out hero.glb\n"
+      "  crowdbench inspect mannequin --level triangles=500 --level ratio=0.05 --height-px 60\n"
       "\nFBX (2011 or later) and COLLADA are read by Assimp, in metres and with +Y up whatever the file's unit and "
       "axes\n"
       "are. Lost, with a warning: blend shapes, cameras, lights, constraints, pictures other than of base colour and\n"
@@ -280,6 +325,19 @@ void add_inspect(Command& app, Run& run) {
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
+  command
+      ->add_option("--level", options->levels,
+                   "also a level of detail and how far its surface is from the whole mesh's over the clips in use:\n"
+                   "triangles=N, ratio=F, error=METRES or lod=K (the file's own); may be given several times")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command->add_option("--height-px", options->figure_px, "a figure's height, in whose pixels that is told as well")
+      ->type_name("H")
+      ->capture_default_str()
+      ->number(1, 16384);
+  command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   add_character_changes(*command, options->character);
   command->add_flag("--no-rigid", options->no_rigid, "drop the unskinned meshes of a skinned character");
   command->callback([options, &run] { run = [options] { return inspect(*options); }; });

@@ -6,6 +6,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/level_output.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "core/error.h"
@@ -46,6 +47,8 @@ Json json_of(const RatioReport& report, const scene::Scenario& scenario) {
     medians[median.name] = {{"cpu_ns", median.cpu_ns},
                             {"frame_ns", median.wall_ns},
                             {"gpu_ns", median.gpu_ns ? Json(*median.gpu_ns) : Json(nullptr)}};
+  Json levels = Json::object();
+  for (const RatioReport::Levels& one : report.levels) levels[one.name] = levels_json(one.levels);
   const StageFacts& stage = report.stage;
   return {{"of", report.of},
           {"to", report.to},
@@ -65,6 +68,7 @@ Json json_of(const RatioReport& report, const scene::Scenario& scenario) {
           {"control", control_json(report.control)},
           {"to_500_triangles", report.to_low_polygon.median},
           {"to_500_triangles_interval", interval_json(report.to_low_polygon)},
+          {"levels", levels},
           {"valid", report.valid},
           {"faults", report.faults},
           {"agents", scenario.crowd.agents},
@@ -112,6 +116,8 @@ void print(const RatioReport& report, const scene::Scenario& scenario) {
                control_text(report.control->ratio, report.control->p, report.control->detectable));
   fmt::print("  against its level of {} triangles {}\n", report.low_polygon_triangles,
              times_text(report.to_low_polygon));
+  for (const RatioReport::Levels& one : report.levels)
+    for (const renderers::LevelInfo& level : one.levels) fmt::print("  {} of {}\n", one.name, level_text(level));
   for (const RatioReport::Median& median : report.medians)
     fmt::print("  {:<34} CPU {:9.3f} ms  wall {:9.3f} ms{}\n", median.name, median.cpu_ns / 1e6, median.wall_ns / 1e6,
                median.gpu_ns ? fmt::format("  GPU {:9.3f} ms", *median.gpu_ns / 1e6) : "");

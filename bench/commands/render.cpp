@@ -7,6 +7,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/level_output.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_facts.h"
 #include "bench/stage/stage_scenario.h"
@@ -73,10 +74,11 @@ void write_pictures(const RenderOptions& options, const renderers::Capture& capt
 }
 
 std::string json_of(const Staged& staged, const scene::Cast& cast, gl::Context& context, const renderers::Spec& spec,
-                    const RenderOptions& options) {
+                    std::span<const renderers::LevelInfo> levels, const RenderOptions& options) {
   const Json facts = {{"representation", spec.text()},
                       {"tick", options.tick},
                       {"renderer", context.renderer()},
+                      {"levels", levels_json(levels)},
                       {"stage", stage_json(measure_stage(staged, cast, context))}};
   return facts.dump(2) + "\n";
 }
@@ -171,7 +173,10 @@ int render_crowd(const RenderOptions& options) {
   const std::string drawn = fmt::format("{} agent{} ({} in view) as {}, tick {}", crowd.size(),
                                         crowd.size() == 1 ? "" : "s", in_view, spec.text(), options.tick);
   write_pictures(options, capture, metadata, drawn);
-  if (options.json) fmt::print("{}", json_of(staged, cast, *context, spec, options));
+  const std::vector<renderers::LevelInfo> levels = representation->bake_info().levels;
+  for (const renderers::LevelInfo& level : levels)
+    fmt::print(options.json ? stderr : stdout, "  level of {}\n", level_text(level));
+  if (options.json) fmt::print("{}", json_of(staged, cast, *context, spec, levels, options));
   return 0;
 }
 

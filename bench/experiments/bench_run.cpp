@@ -345,6 +345,8 @@ class Sweep {
     if (!place) {
       progress_("baking " + specs_[spec].text());
       place = std::make_unique<TimedRepresentation>(stage_, specs_[spec], request_.scenario, request_.bake_budget);
+      if (auto levels = place->representation().bake_info().levels; !levels.empty())
+        summary_.levels.push_back({place->name(), std::move(levels)});
     }
     return *place;
   }

@@ -44,11 +44,18 @@ struct StagedPoint {
 // The numbers of agents of a thorough sweep: 1 to 10,000.
 std::vector<uint32_t> full_agents();
 
+// The levels of detail that a representation draws.
+struct DrawnLevels {
+  std::string representation;
+  std::vector<renderers::LevelInfo> levels;
+};
+
 struct SweepSummary {
   size_t measured = 0;               // points timed now
   size_t held = 0;                   // points that the file already had
   size_t invalid = 0;                // of those timed now: the image check failed
   std::vector<StagedPoint> stages;   // of the points solved for now, unreachable ones too
+  std::vector<DrawnLevels> levels;   // of the representations that draw such
   std::vector<std::string> remarks;  // where and why a curve stopped, what was skipped: one line each
 };
 

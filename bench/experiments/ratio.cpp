@@ -74,6 +74,15 @@ void put_triangles(RatioReport& report, const TimedSet& set, const scene::Cast& 
   report.low_polygon_triangles = triangles_of(set.all[set.low_polygon]->representation(), cast);
 }
 
+void put_levels(RatioReport& report, const TimedSet& set) {
+  for (const auto& timed : set.all) {
+    std::vector<renderers::LevelInfo> levels = timed->representation().bake_info().levels;
+    const auto known = [&](const RatioReport::Levels& one) { return one.name == timed->name(); };
+    if (!levels.empty() && std::ranges::none_of(report.levels, known))
+      report.levels.push_back({timed->name(), std::move(levels)});
+  }
+}
+
 std::vector<VariantTimes> time_set(gl::Context& context, const TimedSet& set, const RatioRequest& request,
                                    const TimingMethod& method, Progress& progress) {
   TimingPlan plan;
@@ -149,6 +158,7 @@ RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const R
   report.to = set.all[set.to]->name();
   check_set(report, set);
   put_triangles(report, set, cast);
+  put_levels(report, set);
 
   const TimingMethod method = choose_timing_method(context);
   const std::vector<VariantTimes> times = time_set(context, set, request, method, progress);

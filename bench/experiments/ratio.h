@@ -51,6 +51,12 @@ struct RatioReport {
     std::optional<double> gpu_ns;
   };
   std::vector<Median> medians;  // of every representation timed
+  // Of those that draw levels of detail, each named once.
+  struct Levels {
+    std::string name;
+    std::vector<renderers::LevelInfo> levels;
+  };
+  std::vector<Levels> levels;
   int warmup_frames = 0;
   bool settled = true;
   uint64_t order_seed = 0;  // of the order of turns (TimingPlan)

@@ -1,14 +1,36 @@
-// The level of detail of the mesh that every figure of speed is also told against.
+// The levels of detail of the mesh that figures of speed are told against.
 #pragma once
+#include <array>
+#include <string>
+#include <vector>
+
 #include "renderers/representation.h"
 
 namespace crowdbench::bench {
 
-// The reference simplified to 500 triangles a character: what a user would reach for instead of an impostor.
-inline renderers::Spec low_polygon_spec() {
+// The reference simplified to so many triangles a character.
+inline renderers::Spec level_spec(size_t triangles) {
   renderers::Spec spec = renderers::reference_spec();
-  spec.options.emplace_back("triangles", "500");
+  spec.options.emplace_back("triangles", std::to_string(triangles));
   return spec;
+}
+
+// Whether it is the reference with options.
+inline bool is_level(const renderers::Spec& spec) {
+  return spec.name == renderers::reference_spec().name && !spec.options.empty() && !renderers::is_floor(spec);
+}
+
+// What a user would reach for instead of an impostor: every figure of speed is also told against it.
+inline constexpr size_t kLowPolygonTriangles = 500;
+inline renderers::Spec low_polygon_spec() { return level_spec(kLowPolygonTriangles); }
+
+// Levels between which the one of equal error and the one of equal cost are looked for, each with a quarter of the
+// triangles of the one before; the whole mesh comes before them.
+inline constexpr std::array<size_t, 3> kLevelTriangles = {2000, kLowPolygonTriangles, 125};
+inline std::vector<renderers::Spec> level_specs() {
+  std::vector<renderers::Spec> specs;
+  for (const size_t triangles : kLevelTriangles) specs.push_back(level_spec(triangles));
+  return specs;
 }
 
 }  // namespace crowdbench::bench

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bench/stage/coverage.h"
+#include "renderers/representation.h"
 #include "scene/pose/lod_mesh.h"
 
 namespace crowdbench::bench {
@@ -14,10 +15,11 @@ std::optional<scene::Cast> draft_of(const scene::Cast& cast, uint32_t agents) {
                                 [](const auto& character) { return character->triangles() <= kDraftTriangles; });
   if (agents < kDraftAgents || fine) return std::nullopt;
   scene::Cast draft = cast;  // with the same pose banks: joints and clips are untouched
+  const renderers::Spec spec = level_spec(kDraftTriangles);
   for (size_t c = 0; c < draft.characters.size(); ++c) {
-    scene::LodMesh made = scene::make_lod_mesh(*cast.characters[c], *cast.banks[c], {.triangles = kDraftTriangles});
+    auto level = renderers::reference_type().level(spec, cast.characters[c], cast.banks[c], {});
     draft.characters[c] =
-        std::make_shared<const scene::Character>(scene::with_mesh(*cast.characters[c], std::move(made.mesh)));
+        std::make_shared<const scene::Character>(scene::with_mesh(*cast.characters[c], std::move(level->mesh)));
   }
   return draft;
 }

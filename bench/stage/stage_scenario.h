@@ -5,6 +5,7 @@
 #pragma once
 #include <optional>
 
+#include "bench/stage/low_polygon.h"
 #include "scene/cast/cast.h"
 #include "scene/crowd/crowd.h"
 #include "scene/crowd/occupancy.h"
@@ -37,6 +38,6 @@ Staged stage_as_given(const scene::Scenario& scenario, const scene::Cast& cast);
 // Whether an occupancy has to be solved, by drawing.
 bool must_solve(const scene::Scenario& scenario);
 inline constexpr uint32_t kDraftAgents = 300;  // fewer are quick enough as they are
-inline constexpr size_t kDraftTriangles = 500;
+inline constexpr size_t kDraftTriangles = kLowPolygonTriangles;
 
 }  // namespace crowdbench::bench

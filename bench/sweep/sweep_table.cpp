@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/statistics.h"
+#include "renderers/representation.h"
 
 namespace crowdbench::bench::sweep {
 namespace {
@@ -291,6 +292,22 @@ std::string aa_text(const Views& views) {
       pairs, apart, 100 * (std::exp(widest) - 1));
 }
 
+// A speed against the whole reference says little of what would be drawn instead: a level of detail of it.
+std::string no_levels_text(const Views& views) {
+  const std::string reference = renderers::reference_spec().text();
+  bool speed = false;
+  for (const PointView& view : views) {
+    if (view.row->representation.starts_with(reference + ":")) return {};
+    speed = speed || (view.row->representation != reference && speed_of(view));
+  }
+  if (!speed) return {};
+  return fmt::format(
+      "No level of detail of {} was measured beside these speeds: bench/plans/levels_of_detail.toml sets each beside "
+      "the "
+      "levels of equal error and of equal cost.\n",
+      reference);
+}
+
 std::string reasons_text(const Views& views) {
   std::map<std::string, std::pair<size_t, const PointView*>> by_reason;
   for (const PointView& view : views) {
@@ -368,7 +385,7 @@ std::string sweep_text(const Plan& plan, const StoreContents& contents) {
   const Views views = views_of(contents);
   for (const TableRequest& request : plan.tables) out += table_text(request, plan, contents) + "\n";
   if (plan.tables.empty()) out += long_table(plan, views) + "\n";
-  return out + aa_text(views) + reasons_text(views);
+  return out + no_levels_text(views) + aa_text(views) + reasons_text(views);
 }
 
 }  // namespace crowdbench::bench::sweep

@@ -22,7 +22,7 @@ void check_table(const TableRequest& request, const std::vector<std::string>& ax
 // One table, with its title.
 std::string table_text(const TableRequest& request, const Plan& plan, const StoreContents& contents);
 // All that the plan asks for; where it asks for none, one row a point with all axes and measures. What to look for goes
-// first, the A/A pairs and what was not done at the end.
+// first; at the end, where speeds have no level of detail beside them, that, the A/A pairs and what was not done.
 std::string sweep_text(const Plan& plan, const StoreContents& contents);
 
 }  // namespace crowdbench::bench::sweep

@@ -42,8 +42,8 @@ int fitting_size(int size, int least, uint64_t needed, uint64_t left) {
   return fits < least ? 0 : fits;
 }
 
-BakeLoader::BakeLoader(const MakeContext& make, BakeMessages messages)
-    : make_(make), messages_(std::move(messages)), cache_(bake_folder(), make.use_cache), left_(make.bake_budget) {}
+BakeLoader::BakeLoader(const BakePolicy& policy, BakeMessages messages)
+    : policy_(policy), messages_(std::move(messages)), cache_(bake_folder(), policy.use_cache), left_(policy.budget) {}
 
 void warn_of_bake(const std::string& what, const std::string& text) {
   static std::mutex mutex;
@@ -54,12 +54,12 @@ void warn_of_bake(const std::string& what, const std::string& text) {
 }
 
 std::optional<std::vector<uint8_t>> BakeLoader::stored(const std::string& key) const {
-  if (make_.rebake) return std::nullopt;
+  if (policy_.rebake) return std::nullopt;
   return cache_.load(messages_.kind, key);
 }
 
 BakeProgress BakeLoader::progress(const std::string& character) const {
-  if (!make_.progress) return [](size_t, size_t) { throw_if_interrupted(); };
+  if (!policy_.progress) return [](size_t, size_t) { throw_if_interrupted(); };
   struct Shown {
     std::optional<Progress> line;
     size_t done = 0;

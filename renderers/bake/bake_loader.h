@@ -42,14 +42,14 @@ class BakeLoader {
     std::string stored;  // what the budget pays for: "tiles"
     std::string advice;  // to whoever lacks budget
   };
-  BakeLoader(const MakeContext& make, BakeMessages messages);
+  BakeLoader(const BakePolicy& policy, BakeMessages messages);
 
   // One character's bake. deserialise: std::nullopt when the bytes are no sound bake; make(budget, progress): bakes;
   // serialise(bake) and bake.texture_bytes() are the bake's own. Throws Error when its textures are more than what is
   // left of the budget, and what `make` throws; make's progress throws Interrupted after Ctrl-C.
   template <typename Bake>
   Bake load(const std::string& character, const std::string& key,
-            std::optional<Bake> (*deserialise)(std::span<const uint8_t>),
+            const std::function<std::optional<Bake>(std::span<const uint8_t>)>& deserialise,
             const std::function<Bake(uint64_t budget, const BakeProgress& progress)>& make) {
     std::optional<Bake> bake;
     if (const auto bytes = stored(key)) bake = deserialise(*bytes);
@@ -70,7 +70,7 @@ class BakeLoader {
   BakeProgress progress(const std::string& character) const;
   void take(const std::string& character, const std::string& key, bool cached, uint64_t texture_bytes);
 
-  const MakeContext& make_;
+  BakePolicy policy_;
   BakeMessages messages_;
   BakeCache cache_;
   uint64_t left_;

@@ -226,8 +226,9 @@ class FlatRepresentation : public Representation {
                    lacking);
       options.compressed = false;
     }
-    BakeLoader loader(make, {"flat", "flat impostors", "tiles",
-                             "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget"});
+    BakeLoader loader(make.policy(),
+                      {"flat", "flat impostors", "tiles",
+                       "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget"});
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const auto& character = make.cast.characters[c];
       const auto& bank = make.cast.banks[c];

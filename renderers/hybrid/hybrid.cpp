@@ -172,6 +172,7 @@ BakeInfo HybridRepresentation::bake_info() const {
   for (const BakeInfo* component : {&a, &b}) {
     info.kept.insert(info.kept.end(), component->kept.begin(), component->kept.end());
     info.notes.insert(info.notes.end(), component->notes.begin(), component->notes.end());
+    info.levels.insert(info.levels.end(), component->levels.begin(), component->levels.end());
   }
   return info;
 }

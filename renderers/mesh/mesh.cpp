@@ -18,6 +18,7 @@ class MeshRepresentation : public Representation {
   MeshRepresentation(const MakeContext& make, MeshUse use, const MeshLevelOptions& level, int passes, float peak = 0)
       : floor_(use == MeshUse::static_pose), draw_(make.context, use, passes) {
     const auto start = std::chrono::steady_clock::now();
+    if (!level.is_whole()) levels_ = load_mesh_levels(make.cast.characters, make.cast.banks, level, make.policy());
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
       std::vector<std::vector<scene::Mat3x4>> poses;
@@ -25,12 +26,8 @@ class MeshRepresentation : public Representation {
       const auto upload = [&](const scene::Character& character) {
         meshes_.push_back(upload_mesh(make.context, character, bank.joints(), use, poses, peak));
       };
-      if (level.is_whole()) {
-        upload(*make.cast.characters[c]);
-        continue;
-      }
-      levels_.push_back(make_mesh_level(make.cast.characters[c], make.cast.banks[c], level));
-      upload(scene::with_mesh(*make.cast.characters[c], levels_.back().mesh));
+      const scene::Character& whole = *make.cast.characters[c];
+      level.is_whole() ? upload(whole) : upload(scene::with_mesh(whole, levels_.levels[c].mesh));
     }
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
@@ -56,15 +53,14 @@ class MeshRepresentation : public Representation {
       out.texture_bytes += m.texture_bytes();
       out.buffer_bytes += m.buffer_bytes();
     }
+    out.disk_bytes = disk_bytes_of(levels_.records);
     return out;
   }
 
   BakeInfo bake_info() const override {
-    BakeInfo info;
-    if (!levels_.empty()) {
-      info = bake_info_of(levels_);
-      info.seconds = seconds_;
-    }
+    if (levels_.levels.empty()) return {};
+    BakeInfo info = bake_info_of(levels_);
+    info.seconds = seconds_;
     return info;
   }
 
@@ -75,10 +71,11 @@ class MeshRepresentation : public Representation {
   MeshDraw draw_;
   double seconds_ = 0;
   std::vector<CharacterMesh> meshes_;
-  std::vector<MeshLevel> levels_;  // by character; none where the characters' own meshes are drawn
+  MeshLevels levels_;  // by character; none where the characters' own meshes are drawn
 };
 
-MeshLevelOptions level_options(const OptionReader& reader) {
+MeshLevelOptions level_options(const Spec& spec) {
+  const OptionReader reader(mesh_type, spec);
   MeshLevelOptions out;
   out.request.triangles = static_cast<size_t>(reader.integer("triangles", 0, 4'000'000));
   out.request.ratio = reader.number("ratio", 0, 1);
@@ -109,10 +106,17 @@ const RepresentationType mesh_type = {
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(mesh_type, spec);
       return std::make_unique<MeshRepresentation>(
-          context, reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level_options(reader),
+          context, reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level_options(spec),
           static_cast<int>(reader.integer("passes", 1, 16)));
     },
     .reference = true,
+    .level = [](const Spec& spec, const std::shared_ptr<const scene::Character>& character,
+                const std::shared_ptr<const scene::PoseBank>& bank,
+                const BakePolicy& policy) -> std::optional<LevelMesh> {
+      const MeshLevelOptions options = level_options(spec);
+      if (options.is_whole()) return std::nullopt;
+      return std::move(load_mesh_levels({character}, {bank}, options, policy).levels.front());
+    },
     .floor = "the same triangles in one pose, without skinning",
     .suits = {.new_clips = "yes: skinned when it is drawn",
               .close_by = "yes",

@@ -161,8 +161,8 @@ class PolypostorRepresentation : public Representation {
   PolypostorRepresentation(const MakeContext& make, const PolypostorBakeOptions& options, Debug debug, bool floor)
       : context_(make.context), floor_(floor), debug_(debug), grid_(options.grid) {
     const auto start = std::chrono::steady_clock::now();
-    BakeLoader loader(make, {"polypostor", "polypostors", "images",
-                             "lower texels or views, use fewer clips or characters, or raise --bake-budget"});
+    BakeLoader loader(make.policy(), {"polypostor", "polypostors", "images",
+                                      "lower texels or views, use fewer clips or characters, or raise --bake-budget"});
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const auto& character = make.cast.characters[c];
       const auto& bank = make.cast.banks[c];

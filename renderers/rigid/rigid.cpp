@@ -12,6 +12,7 @@
 #include "renderers/frame/frame_resources.h"
 #include "renderers/impostor/tiles/stored_frames.h"
 #include "renderers/mesh/mesh_draw.h"
+#include "renderers/mesh/mesh_level.h"
 #include "scene/cast/cast.h"
 #include "scene/pose/lod_mesh.h"
 
@@ -35,17 +36,6 @@ struct RigidOptions {
   size_t triangles = 0;  // of the level of detail that is posed, a character; 0: all
   bool floor = false;
 };
-
-// The characters as they are posed: with fewer triangles where that was asked for.
-std::vector<std::shared_ptr<const scene::Character>> posed_characters(const scene::Cast& cast, size_t triangles) {
-  auto out = cast.characters;
-  if (triangles == 0) return out;
-  for (size_t c = 0; c < out.size(); ++c) {
-    scene::LodMesh level = scene::make_lod_mesh(*cast.characters[c], *cast.banks[c], {.triangles = triangles});
-    out[c] = std::make_shared<const scene::Character>(scene::with_mesh(*cast.characters[c], std::move(level.mesh)));
-  }
-  return out;
-}
 
 // Of a clip of `samples` samples in the bank: a still pose is stored once.
 uint32_t frames_of(const scene::BankClip& clip, uint32_t poses) { return clip.samples <= 1 ? 1 : poses; }
@@ -81,7 +71,7 @@ class RigidRepresentation : public Representation {
       : floor_(options.floor), draw_(make.context, MeshUse::stored_poses) {
     const auto start = std::chrono::steady_clock::now();
     const scene::Cast& cast = make.cast;
-    const auto characters = posed_characters(cast, options.triangles);
+    const auto characters = posed_characters(make, options.triangles);
     std::vector<size_t> vertices;  // those that triangles use
     uint32_t most = 1;
     for (size_t c = 0; c < cast.characters.size(); ++c) {
@@ -157,6 +147,7 @@ class RigidRepresentation : public Representation {
       bytes += static_cast<double>(c.mesh.vertices.size());
     }
     info.facts = {{"poses", poses}, {"posed_mib", bytes / (1 << 20)}};
+    info.levels = levels_;
     return info;
   }
 
@@ -168,6 +159,18 @@ class RigidRepresentation : public Representation {
   }
 
  private:
+  // The characters as they are posed: with fewer triangles where that was asked for.
+  std::vector<std::shared_ptr<const scene::Character>> posed_characters(const MakeContext& make, size_t triangles) {
+    auto out = make.cast.characters;
+    if (triangles == 0) return out;
+    MeshLevels made = load_mesh_levels(out, make.cast.banks, {.request = {.triangles = triangles}}, make.policy());
+    for (size_t c = 0; c < out.size(); ++c) {
+      out[c] = std::make_shared<const scene::Character>(scene::with_mesh(*out[c], std::move(made.levels[c].mesh)));
+      levels_.push_back(std::move(made.levels[c].info));
+    }
+    return out;
+  }
+
   static uint32_t nearest_frame(const CharacterPoses::Clip& clip, float phase) {
     return static_cast<uint32_t>(std::floor(phase * static_cast<float>(clip.frames) + 0.5F)) % clip.frames;
   }
@@ -192,6 +195,7 @@ class RigidRepresentation : public Representation {
   bool floor_;
   MeshDraw draw_;
   double seconds_ = 0;
+  std::vector<LevelInfo> levels_;  // by character; none where whole meshes are posed
   std::vector<CharacterPoses> characters_;
   // Of the character being drawn.
   std::vector<uint32_t> first_, next_, poses_, sorted_;

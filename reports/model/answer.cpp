@@ -7,6 +7,7 @@
 #include <set>
 
 #include "reports/model/crossovers.h"
+#include "reports/model/equal_levels.h"
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
 
@@ -65,9 +66,6 @@ std::string triangles_text(const Scene& scene, const RatioRow& ratio) {
   return fmt::format(" of {} triangles", count_text(*row->triangles_per_agent));
 }
 
-// A level of detail of the reference: the reference with options.
-bool is_level(const Scene& scene, const std::string& name) { return name.starts_with(scene.reference + ":"); }
-
 struct LevelRatio {
   std::string level;
   double times_as_fast = 0;
@@ -89,6 +87,10 @@ std::string levels_text(const Scene& scene, const RatioRow& row) {
   const std::vector<LevelRatio> ratios = ratios_to_levels(scene, row);
   if (ratios.empty()) return fmt::format(" No level of detail of {} was timed beside it.", scene.reference);
   std::string text;
+  for (const LevelTable& table : level_tables(scene))
+    for (const EqualLevels& equal : table.rows)
+      if (table.occupancy == row.of.requested_occupancy && equal.representation == row.of.representation)
+        text += equal_levels_text(table, equal, scene.reference);
   for (const LevelRatio& r : ratios) {
     const bool faster = r.times_as_fast >= 1;
     text += fmt::format(" It is {} times as {} as {}, a level of detail of {}.",

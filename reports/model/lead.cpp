@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include "reports/model/distance_series.h"
+#include "reports/model/equal_levels.h"
 #include "reports/model/number_text.h"
 
 namespace crowdbench::reports {
 namespace {
 
-// Time over the reference's at the largest crowd of the character that the file has a ratio of.
+// Time over the reference's at the largest crowd of the character that the file has a ratio of, and over those of
+// levels of detail that were timed beside it.
 std::string cost_of(const std::vector<Scene>& scenes, const std::string& character, const std::string& name) {
   const RatioRow* best = nullptr;
   const Scene* where = nullptr;
@@ -23,8 +25,15 @@ std::string cost_of(const std::vector<Scene>& scenes, const std::string& charact
       }
   }
   if (best == nullptr) return "not timed in this file";
-  return fmt::format("{:.3g} of {}’s time ({:.3g} to {:.3g}), {}", 1 / best->ratio, where->reference, 1 / best->high,
-                     1 / best->low, agents_text(best->of.agents));
+  std::string levels;
+  for (const std::string& level : where->representations) {
+    if (!is_level(*where, level) || level == name) continue;
+    const RatioRow* own =
+        where->ratio("speed", level, best->of.agents, best->of.requested_occupancy, where->run->headline);
+    if (own != nullptr) levels += fmt::format("; {:.3g} of {}’s", own->ratio / best->ratio, level);
+  }
+  return fmt::format("{:.3g} of {}’s time ({:.3g} to {:.3g}), {}{}", 1 / best->ratio, where->reference, 1 / best->high,
+                     1 / best->low, agents_text(best->of.agents), levels);
 }
 
 // A tuned rule weighs what a switch shows, too.

@@ -55,6 +55,7 @@ TemplateValues scene_values(const Scene& scene, const FloorTexts& floors, bool s
   sections.push_back(pictures_section(page));
   sections.push_back(cost_section(page));
   sections.push_back(difference_section(page));
+  sections.push_back(equal_levels_section(page));
   sections.push_back(model_section(page));
   sections.push_back(memory_section(page));
   sections.push_back(samples_section(page));

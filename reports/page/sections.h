@@ -36,6 +36,8 @@ Html cost_section(SceneOnPage& page);
 Html difference_section(SceneOnPage& page);
 // The cost model, where representations break even, and the front over time, bytes and error.
 Html model_section(SceneOnPage& page);
+// Every impostor beside the level of detail as wrong and the one as dear.
+Html equal_levels_section(const SceneOnPage& page);
 // The raw frame times, where the rows were read with them.
 Html samples_section(SceneOnPage& page);
 Html memory_section(const SceneOnPage& page);

@@ -79,13 +79,18 @@ std::vector<Attributes> attributes_of(const Character& character, const std::vec
 
 class Simplifier {
  public:
-  Simplifier(const Character& character, std::span<const std::vector<glm::vec3>> poses, double size)
+  using Progress = std::function<void(size_t gone, size_t total)>;
+
+  Simplifier(const Character& character, std::span<const std::vector<glm::vec3>> poses, double size,
+             const Progress& progress)
       : poses_(poses),
+        progress_(progress),
         mesh_(character, poses, weld(poses, static_cast<float>(1e-5 * size))),
         attributes_(attributes_of(character, poses.front(), size)),
         places_(mesh_.points() * poses.size()),
         looks_(mesh_.points()),
-        changes_(mesh_.points()) {
+        changes_(mesh_.points()),
+        all_(mesh_.triangles()) {
     for (uint32_t t = 0; t < mesh_.faces().size(); ++t)
       if (mesh_.is_live(t)) add_face(t);
   }
@@ -201,6 +206,8 @@ class Simplifier {
       }
       apply(edge, *moves);
       any = true;
+      constexpr size_t kOften = 64;  // edges
+      if (progress_ && ++collapsed_ % kOften == 0) progress_(all_ - mesh_.triangles(), all_ - triangles);
       for (const uint32_t p : mesh_.neighbours(edge.to)) {
         enter(queue, p, edge.to, Care::whole);
         enter(queue, edge.to, p, Care::whole);
@@ -231,11 +238,14 @@ class Simplifier {
   }
 
   std::span<const std::vector<glm::vec3>> poses_;
+  const Progress& progress_;
   CollapsingMesh mesh_;
   std::vector<Attributes> attributes_;   // by vertex
   std::vector<Quadric> places_;          // by point and pose
   std::vector<AttributeQuadric> looks_;  // by vertex, in the first pose
   std::vector<uint32_t> changes_;        // of a point's surroundings
+  size_t all_ = 0;                       // triangles at first
+  size_t collapsed_ = 0;                 // edges
 };
 
 Mesh with_faces(const Mesh& mesh, const CollapsingMesh& reduced) {
@@ -254,9 +264,10 @@ Mesh with_faces(const Mesh& mesh, const CollapsingMesh& reduced) {
 
 }  // namespace
 
-SimplifiedMesh simplify(const Character& character, std::span<const std::vector<glm::vec3>> poses, size_t triangles) {
+SimplifiedMesh simplify(const Character& character, std::span<const std::vector<glm::vec3>> poses, size_t triangles,
+                        const std::function<void(size_t gone, size_t total)>& progress) {
   if (character.triangles() <= triangles) return {character.mesh, {}};
-  Simplifier simplifier(character, poses, size_of(poses.front()));
+  Simplifier simplifier(character, poses, size_of(poses.front()), progress);
   simplifier.reduce_to(triangles);
   SimplifiedMesh out{with_faces(character.mesh, simplifier.mesh()), {}};
   if (simplifier.mesh().triangles() > triangles)

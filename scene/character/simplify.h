@@ -1,6 +1,7 @@
 // A character's mesh with fewer triangles: what its drafts and its levels of detail are made of.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ struct SimplifiedMesh {
 // drawn are vertices of the original with their own weights, normals and texture coordinates. poses: the positions of
 // all vertices in the poses that count, metres, at least one; each counts alike. Every material keeps a triangle,
 // borders between materials and texture seams stay closed, faces do not turn over in any of the poses. Deterministic.
-SimplifiedMesh simplify(const Character& character, std::span<const std::vector<glm::vec3>> poses, size_t triangles);
+// progress: called now and then with the triangles that are gone, of those that are to go; what it throws ends the
+// work.
+SimplifiedMesh simplify(const Character& character, std::span<const std::vector<glm::vec3>> poses, size_t triangles,
+                        const std::function<void(size_t gone, size_t total)>& progress = {});
 
 }  // namespace crowdbench::scene

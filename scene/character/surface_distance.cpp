@@ -1,6 +1,8 @@
 // Based on: P. Cignoni, C. Rocchini and R. Scopigno, "Metro: measuring error on simplified surfaces" (1998): both ways,
 // by samples; C. Ericson, "Real-Time Collision Detection" (2005), section 5.1.5, for the nearest place of a triangle.
-// Differs from the source: samples are spaced evenly along the running sum of the triangles' areas, and not at random.
+// Differs from the source: samples are spaced evenly along the running sum of the triangles' areas, and within
+// triangles by the additive recurrence of M. Roberts, "The unreasonable effectiveness of quasirandom sequences" (2018),
+// in place of random numbers.
 #include "scene/character/surface_distance.h"
 
 #include <algorithm>
@@ -10,12 +12,12 @@
 #include <numeric>
 #include <vector>
 
-#include "core/random.h"
-
 namespace crowdbench::scene {
 namespace {
 
-constexpr uint64_t kSeed = 0x10d;  // of the places within triangles
+// Inverses of the plastic number, the root of x^3 = x + 1, and of its square: steps of the recurrence.
+constexpr double kStepU = 0.75487766624669276;
+constexpr double kStepV = 0.56984029099805327;
 
 struct Triangle {
   glm::vec3 a, b, c;
@@ -124,10 +126,10 @@ class Boxes {
   mutable std::vector<uint32_t> open_;
 };
 
-// Places on a surface, and its corners.
-std::vector<glm::vec3> places_on(const Surface& surface, size_t samples) {
+// Places on a surface, evenly by area.
+std::vector<glm::vec3> places_by_area(const Surface& surface, size_t count) {
+  const std::span<const uint32_t> corners = surface.indices;
   std::vector<double> sums = {0.0};
-  std::vector<uint32_t> corners(surface.indices.begin(), surface.indices.end());
   for (size_t i = 0; i + 2 < corners.size(); i += 3) {
     const glm::vec3 a = surface.positions[corners[i]];
     const glm::vec3 normal = glm::cross(surface.positions[corners[i + 1]] - a, surface.positions[corners[i + 2]] - a);
@@ -135,11 +137,12 @@ std::vector<glm::vec3> places_on(const Surface& surface, size_t samples) {
   }
   std::vector<glm::vec3> out;
   size_t t = 0;
-  for (size_t s = 0; s < samples && sums.back() > 0; ++s) {
-    const double at = sums.back() * (static_cast<double>(s) + 0.5) / static_cast<double>(samples);
+  for (size_t s = 0; s < count && sums.back() > 0; ++s) {
+    const double at = sums.back() * (static_cast<double>(s) + 0.5) / static_cast<double>(count);
     while (sums[t + 1] < at) ++t;
-    auto u = static_cast<float>(random_unit(kSeed, s, 0));
-    auto v = static_cast<float>(random_unit(kSeed, s, 1));
+    double whole = 0;
+    auto u = static_cast<float>(std::modf(0.5 + kStepU * static_cast<double>(s), &whole));
+    auto v = static_cast<float>(std::modf(0.5 + kStepV * static_cast<double>(s), &whole));
     if (u + v > 1) {  // the square's other half, folded
       u = 1 - u;
       v = 1 - v;
@@ -148,29 +151,45 @@ std::vector<glm::vec3> places_on(const Surface& surface, size_t samples) {
     out.push_back(a + u * (surface.positions[corners[3 * t + 1]] - a) +
                   v * (surface.positions[corners[3 * t + 2]] - a));
   }
+  return out;
+}
+
+std::vector<glm::vec3> corners_of(const Surface& surface, const SurfacePlaces& places) {
+  std::vector<uint32_t> corners(surface.indices.begin(), surface.indices.end());
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  for (const uint32_t v : corners) out.push_back(surface.positions[v]);
+  const size_t most = std::max<size_t>(1, places.most_corners);
+  const size_t step = corners.size() / most + (corners.size() % most == 0 ? 0 : 1);
+  std::vector<glm::vec3> out;
+  for (size_t i = step == 0 ? 0 : places.turn % step; i < corners.size(); i += step)
+    out.push_back(surface.positions[corners[i]]);
   return out;
 }
 
 }  // namespace
 
-SurfaceDistance surface_distance(const Surface& a, const Surface& b, size_t samples) {
+SurfaceDistance surface_distance(const Surface& a, const Surface& b, const SurfacePlaces& places) {
   const Boxes boxes_a(a);
   const Boxes boxes_b(b);
   SurfaceDistance out;
   if (boxes_a.empty() || boxes_b.empty()) return out;
   double squares = 0;
-  size_t count = 0;
-  for (const auto& [from, to] : {std::pair(&a, &boxes_b), std::pair(&b, &boxes_a)})
-    for (const glm::vec3& p : places_on(*from, samples)) {
-      const auto distance = static_cast<double>(to->distance(p));
+  size_t by_area = 0;
+  for (const auto& [from, to] : {std::pair(&a, &boxes_b), std::pair(&b, &boxes_a)}) {
+    const auto measure = [&out, nearest = to](const glm::vec3& p) {
+      const auto distance = static_cast<double>(nearest->distance(p));
       out.max = std::max(out.max, distance);
+      ++out.places;
+      return distance;
+    };
+    for (const glm::vec3& p : places_by_area(*from, places.by_area)) {
+      const double distance = measure(p);
       squares += distance * distance;
-      ++count;
+      ++by_area;
     }
-  out.rms = std::sqrt(squares / static_cast<double>(count));
+    for (const glm::vec3& p : corners_of(*from, places)) measure(p);
+  }
+  out.rms = by_area > 0 ? std::sqrt(squares / static_cast<double>(by_area)) : 0;
   return out;
 }
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.h"
 #include "scene/character/simplify.h"
+#include "scene/character/surface_distance.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -14,7 +16,7 @@ constexpr size_t kPoses = 8;
 constexpr size_t kMostPoses = 24;  // where there are more clips than that, some of them
 // Quadrics of many vertices in many poses would not fit: 80 bytes each.
 constexpr size_t kMostVerticesTimesPoses = 4'000'000;
-constexpr size_t kSamples = 2000;  // of a surface in a pose
+constexpr size_t kPlaces = 2000;  // of a surface in a pose, by area
 constexpr size_t kLeastTriangles = 4;
 
 struct Pose {
@@ -26,7 +28,8 @@ struct Pose {
 std::vector<Pose> poses_of(const PoseBank& bank, bool between) {
   const size_t clips = bank.clips().size();
   const size_t used = std::min(clips, kMostPoses);
-  const size_t each = std::max<size_t>(1, kPoses / used);
+  const bool still = std::ranges::all_of(bank.clips(), [](const BankClip& clip) { return clip.samples <= 1; });
+  const size_t each = still ? 1 : std::max<size_t>(1, kPoses / used);
   std::vector<Pose> out;
   for (size_t c = 0; c < used; ++c)
     for (size_t k = 0; k < each; ++k)
@@ -39,27 +42,36 @@ std::vector<glm::vec3> posed(const Mesh& mesh, const PoseBank& bank, const Pose&
   return skin_points(mesh, bank.palette(bank.sample(pose.bank_clip, pose.phase)));
 }
 
+// Of so many things a pose, as many poses as keep their number within `most`, evenly; one at least.
+std::vector<Pose> thinned(const std::vector<Pose>& poses, size_t each, size_t most) {
+  const size_t kept = std::min(poses.size(), std::max<size_t>(1, most / std::max<size_t>(1, each)));
+  std::vector<Pose> out;
+  for (size_t i = 0; i < kept; ++i) out.push_back(poses[i * poses.size() / kept]);
+  return out;
+}
+
 std::vector<std::vector<glm::vec3>> shown_poses(const Character& character, const PoseBank& bank) {
-  const size_t most =
-      std::max<size_t>(1, kMostVerticesTimesPoses / std::max<size_t>(1, character.mesh.positions.size()));
   std::vector<std::vector<glm::vec3>> out;
-  const std::vector<Pose> poses = poses_of(bank, false);
-  const size_t kept = std::min(most, poses.size());
-  for (size_t i = 0; i < kept; ++i) out.push_back(posed(character.mesh, bank, poses[i * poses.size() / kept]));
+  for (const Pose& pose : thinned(poses_of(bank, false), character.mesh.positions.size(), kMostVerticesTimesPoses))
+    out.push_back(posed(character.mesh, bank, pose));
   return out;
 }
 
 // The fewest triangles whose error stays within the bound, by halving; the error is taken to fall as triangles are
 // added.
 LodMesh within_error(const Character& character, const PoseBank& bank, double bound,
-                     std::span<const std::vector<glm::vec3>> poses) {
+                     std::span<const std::vector<glm::vec3>> poses, const LodProgress& progress) {
   size_t low = 0;
   size_t high = character.triangles();
+  // Each try halves what is left; what it is at says the rest.
+  const auto advance = [&](size_t, size_t) {
+    if (progress) progress(character.triangles() - (high - low), character.triangles());
+  };
   LodMesh best{character.mesh, {}};
   while (high - low > std::max<size_t>(1, high / 50)) {
     const size_t middle = (low + high) / 2;
-    SimplifiedMesh tried = simplify(character, poses, std::max(middle, kLeastTriangles));
-    if (lod_error(character, tried.mesh, bank).distance.max > bound) {
+    SimplifiedMesh tried = simplify(character, poses, std::max(middle, kLeastTriangles), advance);
+    if (lod_error(character, tried.mesh, bank).max > bound) {
       low = middle;
       continue;
     }
@@ -71,13 +83,14 @@ LodMesh within_error(const Character& character, const PoseBank& bank, double bo
 
 }  // namespace
 
-LodMesh make_lod_mesh(const Character& character, const PoseBank& bank, const LodRequest& request) {
+LodMesh make_lod_mesh(const Character& character, const PoseBank& bank, const LodRequest& request,
+                      const LodProgress& progress) {
   const std::vector<std::vector<glm::vec3>> poses = shown_poses(character, bank);
-  if (request.error > 0) return within_error(character, bank, request.error, poses);
+  if (request.error > 0) return within_error(character, bank, request.error, poses, progress);
   const size_t triangles =
       request.ratio > 0 ? static_cast<size_t>(std::floor(request.ratio * static_cast<double>(character.triangles())))
                         : request.triangles;
-  SimplifiedMesh made = simplify(character, poses, triangles);
+  SimplifiedMesh made = simplify(character, poses, triangles, progress);
   return {std::move(made.mesh), std::move(made.why_more)};
 }
 
@@ -89,20 +102,26 @@ Character with_mesh(const Character& character, Mesh mesh) {
 }
 
 LodError lod_error(const Character& character, const Mesh& mesh, const PoseBank& bank) {
+  const std::vector<Pose> poses = thinned(poses_of(bank, true), character.triangles(), kMostLodTriangles);
+  std::vector<SurfaceDistance> found(poses.size());
+  parallel_for(poses.size(), 0, [&](size_t i) {
+    const std::vector<glm::vec3> own = posed(character.mesh, bank, poses[i]);
+    const std::vector<glm::vec3> other = posed(mesh, bank, poses[i]);
+    found[i] = surface_distance({own, character.mesh.indices}, {other, mesh.indices},
+                                {.by_area = kPlaces, .most_corners = kMostLodCorners / poses.size(), .turn = i});
+  });
   LodError out;
   double squares = 0;
-  for (const Pose& pose : poses_of(bank, true)) {
-    const std::vector<glm::vec3> own = posed(character.mesh, bank, pose);
-    const std::vector<glm::vec3> other = posed(mesh, bank, pose);
-    const SurfaceDistance found = surface_distance({own, character.mesh.indices}, {other, mesh.indices}, kSamples);
-    squares += found.rms * found.rms;
+  for (size_t i = 0; i < poses.size(); ++i) {
+    squares += found[i].rms * found[i].rms;
     ++out.poses;
-    if (found.max <= out.distance.max) continue;
-    out.distance.max = found.max;
-    out.bank_clip = pose.bank_clip;
-    out.phase = pose.phase;
+    out.places += found[i].places;
+    if (found[i].max <= out.max) continue;
+    out.max = found[i].max;
+    out.bank_clip = poses[i].bank_clip;
+    out.phase = poses[i].phase;
   }
-  out.distance.rms = std::sqrt(squares / static_cast<double>(out.poses));
+  out.rms = std::sqrt(squares / static_cast<double>(out.poses));
   return out;
 }
 

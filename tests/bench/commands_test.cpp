@@ -98,6 +98,19 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const json j = facts("inspect mannequin:triangles=500 --out m.glb --json");
          EXPECT_GT(j.at("clips").size(), 0U);
          EXPECT_EQ(text("m.glb").substr(0, 4), "glTF");
+         EXPECT_TRUE(j.at("levels").empty());
+         const std::string levels = "inspect mannequin:triangles=500 --level triangles=300 --level ratio=0.3";
+         const json told = facts(levels + " --height-px 60 --json").at("levels");
+         ASSERT_EQ(told.size(), 2U);
+         EXPECT_EQ(told[0].at("triangles"), 300);
+         EXPECT_GT(told[0].at("max_m").get<double>(), told[0].at("rms_m").get<double>());
+         EXPECT_NEAR(told[0].at("max_px").get<double>(), told[0].at("max_m").get<double>() / 1.75 * 60, 1e-3);
+         EXPECT_GT(told[0].at("meshoptimizer").at("stated_m").get<double>(), 0);
+         EXPECT_LT(told[1].at("triangles").get<int>(), 160);
+         EXPECT_NE(run(levels).text.find("level         triangles=300 of mannequin: 300 of"), std::string::npos);
+         EXPECT_EQ(run("inspect mannequin --level triangles=300,ratio=0.5").status, 2);
+         EXPECT_EQ(run("inspect mannequin --level lod=1").status, 2);
+         EXPECT_EQ(run("inspect mannequin --level floor=1").status, 2);
        }},
       {"pose",
        [&] {
@@ -298,6 +311,8 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_LT(ratio, 50);
          EXPECT_LE(j.at("interval").at(0).get<double>(), ratio);
          EXPECT_GE(j.at("interval").at(1).get<double>(), ratio);
+         ASSERT_EQ(j.at("levels").size(), 1U) << "of 500 triangles, which every ratio has";
+         EXPECT_GT(j.at("levels").at("mesh:triangles=500")[0].at("poses").get<int>(), 0);
        }},
       {"bench",
        [&] {
@@ -312,6 +327,12 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
            EXPECT_GT(row.at("frame_ns").get<double>(), 0);
          }
          EXPECT_EQ(text("r.sqlite").substr(0, 13), "SQLite format");
+         EXPECT_TRUE(j.at("levels").empty());
+         const std::string levels =
+             "bench --representation mesh:triangles=200 --agents 2 --occupancy 0 --size 64x48 "
+             "--rounds 10 --no-floors --out levels.sqlite --json";
+         const json drawn = facts(levels + character).at("levels");
+         EXPECT_GT(drawn.at("mesh:triangles=200")[0].at("max_m").get<double>(), 0);
        }},
       {"sweep",
        [&] {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <set>
 
@@ -368,6 +369,8 @@ TEST(SweepExpression, FollowsTheUsualPrecedence) {
 // Every plan that ships is one, and says what to look for.
 TEST(SweepPlan, ThoseThatShipAreRead) {
   size_t plans = 0;
+  std::ifstream file(CROWDBENCH_SOURCE_DIR "/bench/plans/README.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
   for (const auto& entry : std::filesystem::directory_iterator(CROWDBENCH_SOURCE_DIR "/bench/plans")) {
     if (entry.path().extension() != ".toml") continue;
     SCOPED_TRACE(entry.path().filename().string());
@@ -376,6 +379,7 @@ TEST(SweepPlan, ThoseThatShipAreRead) {
     EXPECT_FALSE(plan.tables.empty());
     EXPECT_EQ(plan.name, entry.path().stem());
     EXPECT_GT(plan.points(), 1U);
+    EXPECT_NE(page.find("| `" + plan.name + ".toml` | " + plan.look_for + " |"), std::string::npos) << "in README.md";
     ++plans;
   }
   EXPECT_GE(plans, 11U);
@@ -531,6 +535,20 @@ TEST(SweepTable, WhatIsNotThereIsRefusedWithTheNearest) {
   EXPECT_EQ(fault({"", "crowd.agents", "", score, {}, "p:1"}, measures), "it is taken");
   measures.times = false;
   EXPECT_TRUE(fault({"", "crowd.agents", "", "cpu_ms", {}, "p:1"}, measures).starts_with("p:1: 'cpu_ms' needs times"));
+}
+
+TEST(SweepTable, TheEndSaysWhereSpeedsHaveNoLevelBesideThem) {
+  const auto said = [](std::vector<std::string> names) {
+    StoreContents contents = measured({{100, "mesh"}, {100, "mesh"}, {100, "mesh"}});
+    for (size_t i = 0; i < 3; ++i) {
+      contents.sweep_points[i].representation = names[i];
+      contents.sweep_points[i].ratio = 2;
+    }
+    return sweep_text(plan_of(kTwoByTwo), contents).find("No level of detail of mesh") != std::string::npos;
+  };
+  EXPECT_TRUE(said({"mesh", "flat", "relief"}));
+  EXPECT_FALSE(said({"mesh", "flat", "mesh:triangles=500"}));
+  EXPECT_FALSE(said({"mesh", "mesh", "mesh"})) << "no speed of another";
 }
 
 TEST(SweepTable, TheEndSaysTheControlsAndWhatWasNotDone) {

@@ -66,7 +66,7 @@ const std::map<std::string, Doors>& inner_doors() {
         {"gl", {"shaders"}},
         {"frame", {"", "gl", "shaders"}},
         {"bake", {"", "gl"}},
-        {"mesh", {"", "gl", "shaders", "frame"}},  // what is captured, so that impostors may know it
+        {"mesh", {"", "gl", "shaders", "frame", "bake"}},  // what is captured, so that impostors may know it
         {"impostor", {"", "gl", "shaders", "frame", "bake", "mesh"}}}},
       {"studies",
        {{"stimuli", {}}, {"analysis", {}}, {"page", {}}, {"server", {}}, {"plan", {"stimuli", "analysis", "page"}}}},

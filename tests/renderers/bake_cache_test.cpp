@@ -243,7 +243,7 @@ class BakeLoaderGl : public ::testing::Test {
   int made_ = 0;
   // Of "a" and of "b".
   std::vector<BakeRecord> load_both() {
-    BakeLoader loader(make_, {"ten", "tens", "numbers", "buy memory"});
+    BakeLoader loader(make_.policy(), {"ten", "tens", "numbers", "buy memory"});
     for (const char* name : {"a", "b"})
       loader.load<TenBytes>(name, fmt::format("0{}", name), read_ten, [&](uint64_t budget, const BakeProgress&) {
         EXPECT_EQ(budget, make_.bake_budget - 10 * loader.records().size());

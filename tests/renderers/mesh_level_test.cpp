@@ -1,10 +1,16 @@
-// Levels of detail of the mesh, drawn: by triangles, share, error, and the file's own.
+// Levels of detail of the mesh, drawn: by triangles, share, error, and the file's own; kept on disk.
+#include "renderers/mesh/mesh_level.h"
+
 #include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
 
 #include "core/error.h"
 #include "scene/mannequin/mannequin.h"
 #include "scene/pose/lod_mesh.h"
 #include "tests/renderers/gl_test_support.h"
+#include "tests/support/cache_folder.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -92,6 +98,7 @@ TEST_F(MeshLevelGl, DrawsTheLevelsOfTheFile) {
   EXPECT_EQ(second->triangles(0), 300U);
   EXPECT_EQ(draw(cast, *second, 30, 0.3), draw(cast, *make(cast, "mesh:triangles=300"), 30, 0.3));
   EXPECT_GT(fact(second->bake_info().facts, "error_max_mm"), 0);
+  EXPECT_FALSE(second->bake_info().levels.at(0).meshoptimizer.has_value()) << "nobody simplified it";
   EXPECT_THROW(make(cast, "mesh:lod=3"), Error);
   EXPECT_THROW(make(cast_of(scene::make_mannequin({.triangles = 500})), "mesh:lod=1"), Error);
 }
@@ -130,6 +137,105 @@ TEST_F(MeshLevelGl, IsALevelOfAHybrid) {
     EXPECT_EQ(renderer.capture(frame, *hybrid), renderer.capture(frame, *make(cast, alone))) << distance;
   }
   EXPECT_EQ(fact(hybrid->bake_info().facts, "far_near_triangles"), 400);
+  ASSERT_EQ(hybrid->bake_info().levels.size(), 2U);
+  EXPECT_EQ(hybrid->bake_info().levels[1].triangles, 100U);
+}
+
+// ---- kept on disk
+
+size_t entries_in(const std::filesystem::path& folder) {
+  return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST_F(MeshLevelGl, IsReadFromTheCacheAndNotMadeAgain) {
+  const support::CacheFolder folder;
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
+  const auto first = make(cast, "mesh:triangles=400", {.use_cache = true});
+  const BakeInfo info = first->bake_info();
+  EXPECT_FALSE(info.cached);
+  EXPECT_GT(first->footprint().disk_bytes, 0U);
+  const Capture picture = draw(cast, *first, 30, 0.3);
+  const auto again = make(cast, "mesh:triangles=400", {.use_cache = true});
+  EXPECT_TRUE(again->bake_info().cached);
+  EXPECT_EQ(again->bake_info().cache_key, info.cache_key);
+  EXPECT_EQ(again->bake_info().facts, info.facts) << "errors are kept as well";
+  EXPECT_EQ(again->bake_info().levels.at(0).worst_clip, info.levels.at(0).worst_clip);
+  EXPECT_EQ(draw(cast, *again, 30, 0.3), picture);
+  EXPECT_EQ(make(cast, "rigid:poses=2,triangles=400", {.use_cache = true})->triangles(0), 400U);
+  EXPECT_EQ(entries_in(folder.bakes()), 1U) << "whoever draws it";
+  // Another level's entry in its place is what is drawn: nothing was simplified.
+  const std::string other = make(cast, "mesh:triangles=300", {.use_cache = true})->bake_info().cache_key;
+  const BakeCache cache(folder.bakes());
+  ASSERT_GT(cache.store("mesh-level", info.cache_key, *cache.load("mesh-level", other)), 0U);
+  EXPECT_EQ(make(cast, "mesh:triangles=400", {.use_cache = true})->triangles(0), 300U);
+  EXPECT_EQ(make(cast, "mesh:triangles=400")->triangles(0), 400U) << "without the cache";
+}
+
+TEST_F(MeshLevelGl, AnEntryThatIsNoLevelOfThisMeshIsMadeAnew) {
+  const support::CacheFolder folder;
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
+  const scene::Cast small = cast_of(scene::make_mannequin({.triangles = 500}));
+  const auto level_of = [](const scene::Cast& of) { return make(of, "mesh:triangles=300", {.use_cache = true}); };
+  const std::string key = level_of(cast)->bake_info().cache_key;
+  const std::string foreign = level_of(small)->bake_info().cache_key;
+  const BakeCache cache(folder.bakes());
+  std::vector<uint8_t> beyond = *cache.load("mesh-level", key);
+  for (size_t i = 16; i < 20; ++i) beyond[i] = 0xff;  // the first index
+  for (const std::vector<uint8_t>& payload :
+       {*cache.load("mesh-level", foreign), beyond, std::vector<uint8_t>(100, 7), std::vector<uint8_t>{}}) {
+    ASSERT_GT(cache.store("mesh-level", key, payload), 0U);
+    const auto made = level_of(cast);
+    EXPECT_FALSE(made->bake_info().cached) << payload.size();
+    EXPECT_EQ(made->triangles(0), 300U);
+    EXPECT_TRUE(level_of(cast)->bake_info().cached) << "it was replaced";
+  }
+}
+
+TEST(MeshLevelKey, IsOfTheOptionsTheClipsInUseAndTheFilesLevel) {
+  scene::Character character = scene::make_mannequin({.triangles = 500});
+  ASSERT_GE(character.clips.size(), 2U);
+  character.levels = {character.mesh, character.mesh};
+  character.levels[1].positions[0].x += 1;
+  const scene::PoseBank walk(character, {0});
+  std::set<std::string> keys;
+  const std::vector<MeshLevelOptions> options = {{.request = {.triangles = 100}},
+                                                 {.request = {.triangles = 101}},
+                                                 {.request = {.ratio = 0.1}},
+                                                 {.request = {.ratio = 0.2}},
+                                                 {.request = {.error = 0.1}},
+                                                 {.lod = 1},
+                                                 {.lod = 2}};
+  for (const MeshLevelOptions& one : options) keys.insert(mesh_level_key(character, walk, one));
+  for (const scene::PoseBank& bank :
+       {scene::PoseBank(character, {1}), scene::PoseBank(character, {0, 1}), scene::PoseBank(character, {-1}),
+        scene::PoseBank::exact(character, 0, 0.1), scene::PoseBank::exact(character, 0, 0.2)})
+    keys.insert(mesh_level_key(character, bank, options[0]));
+  EXPECT_EQ(keys.size(), options.size() + 5);
+  EXPECT_EQ(mesh_level_key(character, scene::PoseBank(character, {0}), options[0]),
+            mesh_level_key(character, walk, options[0]));
+  scene::Character other = character;
+  other.content_hash += "0";
+  EXPECT_NE(mesh_level_key(other, walk, options[0]), mesh_level_key(character, walk, options[0]));
+}
+
+// Without a driver, for those who ask what a level is.
+TEST(MeshLevel, IsSaidByTheTypeOfTheReference) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}));
+  const auto level = [&](const char* spec) {
+    return reference_type().level(parse_spec(spec), cast.characters[0], cast.banks[0],
+                                  {.use_cache = false, .progress = false});
+  };
+  const auto made = level("mesh:triangles=400");
+  ASSERT_TRUE(made.has_value());
+  EXPECT_EQ(made->mesh.indices.size(), 3U * 400U);
+  EXPECT_EQ(made->info.triangles, 400U);
+  EXPECT_EQ(made->info.of_triangles, cast.characters[0]->triangles());
+  EXPECT_GT(made->info.error.rms, 0);
+  EXPECT_NEAR(made->info.pixels(60), made->info.error.max / cast.characters[0]->placement.height * 60, 1e-12);
+  ASSERT_TRUE(made->info.meshoptimizer.has_value());
+  EXPECT_GT(made->info.meshoptimizer->stated, 0);
+  EXPECT_FALSE(level("mesh").has_value());
+  EXPECT_THROW(level("mesh:triangles=9,ratio=0.5"), Error);
 }
 
 }  // namespace

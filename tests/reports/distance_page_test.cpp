@@ -83,6 +83,12 @@ TEST(Lead, TellsTheCostOfTheCurvesOwnCharacter) {
   EXPECT_EQ(rows()[0].cost, "not timed in this file");
   scene.character = "walker";
   EXPECT_EQ(rows()[0].cost, "0.5 of mesh’s time (0.5 to 0.5), 100 agents");
+  RatioRow level = ratio;
+  level.of.representation = "mesh:triangles=500";
+  level.ratio = 3;
+  scene.representations = {"mesh", "flat", "mesh:triangles=500"};
+  scene.ratios.push_back(&level);
+  EXPECT_EQ(rows()[0].cost, "0.5 of mesh’s time (0.5 to 0.5), 100 agents; 1.5 of mesh:triangles=500’s");
 }
 
 TEST(Lead, TellsTunedRulesFirst) {

@@ -145,7 +145,7 @@ TEST(Simplify, GoesByThePosesAndNotByTheBindPose) {
   const Poses both = {sheet.character.mesh.positions, roof.character.mesh.positions};
   const auto error_of = [&](const SimplifiedMesh& out) {
     const auto& p = roof.character.mesh.positions;
-    return surface_distance({p, sheet.character.mesh.indices}, {p, out.mesh.indices}, 500).max;
+    return surface_distance({p, sheet.character.mesh.indices}, {p, out.mesh.indices}, {.by_area = 500}).max;
   };
   EXPECT_GT(error_of(simplify(sheet.character, bind_pose(sheet.character), 4)), 0.2);
   EXPECT_LT(error_of(simplify(sheet.character, both, 4)), 1e-5);
@@ -196,16 +196,40 @@ TEST(SurfaceDistance, IsThatOfParallelSquaresAndOfASpike) {
   std::vector<glm::vec3> high = low;
   for (glm::vec3& p : high) p.z = 0.25F;
   const std::vector<uint32_t> square = {0, 1, 2, 0, 2, 3};
-  const SurfaceDistance apart = surface_distance({low, square}, {high, square}, 100);
+  const SurfaceDistance apart = surface_distance({low, square}, {high, square}, {.by_area = 100});
   EXPECT_NEAR(apart.max, 0.25, 1e-6);
   EXPECT_NEAR(apart.rms, 0.25, 1e-6);
-  EXPECT_LT(surface_distance({low, square}, {low, square}, 100).max, 1e-6) << "rounding of the samples' places";
-  EXPECT_EQ(surface_distance({low, square}, {low, {}}, 100).max, 0) << "nothing to be away from";
+  EXPECT_LT(surface_distance({low, square}, {low, square}, {.by_area = 100}).max, 1e-6)
+      << "rounding of the samples' places";
+  EXPECT_EQ(surface_distance({low, square}, {low, {}}, {.by_area = 100}).max, 0) << "nothing to be away from";
   // A square with a spike of height 2 in its middle, against the square: from one side alone it would be 0.
   const std::vector<glm::vec3> spike = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5F, 0.5F, 2}};
   const std::vector<uint32_t> tent = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4};
-  EXPECT_NEAR(surface_distance({spike, tent}, {low, square}, 100).max, 2, 1e-6);
-  EXPECT_NEAR(surface_distance({low, square}, {spike, tent}, 100).max, 2, 1e-6);
+  EXPECT_NEAR(surface_distance({spike, tent}, {low, square}, {.by_area = 100}).max, 2, 1e-6);
+  EXPECT_NEAR(surface_distance({low, square}, {spike, tent}, {.by_area = 100}).max, 2, 1e-6);
+}
+
+// 100 corners in a row, the 38th of them raised: of every third corner only one turn in three meets it.
+TEST(SurfaceDistance, LooksAtEveryCornerInOneOfTheTurns) {
+  std::vector<glm::vec3> row;
+  std::vector<uint32_t> indices;
+  for (uint32_t i = 0; i < 50; ++i) {
+    row.emplace_back(i, 0, 0);
+    row.emplace_back(i, 1, 0);
+    if (i > 0) indices.insert(indices.end(), {2 * i - 2, 2 * i, 2 * i - 1, 2 * i, 2 * i + 1, 2 * i - 1});
+  }
+  std::vector<glm::vec3> raised = row;
+  raised[37].z = 1;
+  size_t met = 0;
+  for (size_t turn = 0; turn < 3; ++turn) {
+    const SurfaceDistance found =
+        surface_distance({raised, indices}, {row, indices}, {.by_area = 0, .most_corners = 34, .turn = turn});
+    EXPECT_LE(found.places, 2U * 34U);
+    EXPECT_EQ(found.rms, 0) << "of places by area alone";
+    if (found.max > 0.9) ++met;
+  }
+  EXPECT_EQ(met, 1U);
+  EXPECT_EQ(surface_distance({raised, indices}, {row, indices}, {.by_area = 7}).places, 2U * (7U + 100U));
 }
 
 // ---- normals of faces
