@@ -73,6 +73,8 @@ const std::vector<const char*>& specs() {
                                                "rigid:poses=4",
                                                "flat:views=sphere-4x1,frames=2,texels=64",
                                                "flat:views=sphere-4x1,frames=2,texels=64,depth=nailboard,blend=3",
+                                               "flat:views=sphere-4x1,frames=2,texels=64,frames_between=move_blend",
+                                               "flat:views=sphere-4x1,frames=2,texels=64,frames_between=move,parallax=2",
                                                "polypostor:views=sphere-4x1,frames=2,texels=64",
                                                "relief:map=32",
                                                "relief:map=32,search=cone",
