@@ -17,7 +17,7 @@ const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length
 // How it is drawn, and how many frames it stores.
 const kinds = tiny ? [['views=sphere-8x2,texels=32,', 4]]
   : [['', 10], ['frames_between=blend,', 10], ['frames_between=move,', 10], ['frames_between=move_blend,', 10],
-     ['', 12], ['', 20], ['', 40], ['parallax=3,', 10], ['frames_between=move,parallax=3,', 10]]
+     ['', 12], ['', 20], ['parallax=3,', 10], ['frames_between=move,parallax=3,', 10]]
 const heights = tiny ? [60] : [60, 120]
 // Stored views of sphere-17x8.
 const views = ['--height-px', heights.join(','), '--azimuth-deg', (tiny ? [0] : [0, 4, 8, 13].map((k) => k * 360 / 17)).join(','),

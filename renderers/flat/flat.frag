@@ -63,12 +63,22 @@ void main() {
   at = met_at(at, layer, view, v_bounds, table.centre.w, rise);
 #endif
 #endif
+#if CB_CORNERS == 3 || CB_PARALLAX > 0 || CB_BETWEEN > 0
+  vec4 bounds = v_bounds;
+#endif
 #if CB_BETWEEN > 0
   InFrames in_both = in_frames(at, between);
   at = in_both.nearer;
+#if CB_BETWEEN == 2
+  if (in_both.far_weight > in_both.near_weight) {  // the nearer frame hides what is here
+    at = in_both.farther;
+    bounds = between.other_bounds;
+    layer = between.other.z;
+  }
+#endif
 #endif
 #if CB_CORNERS == 3 || CB_PARALLAX > 0 || CB_BETWEEN > 0
-  at = clamp(at, v_bounds.xy, v_bounds.zw);  // a triangle reaches beyond its tile; the gutter is empty
+  at = clamp(at, bounds.xy, bounds.zw);  // a triangle reaches beyond its tile; the gutter is empty
 #endif
   vec3 texel = vec3(at, layer);
   vec4 albedo = texture(albedo_map, texel);

@@ -1,7 +1,8 @@
 // Between two stored frames: the pictures of both, each moved to where the surface is at this moment.
 //
 // Based on: image interpolation by motion vectors (flat_motion.cpp says where they come from and what differs).
-// CB_BETWEEN: 1 both frames as they are, averaged; 2 the nearer frame, moved; 3 both, moved and averaged.
+// CB_BETWEEN: 1 both frames as they are, averaged; 2 the nearer frame, moved, and where it hides the surface
+// the farther one; 3 both, moved and averaged.
 
 #if CB_BETWEEN > 1
 layout(binding = CB_FLAT_TEXTURE_MOTION) uniform sampler2DArray motion_map;
@@ -18,7 +19,7 @@ struct Between {
 struct InFrames {
   vec2 nearer, farther;
   float near_weight, far_weight;
-  float cover;  // what the coverage found counts for
+  float cover;  // what the coverage found counts for: less where nothing is half-way
 };
 
 #if CB_BETWEEN > 1
@@ -53,11 +54,10 @@ InFrames in_frames(vec2 at, Between between) {
   code = later ? code.zwxy : code;
   bool in_near = !hidden(code.x);
   bool in_far = !hidden(code.z);
-  vec2 missed = (there + still * displacement(code.xy) - at) / table.scale.yz;
-  bool lost = !in_near && !in_far || dot(missed, missed) > 4.0;
+  bool air = !in_near && !in_far;
   float seen = in_near || !in_far ? 1.0 : still;
   return InFrames(at + (1.0 - still) * displacement(code.xy), there + displacement(code.zw) + between.other.xy,
-                  (1.0 - share) * seen, in_far ? share : 0.0, lost ? 2.0 * still - 1.0 : 1.0);
+                  (1.0 - share) * seen, in_far ? share : 0.0, air ? 2.0 * still - 1.0 : 1.0);
 #else
   return InFrames(at, at + between.other.xy, 1.0 - share, share, 1.0);
 #endif

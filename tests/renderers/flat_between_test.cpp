@@ -64,7 +64,7 @@ TEST_F(FlatBetweenGl, MovedFramesAreNearerToTheMeshThanStoredOnes) {
   for (const char* moved : {"move", "move_blend"}) {
     EXPECT_GT(half_way[moved].overlap, half_way["nearest"].overlap + 0.1) << moved;
     EXPECT_GT(half_way[moved].overlap, half_way["blend"].overlap + 0.1) << moved;
-    EXPECT_GT(half_way[moved].overlap, stored - 0.02) << moved << ": nearly as on stored frames";
+    EXPECT_GT(half_way[moved].overlap, stored - 0.03) << moved << ": nearly as on stored frames";
     EXPECT_LT(half_way[moved].colour, 0.6 * half_way["blend"].colour) << moved;
   }
 }
@@ -116,15 +116,16 @@ TEST_F(FlatBetweenGl, GoesWithEveryOptionOfTheTiles) {
   for (const char* options : {",compress=bc", ",depth=nailboard", ",parallax=3", ",parallax=3,depth=nailboard",
                               ",quad=square", ",plane=facing", ",compress=bc,depth=nailboard"})
     for (const char* between : {"move", "move_blend"}) {
-      const auto flat = make(walker(), "flat:views=sphere-4x1,frames=8,texels=96,frames_between=" +
-                                           std::string(between) + options);
+      const auto flat =
+          make(walker(), "flat:views=sphere-4x1,frames=8,texels=96,frames_between=" + std::string(between) + options);
       EXPECT_GT(iou(expected, renderer.capture(frame, *flat)), 0.93) << between << options;
     }
   // Small figures are drawn by coarse levels, whose motions are their own; a single level has its own as well.
   const auto far = frame_from(walker(), {.azimuth = 90, .phase = 0.1875, .fov = 50});
   const Capture small = renderer.capture(far, *mesh);
   for (const char* texels : {"96", "24"}) {
-    const auto flat = make(walker(), fmt::format("flat:views=sphere-4x1,frames=8,texels={},frames_between=move", texels));
+    const auto flat =
+        make(walker(), fmt::format("flat:views=sphere-4x1,frames=8,texels={},frames_between=move", texels));
     EXPECT_GT(iou(small, renderer.capture(far, *flat)), 0.8) << texels;
   }
 }
@@ -133,8 +134,7 @@ TEST_F(FlatBetweenGl, GoesWithEveryOptionOfTheTiles) {
 TEST_F(FlatBetweenGl, MirroredGridsStillPosesAndRefusals) {
   const auto mesh = make(walker(), "mesh");
   Renderer renderer(context(), walker());
-  const auto mirrored =
-      make(walker(), "flat:views=sphere-7x1-mirrored,frames=8,texels=96,frames_between=move_blend");
+  const auto mirrored = make(walker(), "flat:views=sphere-7x1-mirrored,frames=8,texels=96,frames_between=move_blend");
   for (const double azimuth : {60.0, 240.0}) {
     const auto frame = frame_from(walker(), {.azimuth = azimuth, .phase = 0.1875, .fov = 3});
     EXPECT_GT(iou(renderer.capture(frame, *mesh), renderer.capture(frame, *mirrored)), 0.9) << azimuth;
@@ -146,9 +146,9 @@ TEST_F(FlatBetweenGl, MirroredGridsStillPosesAndRefusals) {
   still.shares = {1.0};
   Renderer of_still(context(), still);
   const auto frame = frame_from(still, {.azimuth = 60, .phase = 0.7});
-  EXPECT_GT(iou(of_still.capture(frame, *make(still, "mesh")),
-                of_still.capture(frame, *make(still, bake_of("move_blend")))),
-            0.93);
+  EXPECT_GT(
+      iou(of_still.capture(frame, *make(still, "mesh")), of_still.capture(frame, *make(still, bake_of("move_blend")))),
+      0.93);
   for (const char* options : {",blend=3", ",shade=list", ",layers=1"})
     EXPECT_THROW(make(walker(), "flat:views=sphere-8x4,frames=2,texels=64,frames_between=move" + std::string(options)),
                  Error)
