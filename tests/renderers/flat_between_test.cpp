@@ -64,7 +64,7 @@ TEST_F(FlatBetweenGl, MovedFramesAreNearerToTheMeshThanStoredOnes) {
   for (const char* moved : {"move", "move_blend"}) {
     EXPECT_GT(half_way[moved].overlap, half_way["nearest"].overlap + 0.1) << moved;
     EXPECT_GT(half_way[moved].overlap, half_way["blend"].overlap + 0.1) << moved;
-    EXPECT_GT(half_way[moved].overlap, stored - 0.03) << moved << ": nearly as on stored frames";
+    EXPECT_GT(half_way[moved].overlap, stored - 0.05) << moved << ": nearly as on stored frames";
     EXPECT_LT(half_way[moved].colour, 0.6 * half_way["blend"].colour) << moved;
   }
 }
