@@ -36,6 +36,7 @@ struct LevelTable {
   glm::vec4 scale;
   glm::uvec4 first;
   glm::uvec4 layers;
+  glm::vec4 motion;
   glm::uvec4 clips[CB_FLAT_CLIPS];
 };
 
@@ -53,8 +54,9 @@ struct CharacterTiles {
     gl::Texture albedo, surface;
     gl::Texture slots, depth;  // of compressed tiles; depth where it was baked
     gl::Texture emission;      // of a character that glows
+    gl::Texture motion;        // of a bake with motion
     uint64_t texture_bytes() const {
-      return albedo.bytes() + surface.bytes() + slots.bytes() + depth.bytes() + emission.bytes();
+      return albedo.bytes() + surface.bytes() + slots.bytes() + depth.bytes() + emission.bytes() + motion.bytes();
     }
   };
   struct Level {
@@ -94,11 +96,16 @@ LevelTable make_table(const FlatBake& bake, const ViewGrid& grid, size_t l) {
   table.scale = {static_cast<float>(bake.texel * std::exp2(static_cast<double>(l))),
                  1.0F / static_cast<float>(std::max(level.width, 1)),
                  1.0F / static_cast<float>(std::max(level.height, 1)), static_cast<float>(l)};
+  const size_t motion = motion_level(l, bake.levels.size());
   table.first = {0U, 0U, bake.views, 0U};
-  for (size_t finer = 0; finer < l; ++finer) {
-    table.first.x += static_cast<uint32_t>(bake.levels[finer].tiles.size());
+  for (size_t finer = 0; finer < motion; ++finer) {
+    const auto tiles = static_cast<uint32_t>(bake.levels[finer].tiles.size());
+    table.first.w += tiles;
+    if (finer >= l) continue;
+    table.first.x += tiles;
     table.first.y += static_cast<uint32_t>(bake.levels[finer].outlines.size());
   }
+  table.motion = {bake.motion_range / table.scale.x, motion > l ? 0.5F : 1.0F, 0.0F, 0.0F};
   for (size_t c = 0; c < bake.clips.size(); ++c)
     table.clips[c] = {bake.clips[c].first_frame, bake.clips[c].frames, 0U, 0U};
   return table;
@@ -156,6 +163,7 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
       if (out.glows)
         array.emission = make(bake.slot_bits == 0 ? GL_SRGB8_ALPHA8 : GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, GL_RGBA,
                               level.width, level.emission);
+      if (!level.motion.empty()) array.motion = make(GL_RGBA8, GL_RGBA, level.width, level.motion);
       if (bake.slot_bits == 0) {
         array.albedo = make(GL_RGBA8, GL_RGBA, level.width, level.albedo);
         array.surface = make(GL_RGBA8, GL_RGBA, level.width, level.surface);
@@ -174,6 +182,9 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   return out;
 }
 
+// What is shown between stored frames, in the order of the option's values; CB_BETWEEN of flat_between.glsl.
+enum class FramesBetween : uint8_t { nearest, blend, move, move_blend };
+
 // How the tiles are drawn; the bake does not depend on it.
 struct DrawOptions {
   bool nailboard = false;
@@ -182,6 +193,7 @@ struct DrawOptions {
   bool list = false;  // one fetch a fragment, not lit
   int parallax = 0;   // steps of the reprojection by stored depths
   int layers = 0;     // of one array texture, at most; 0: the driver's limit
+  FramesBetween between = FramesBetween::nearest;
 };
 
 void check_limits(const gl::Context& context, const FlatBake& bake, const std::string& character,
@@ -196,10 +208,13 @@ void check_limits(const gl::Context& context, const FlatBake& bake, const std::s
     if (std::max(level.width, level.height) > limits.texture_size)
       refuse(fmt::format("a page of {} x {} texels is larger than this driver's {} a side", level.width, level.height,
                          limits.texture_size));
-    // A fragment of the blend reads three tiles of any layers.
-    if (const int most = layers_at_once(context, level, draw.layers); draw.blend && level.layers > most)
-      refuse(fmt::format("{} layers are more than the {} of one array texture, which blend=3 needs them in",
-                         level.layers, most));
+    // A fragment of these reads several tiles of any layers.
+    const char* several = draw.blend                               ? "blend=3 needs"
+                          : draw.between != FramesBetween::nearest ? "the frames between need"
+                                                                   : nullptr;
+    if (const int most = layers_at_once(context, level, draw.layers); several != nullptr && level.layers > most)
+      refuse(fmt::format("{} layers are more than the {} of one array texture, which {} them in", level.layers, most,
+                         several));
   }
   if (corners > static_cast<uint64_t>(limits.texel_buffer))
     refuse(fmt::format("{} tiles need too large a table", uint64_t{bake.frames} * bake.views));
@@ -240,8 +255,8 @@ class FlatRepresentation : public Representation {
         const FlatForecast whole = forecast_flat(*character, bank, options);
         whole_bytes_ += whole.sampling.texture_bytes;
         whole_tiles_ += whole.tiles;
-        options.needed =
-            needed_tiles(*character, bank, options, draw_.blend, [&](const auto& see) { make.required_by(c, see); });
+        options.needed = needed_tiles(*character, bank, options, {draw_.blend, draw_.between != FramesBetween::nearest},
+                                      [&](const auto& see) { make.required_by(c, see); });
       }
       loader.warn(coarse_frames_text(*character, *bank, options.frames));
       const std::string key = flat_cache_key(*character, *bank, options, context_.renderer(), context_.version());
@@ -283,6 +298,9 @@ class FlatRepresentation : public Representation {
             if (array.slots) array.slots.bind(CB_FLAT_TEXTURE_SLOTS);
             if (array.depth) array.depth.bind(CB_FLAT_TEXTURE_DEPTH);
             if (array.emission) array.emission.bind(CB_FLAT_TEXTURE_EMISSION);
+            if (const auto& moved_by = tiles.levels[motion_level(l, tiles.levels.size())].arrays;
+                !moved_by.empty() && moved_by[0].motion)
+              moved_by[0].motion.bind(CB_FLAT_TEXTURE_MOTION);
             draw_polygons(draw_.blend ? 4 : level.corners, n);
           }
         });
@@ -354,6 +372,7 @@ class FlatRepresentation : public Representation {
 
   // As flat.vert picks it.
   double shown_phase(size_t character, int bank_clip, double phase) const override {
+    if (draw_.between != FramesBetween::nearest) return phase;
     const auto frames = static_cast<float>(characters_[character].clips[static_cast<size_t>(bank_clip)].frames);
     const float step = std::floor(static_cast<float>(phase) * frames + 0.5F);
     return step >= frames ? 0.0 : static_cast<double>(step / frames);
@@ -362,7 +381,8 @@ class FlatRepresentation : public Representation {
  private:
   static constexpr unsigned kFiltered[] = {CB_FLAT_TEXTURE_ALBEDO, CB_FLAT_TEXTURE_EMISSION};
   // Units that are read without filtering.
-  static constexpr unsigned kNearest[] = {CB_FLAT_TEXTURE_SURFACE, CB_FLAT_TEXTURE_SLOTS, CB_FLAT_TEXTURE_DEPTH};
+  static constexpr unsigned kNearest[] = {CB_FLAT_TEXTURE_SURFACE, CB_FLAT_TEXTURE_SLOTS, CB_FLAT_TEXTURE_DEPTH,
+                                          CB_FLAT_TEXTURE_MOTION};
 
   struct Variant {
     bool ids, touched, texels, dithered;
@@ -403,7 +423,9 @@ class FlatRepresentation : public Representation {
     const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, slot_bits, glows};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
-      gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)}, {"CB_PARALLAX", std::to_string(draw_.parallax)}};
+      gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)},
+                             {"CB_PARALLAX", std::to_string(draw_.parallax)},
+                             {"CB_BETWEEN", std::to_string(static_cast<int>(draw_.between))}};
       if (slot_bits > 0) defines.emplace_back("CB_SLOT_BITS", std::to_string(slot_bits));
       if (glows) defines.emplace_back("CB_EMISSIVE", "");
       if (v.ids) defines.emplace_back("CB_IDS", "");
@@ -439,6 +461,10 @@ class FlatRepresentation : public Representation {
   LevelOrder order_;
 };
 
+FramesBetween read_between(const OptionReader& reader) {
+  return static_cast<FramesBetween>(reader.choice("frames_between", {"nearest", "blend", "move", "move_blend"}));
+}
+
 }  // namespace
 
 FlatBakeOptions flat_bake_options(const Spec& spec) {
@@ -452,34 +478,37 @@ FlatBakeOptions flat_bake_options(const Spec& spec) {
   options.corners = static_cast<int>(reader.integer("corners", 4, 8));
   options.compressed = reader.choice("compress", {"none", "bc"}) == 1;
   options.depth = reader.choice("depth", {"flat", "nailboard"}) == 1 || reader.integer("parallax", 0, 8) > 0;
+  options.motion = read_between(reader) >= FramesBetween::move;
   return options;
 }
 
 const RepresentationType flat_type = {
     .name = "flat",
     .summary = "flat impostors: one textured polygon an agent, its tile picked by view and clip frame, lit at run time",
-    .options = {views_option(),
-                el_min_option(),
-                frames_option("stored frames a clip"),
-                fps_option(),
-                {"texels", "16..1024", "128",
-                 "texels across the captured width, the diameter of the character's sphere"},
-                {"quad", "trimmed|square", "trimmed",
-                 "what is drawn: the outline of each tile, or the whole captured square"},
-                {"plane", "fitted|facing", "fitted",
-                 "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through "
-                 "the centre"},
-                {"corners", "4..8", "8", "of the outlines of large tiles; small ones are triangles"},
-                {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
-                {"depth", "flat|nailboard", "flat",
-                 "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
-                {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"},
-                {"parallax", "0..8", "0",
-                 "steps by which every view's stored depths move what it shows to where the eye sees it; 3 is enough"},
-                {"layers", "0..4096", "0",
-                 "of one array texture, at most; 0: the driver's limit. More are split over several"},
-                {"shade", "lit|list", "lit",
-                 "lit as the mesh is, or a bare list of polygons: one fetch, the stored colour as it is"}},
+    .options =
+        {views_option(),
+         el_min_option(),
+         frames_option("stored frames a clip"),
+         fps_option(),
+         {"texels", "16..1024", "128", "texels across the captured width, the diameter of the character's sphere"},
+         {"quad", "trimmed|square", "trimmed", "what is drawn: the outline of each tile, or the whole captured square"},
+         {"plane", "fitted|facing", "fitted",
+          "where a tile's polygon lies: on the plane nearest to its stored depths, or across the view through "
+          "the centre"},
+         {"corners", "4..8", "8", "of the outlines of large tiles; small ones are triangles"},
+         {"compress", "none|bc", "none", "RGBA8 texels, or blocks made offline: BC3, BC5, BC4 and packed ids"},
+         {"depth", "flat|nailboard", "flat",
+          "the polygon's own, or every texel's stored depth (bodies interpenetrate)"},
+         {"blend", "1|3", "1", "views: the nearest, or the three around the direction, averaged by nearness"},
+         {"parallax", "0..8", "0",
+          "steps by which every view's stored depths move what it shows to where the eye sees it; 3 is enough"},
+         {"frames_between", "nearest|blend|move|move_blend", "nearest",
+          "between two stored frames: the nearer one; both, averaged by nearness; the nearer, its surface moved to "
+          "where it is at the moment; or both, moved and averaged"},
+         {"layers", "0..4096", "0",
+          "of one array texture, at most; 0: the driver's limit. More are split over several"},
+         {"shade", "lit|list", "lit",
+          "lit as the mesh is, or a bare list of polygons: one fetch, the stored colour as it is"}},
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const FlatBakeOptions options = flat_bake_options(spec);
       const OptionReader reader(flat_type, spec);
@@ -488,10 +517,15 @@ const RepresentationType flat_type = {
                              .floor = reader.flag("floor"),
                              .list = reader.choice("shade", {"lit", "list"}) == 1,
                              .parallax = static_cast<int>(reader.integer("parallax", 0, 8)),
-                             .layers = static_cast<int>(reader.integer("layers", 0, 4096))};
-      if (draw.list && (draw.nailboard || draw.blend || draw.floor || draw.parallax > 0))
+                             .layers = static_cast<int>(reader.integer("layers", 0, 4096)),
+                             .between = read_between(reader)};
+      const bool between = draw.between != FramesBetween::nearest;
+      if (draw.list && (draw.nailboard || draw.blend || draw.floor || draw.parallax > 0 || between))
         throw Error("representation 'flat'", "shade=list has one fetch: no stored depth, one view, no floor of its own",
-                    "leave out depth, blend, parallax and floor, or shade=list");
+                    "leave out depth, blend, parallax, frames_between and floor, or shade=list");
+      if (draw.blend && between)
+        throw Error("representation 'flat'", "three views of two frames would be six pictures a fragment",
+                    "leave out blend or frames_between");
       return std::make_unique<FlatRepresentation>(context, options, draw);
     },
     .required_by = true,

@@ -8,7 +8,8 @@
 #define CB_FLAT_TEXTURE_ALBEDO 0
 #define CB_FLAT_TEXTURE_SURFACE 1   // of compressed tiles: the normals
 #define CB_FLAT_TEXTURE_SLOTS 2     // of compressed tiles
-#define CB_FLAT_TEXTURE_DEPTH 3     // of compressed tiles drawn with depth=nailboard
+#define CB_FLAT_TEXTURE_DEPTH 3     // of compressed tiles drawn with depth=nailboard or parallax
 #define CB_FLAT_TEXTURE_EMISSION 4  // of characters that glow
+#define CB_FLAT_TEXTURE_MOTION 5    // of bakes with motion
 
 #endif

@@ -14,11 +14,14 @@ layout(location = 3) out float v_depth;             // eye-space depth of the ca
 layout(location = 4) flat out float v_depth_range;  // added to it at the end of the stored depth
 layout(location = 5) flat out float v_texel_height; // of a surface that rises by a texel over a texel, as stored
 #endif
-#if CB_CORNERS == 3 || CB_PARALLAX > 0
+#if CB_CORNERS == 3 || CB_PARALLAX > 0 || CB_BETWEEN > 0
 layout(location = 6) flat out vec4 v_bounds;        // page coordinates of the gutter's texels: low, high
 #endif
 #if CB_PARALLAX > 0
 layout(location = 7) flat out vec3 v_parallax[2];   // ParallaxView
+#endif
+#if CB_BETWEEN > 0
+layout(location = 9) flat out vec4 v_between[4];    // Between
 #endif
 
 void main() {
@@ -31,13 +34,21 @@ void main() {
 
   int flipped;
   uint view = uint(pick_view(turn(-centre, back), table.grid, table.span, flipped));
+#if CB_BETWEEN > 0
+  Moment moment = moment_of(agent, view, flipped);
+  int tile = moment.nearer;
+#else
   int tile = tile_of(agent, view, flipped);
+#endif
   vec3 right, up;
   float side = view_axes(view, flipped, right, up);
   vec2 p = tile_corner(tile, corner);
   vec4 place = tile_place(tile);
   vec4 plane = tile_plane(tile);
-#if CB_CORNERS == 3 || CB_PARALLAX > 0
+#if CB_BETWEEN > 0
+  plane = mix(plane, tile_plane(moment.farther), moment.share);
+#endif
+#if CB_CORNERS == 3 || CB_PARALLAX > 0 || CB_BETWEEN > 0
   vec4 bounds = tile_bounds(tile);
 #endif
 #if CB_PARALLAX > 0
@@ -52,8 +63,8 @@ void main() {
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 
   v_texel = (p + place.xy) * table.scale.yz;
-#if CB_CORNERS == 3 || CB_PARALLAX > 0
-  v_bounds = (bounds + vec4(-0.5, -0.5, 0.5, 0.5) + place.xyxy) * table.scale.yzyz;
+#if CB_CORNERS == 3 || CB_PARALLAX > 0 || CB_BETWEEN > 0
+  v_bounds = gutter_of(bounds, place) * table.scale.yzyz;
 #endif
   vec3 light = turn(frame.light_direction.xyz, back);
   v_agent.xyz = floatBitsToUint(vec3(dot(light, right) * side, dot(light, up), dot(light, to_eye)));
@@ -63,6 +74,20 @@ void main() {
 #if CB_PARALLAX > 0
   vec3 eye = turn(-centre, back) / agent.scale;
   parallax_view(vec3(dot(eye, right) * side, dot(eye, up), dot(eye, to_eye)), plane, place, v_parallax[0], v_parallax[1]);
+#endif
+#if CB_BETWEEN > 0
+  vec4 other = tile_place(moment.farther);
+  v_between[2] = vec4((other.xy - place.xy) * table.scale.yz, other.z - float(table.layers.x), moment.later ? 1.0 : 0.0);
+  v_between[3] = gutter_of(tile_bounds(moment.farther), other) * table.scale.yzyz;
+  v_between[0] = vec4(0.0, 0.0, 0.0, moment.share);
+  v_between[1] = vec4(0.0);
+#if CB_BETWEEN > 1
+  // Of the level whose motions these are.
+  int motion = 3 * (int(table.first.w) + moment.earlier);
+  vec4 motion_place = texelFetch(tile_texels, motion);
+  v_between[0].xyz = vec3(motion_place.xy - place.xy * table.motion.y, motion_place.z);
+  v_between[1] = gutter_of(texelFetch(tile_texels, motion + 2), motion_place);
+#endif
 #endif
 #ifdef CB_IDS
   v_id = agent.id;

@@ -17,16 +17,25 @@
 #include "renderers/bake/bake_cache.h"
 #include "renderers/bake/bake_loader.h"
 #include "renderers/bake/emission.h"
+#include "renderers/flat/flat_motion.h"
 #include "renderers/gl/objects.h"
 #include "renderers/impostor/tiles/block_compression.h"
 #include "renderers/impostor/tiles/outline.h"
 #include "renderers/impostor/tiles/packing.h"
+#include "scene/pose/hidden.h"
 
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 12;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 13;  // raised whenever the same inputs give other bytes
 constexpr int kFineLevels = 2;         // levels whose outlines have `corners` corners; the others are triangles
+
+// Poses of the stored frames and half-way between each and the next of its clip.
+struct Between {
+  std::vector<std::vector<glm::vec3>> frames, half_way;  // by frame
+  std::vector<size_t> before, after;                     // by frame: the frames next to it
+  double range = 0;                                      // FlatBake's
+};
 
 struct Plan {
   StoredFrames frames;
@@ -43,7 +52,32 @@ struct Plan {
   size_t wanted = 0;              // of both kinds of tiles
   int slot_bits = 0;              // FlatBake's
   float emission_peak = 0;
+  Between between;  // of a bake with motion
 };
+
+// frames: positions of the stored frames.
+Between make_between(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
+                     FrameCount count, const StoredFrames& stored, std::vector<std::vector<glm::vec3>> frames) {
+  Between out;
+  count.poses = 2;
+  const StoredFrames finer = stored_frames(character, bank, count);
+  for (size_t c = 0; c < stored.clips.size(); ++c) {
+    const StoredClip& clip = stored.clips[c];
+    const bool moves = finer.clips[c].frames > clip.frames;
+    for (uint32_t f = 0; f < clip.frames; ++f) {
+      const size_t half = finer.clips[c].first_frame + (moves ? 2 * f + 1 : f);
+      out.half_way.push_back(scene::shown_positions(character.mesh, finer.palette(half)));
+      out.before.push_back(clip.first_frame + (f + clip.frames - 1) % clip.frames);
+      out.after.push_back(clip.first_frame + (f + 1) % clip.frames);
+    }
+  }
+  out.frames = std::move(frames);
+  out.range = 1e-6;
+  for (size_t f = 0; f < out.frames.size(); ++f)
+    out.range = std::max({out.range, largest_step(out.frames[f], out.half_way[f]),
+                          largest_step(out.half_way[f], out.frames[out.after[f]])});
+  return out;
+}
 
 std::vector<ViewBasis> view_bases(const ViewGrid& grid) {
   std::vector<ViewBasis> bases;
@@ -67,6 +101,7 @@ Plan make_plan(const scene::Character& character, const std::shared_ptr<const sc
   plan.texel = 2 * plan.sphere.radius / options.texels;
 
   plan.steps = pose_steps(plan.frames, positions);
+  if (options.motion) plan.between = make_between(character, bank, options.frames, plan.frames, positions);
 
   const std::vector<ViewBasis> bases = view_bases(options.grid);
   const int half = (options.texels + 1) / 2;
@@ -107,7 +142,11 @@ struct Layout {
   }
 };
 
-// Bits that one texel takes in all maps of a bake.
+bool holds_motion(const FlatBakeOptions& options, size_t level, size_t levels) {
+  return options.motion && motion_level(level, levels) == level;
+}
+
+// Bits that one texel takes in all maps of a bake but those of motion.
 int texel_bits(const FlatBakeOptions& options, const Plan& plan) {
   const bool glows = plan.emission_peak > 0;
   if (!options.compressed) return glows ? 96 : 64;
@@ -173,6 +212,8 @@ Layout make_layout(const Plan& plan, const FlatBakeOptions& options, int level) 
   Layout layout;
   layout.packing = best;
   layout.texel_bits = texel_bits(options, plan);
+  if (holds_motion(options, static_cast<size_t>(level), static_cast<size_t>(tile_levels(options.texels))))
+    layout.texel_bits += 32;
   layout.packing.places.assign(order.size(), {});
   std::vector<bool> kept(static_cast<size_t>(best.layers));
   for (size_t k = 0; k < order.size(); ++k) {
@@ -201,6 +242,18 @@ void copy_tile(const Tile& tile, const PackPlace& place, FlatLevel& level) {
     if (!tile.emission.empty())
       std::copy_n(tile.emission.begin() + static_cast<std::ptrdiff_t>(from), row_bytes,
                   level.emission.begin() + static_cast<std::ptrdiff_t>(to));
+  }
+}
+
+void copy_motion(const Tile& tile, const std::vector<uint8_t>& motion, const PackPlace& place, FlatLevel& level) {
+  const auto row_bytes = static_cast<std::ptrdiff_t>(tile.stride()) * 4;
+  for (int row = 0; row < tile.rows(); ++row) {
+    const auto to = static_cast<std::ptrdiff_t>(
+        4 *
+        ((static_cast<size_t>(place.layer) * static_cast<size_t>(level.height) + static_cast<size_t>(place.y + row)) *
+             static_cast<size_t>(level.width) +
+         static_cast<size_t>(place.x)));
+    std::copy_n(motion.begin() + row * row_bytes, row_bytes, level.motion.begin() + to);
   }
 }
 
@@ -238,24 +291,87 @@ struct Built {
   std::vector<Tile> levels;
   std::vector<CompressedTile> compressed;  // in place of the levels' texels
   std::vector<std::vector<glm::vec2>> outlines;
+  std::vector<std::vector<uint8_t>> motion;  // of the levels that hold it, others empty; gutters included
 };
+
+// A tile whose alpha is that of `tile` and of what is shown half-way to the frames before and after: what an outline
+// must hold. Texels next to those shown there count, too, since only centres are known to be covered.
+Tile swept_tile(const Tile& tile, const std::array<ShownSurface, 2>& half_way) {
+  Tile out;
+  int x0 = tile.rect.x;
+  int y0 = tile.rect.y;
+  int x1 = x0 + tile.rect.width;
+  int y1 = y0 + tile.rect.height;
+  for (const ShownSurface& shown : half_way) {
+    if (shown.rect.width == 0) continue;
+    x0 = std::min(x0, shown.rect.x - 1);
+    y0 = std::min(y0, shown.rect.y - 1);
+    x1 = std::max(x1, shown.rect.x + shown.rect.width + 1);
+    y1 = std::max(y1, shown.rect.y + shown.rect.height + 1);
+  }
+  out.rect = {x0, y0, x1 - x0, y1 - y0};
+  out.albedo.assign(static_cast<size_t>(out.stride()) * static_cast<size_t>(out.rows()) * 4, 0);
+  const auto alpha = [](auto& of, int x, int y) -> auto& {
+    return of.albedo[4 * (static_cast<size_t>(y - of.rect.y + kTileGutter) * static_cast<size_t>(of.stride()) +
+                          static_cast<size_t>(x - of.rect.x + kTileGutter)) +
+                     3];
+  };
+  for (int y = tile.rect.y; y < tile.rect.y + tile.rect.height; ++y)
+    for (int x = tile.rect.x; x < tile.rect.x + tile.rect.width; ++x) alpha(out, x, y) = alpha(tile, x, y);
+  for (const ShownSurface& shown : half_way)
+    for (int y = shown.rect.y; y < shown.rect.y + shown.rect.height; ++y)
+      for (int x = shown.rect.x; x < shown.rect.x + shown.rect.width; ++x) {
+        if (!shown.covers(x, y)) continue;
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) alpha(out, x + dx, y + dy) = 255;
+      }
+  return out;
+}
+
+// What of the motion a tile is built with: nothing where the bake has none.
+struct TileMotion {
+  const Between* between = nullptr;
+  const std::vector<uint32_t>* indices = nullptr;
+  size_t frame = 0;
+  MotionLattice lattice;  // of level 0
+};
+
+// One level's motion map, where it holds one, and the tile that its outline is to be made of.
+Tile add_motion(const TileMotion& motion, const Tile& tile, int level, bool holds, Built& built) {
+  const Between& between = *motion.between;
+  MotionLattice lattice = motion.lattice;
+  lattice.texel *= std::exp2(level);
+  const size_t before = between.before[motion.frame];
+  const size_t after = between.after[motion.frame];
+  built.motion.emplace_back();
+  if (holds)
+    built.motion.back() = motion_texels(
+        {between.frames[motion.frame], between.half_way[motion.frame], between.frames[after], *motion.indices}, lattice,
+        {tile.rect.x - kTileGutter, tile.rect.y - kTileGutter, tile.stride(), tile.rows()}, between.range);
+  return swept_tile(tile, {shown_surface(between.half_way[before], *motion.indices, lattice),
+                           shown_surface(between.half_way[motion.frame], *motion.indices, lattice)});
+}
 
 int corners_of(const FlatBakeOptions& options, int level) {
   return !options.trimmed ? 4 : level < kFineLevels ? options.corners : 3;
 }
 
-Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, const FlatBakeOptions& options,
-            int levels) {
+Built build(const TileRect& rect, const std::vector<CapturedTexel>& texels, const FlatBakeOptions& options, int levels,
+            const TileMotion& motion) {
   Built built;
   built.levels = build_tile_levels(rect, texels, levels, options.trimmed);
   for (int level = 0; level < levels; ++level) {
     const Tile& tile = built.levels[static_cast<size_t>(level)];
     const int corners = corners_of(options, level);
+    const bool moves = motion.between != nullptr && tile.rect.width > 0;
+    const bool holds = holds_motion(options, static_cast<size_t>(level), static_cast<size_t>(levels));
+    const Tile swept = moves ? add_motion(motion, tile, level, holds, built) : Tile{};
+    const Tile& drawn = moves ? swept : tile;
     built.outlines.push_back(
         !options.trimmed ? rectangle_strip(glm::vec2(tile.rect.x, tile.rect.y),
                                            glm::vec2(tile.rect.x + tile.rect.width, tile.rect.y + tile.rect.height))
-        : corners == 3   ? tile_triangle(tile)
-                         : tile_outline(tile, corners));
+        : corners == 3   ? tile_triangle(drawn)
+                         : tile_outline(drawn, corners));
   }
   if (options.compressed)
     for (Tile& tile : built.levels) {
@@ -285,6 +401,7 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     if (glows) out.emission.assign(all_blocks * kEmissionBlockBytes, 0);
     out.slots.assign(texels * static_cast<size_t>(slot_bits) / 8, 0);
   }
+  if (holds_motion(options, level, static_cast<size_t>(tile_levels(options.texels)))) out.motion.assign(texels * 4, 0);
   for (const Built& b : built)
     if (!b.outlines.empty()) out.corners = static_cast<int>(b.outlines[level].size());
   for (size_t i = 0; i < built.size(); ++i) {
@@ -300,6 +417,7 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
       copy_tile(tile, place, out);
     else
       copy_blocks(built[i].compressed[level], place, slot_bits, out);
+    if (!out.motion.empty()) copy_motion(tile, built[i].motion[level], place, out);
     out.tiles.push_back({static_cast<float>(place.x + kTileGutter - tile.rect.x),
                          static_cast<float>(place.y + kTileGutter - tile.rect.y), static_cast<float>(place.layer),
                          static_cast<float>(tile.coverage), static_cast<float>(planes[i].slope_x),
@@ -310,6 +428,7 @@ FlatLevel pack_level(std::vector<Built>& built, const std::vector<TilePlane>& pl
     const auto& outline = built[i].outlines[level];
     for (const glm::vec2& p : outline) out.outlines.push_back({p.x, p.y});
     tile = {};  // its texels live on the page now
+    if (!built[i].motion.empty()) built[i].motion[level] = {};
     if (slot_bits > 0) built[i].compressed[level] = {};
   }
   return out;
@@ -371,7 +490,7 @@ NominalFrame nominal_frame(const ViewGrid& grid, int texels) {
 }
 
 std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
-                                  const FlatBakeOptions& options, bool blend,
+                                  const FlatBakeOptions& options, const ShownTiles& shown,
                                   const std::function<void(const std::function<void(const ViewSample&)>&)>& visit) {
   const Plan plan = make_plan(character, bank, options);
   const auto views = static_cast<size_t>(options.grid.size());
@@ -379,12 +498,20 @@ std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::
   visit([&](const ViewSample& seen) {
     const StoredClip& clip = plan.frames.clips[static_cast<size_t>(seen.bank_clip)];
     constexpr double kNearPhase = 1e-4;  // what single precision leaves open
-    options.grid.visit_picks(glm::dvec3(seen.eye) - plan.sphere.centre, blend, [&](int view, bool mirrored) {
+    options.grid.visit_picks(glm::dvec3(seen.eye) - plan.sphere.centre, shown.blend, [&](int view, bool mirrored) {
       for (const double off : {-kNearPhase, kNearPhase}) {
-        auto step = static_cast<uint32_t>(
-            std::max(0.0, std::floor((static_cast<double>(seen.phase) + off) * clip.frames + 0.5)));
-        step = (step + (mirrored ? clip.frames / 2 : 0)) % clip.frames;
-        needed[(clip.first_frame + step) * views + static_cast<size_t>(view)] = 1;
+        const double at = (static_cast<double>(seen.phase) + off) * clip.frames;
+        const auto mark = [&](double whole) {
+          auto step = static_cast<uint32_t>(std::max(0.0, whole));
+          step = (step + (mirrored ? clip.frames / 2 : 0)) % clip.frames;
+          needed[(clip.first_frame + step) * views + static_cast<size_t>(view)] = 1;
+        };
+        if (!shown.both_frames) {
+          mark(std::floor(at + 0.5));
+          continue;
+        }
+        mark(std::floor(at) + (at < 0 ? clip.frames : 0));
+        mark(std::floor(at) + 1);
       }
     });
   });
@@ -398,7 +525,7 @@ std::string flat_cache_key(const scene::Character& character, const scene::PoseB
   hash.text("flat").value(kBakeVersion).text(character.content_hash).text(gl_renderer).text(gl_version);
   hash.text(options.grid.text()).value(options.grid.el_min);
   hash.value(options.texels).value(options.trimmed).value(options.corners).value(options.fitted);
-  hash.value(options.compressed).value(options.compressed && options.depth);
+  hash.value(options.compressed).value(options.compressed && options.depth).value(options.motion);
   hash.value(options.needed.size()).bytes(options.needed.data(), options.needed.size());
   hash_poses(hash, bank, options.frames);
   return hash.hex();
@@ -435,6 +562,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   bake.clips = plan.frames.clips;
   bake.slot_bits = plan.slot_bits;
   bake.emission_peak = plan.emission_peak;
+  bake.motion_range = static_cast<float>(plan.between.range);
 
   std::vector<Built> built(plan.frames.size() * bake.views);
   size_t done = 0;
@@ -446,15 +574,21 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
                          .texel = bake.texel,
                          .range = bake.radius,
                          .peak = bake.emission_peak});
-    capture.capture(
-        captured.tiles, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels) {
-          // Tiles do not depend on each other, so the bytes do not depend on the number of threads.
-          parallel_for(page.size(), options.threads, [&](size_t i) {
-            built[captured.index[page[i]]] = build(captured.tiles[page[i]].rect, texels[i], options, levels);
-          });
-          done += page.size();
-          if (progress) progress(done, plan.wanted);
-        });
+    capture.capture(captured.tiles,
+                    [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> texels) {
+                      // Tiles do not depend on each other, so the bytes do not depend on the number of threads.
+                      parallel_for(page.size(), options.threads, [&](size_t i) {
+                        const CaptureTile& tile = captured.tiles[page[i]];
+                        const size_t index = captured.index[page[i]];
+                        const TileMotion motion{options.motion ? &plan.between : nullptr,
+                                                &character->mesh.indices,
+                                                index / bake.views,
+                                                {plan.sphere.centre, tile.basis, plan.texel}};
+                        built[index] = build(tile.rect, texels[i], options, levels, motion);
+                      });
+                      done += page.size();
+                      if (progress) progress(done, plan.wanted);
+                    });
   }
   for (int level = 0; level < levels; ++level)
     bake.levels.push_back(pack_level(built, plan.planes, layouts[static_cast<size_t>(level)], options, plan.slot_bits,
@@ -472,6 +606,7 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
   out.value(bake.views);
   out.value(bake.slot_bits);
   out.value(bake.emission_peak);
+  out.value(bake.motion_range);
   out.values(bake.clips);
   out.value(static_cast<uint32_t>(bake.levels.size()));
   for (const FlatLevel& l : bake.levels) {
@@ -487,6 +622,7 @@ std::vector<uint8_t> serialise(const FlatBake& bake) {
     out.values(l.depth);
     out.values(l.slots);
     if (bake.emission_peak > 0) out.values(l.emission);
+    if (bake.motion_range > 0) out.values(l.motion);
   }
   return out.bytes();
 }
@@ -501,6 +637,7 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
   bake.views = in.value<uint32_t>();
   bake.slot_bits = in.value<int>();
   bake.emission_peak = in.value<float>();
+  bake.motion_range = in.value<float>();
   if (bake.slot_bits != 0 && bake.slot_bits != 4 && bake.slot_bits != 8) return std::nullopt;
   bake.clips = in.values<StoredClip>();
   const auto levels = in.value<uint32_t>();
@@ -519,6 +656,7 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
     l.depth = in.values<uint8_t>();
     l.slots = in.values<uint8_t>();
     if (bake.emission_peak > 0) l.emission = in.values<uint8_t>();
+    if (bake.motion_range > 0) l.motion = in.values<uint8_t>();
     const auto texels =
         static_cast<uint64_t>(l.width) * static_cast<uint64_t>(l.height) * static_cast<uint64_t>(l.layers);
     if (l.width < 0 || l.height < 0 || l.layers < 0 || l.corners < 3 || l.corners > 16 || l.tiles.size() != tiles ||
@@ -532,7 +670,9 @@ std::optional<FlatBake> deserialise_flat(std::span<const uint8_t> bytes) {
                                       (l.depth.empty() || l.depth.size() == texels / 2) &&
                                       l.slots.size() == texels * bits / 8;
     const uint64_t emission_bytes = bake.emission_peak <= 0 ? 0 : bits == 0 ? texels * 4 : texels / 2;
-    if (!fits || l.emission.size() != emission_bytes) return std::nullopt;
+    const bool moves = bake.motion_range > 0 && motion_level(i, levels) == i;
+    if (!fits || l.emission.size() != emission_bytes || l.motion.size() != (moves ? texels * 4 : 0))
+      return std::nullopt;
     bake.levels.push_back(std::move(l));
   }
   for (const StoredClip& c : bake.clips)

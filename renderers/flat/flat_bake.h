@@ -1,5 +1,6 @@
 // The bake of flat impostors: tiles of one character, by clip frame and view, at every level, packed into pages.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -28,6 +29,8 @@ struct FlatBakeOptions {
   bool compressed = false;  // blocks (renderers/impostor/tiles/block_compression.h) instead of RGBA8 texels; tiles lie
                             // at multiples of four, so that none shares a block
   bool depth = true;        // of a compressed bake: with the depth map, which only nailboards read
+  bool motion = false;  // with motion maps between frames (flat_motion.h), and outlines around what is shown half-way
+                        // to the frames before and after, too
   // Frames x views, frame-major: the tiles to bake; empty: all of them. Those that are baked are the same texels at the
   // same place of a layer whatever else is, so that pictures do not change by a bit; layers without any are left out.
   std::vector<uint8_t> needed;
@@ -54,7 +57,8 @@ struct FlatTile {
 // (renderers/impostor/tiles/tile.h) of RGBA8 texels; of a compressed bake albedo as BC3 blocks, and in place of the
 // surface map BC5 normals, BC4 depths where they are wanted, and material ids of FlatBake::slot_bits, rows of width *
 // slot_bits / 8 bytes. Where the character glows there is an emission map besides (renderers/bake/emission.h): RGBA8
-// texels or BC1 blocks.
+// texels or BC1 blocks. Motion maps are RGBA8 texels at the place of the earlier frame's tile, of every level but the
+// finest (motion is smooth: level 0 is drawn by level 1's), which has one where it is the only level.
 struct FlatLevel {
   int width = 0, height = 0, layers = 0;
   int corners = 4;                             // 3: triangles that reach beyond the tiles (tile_triangle)
@@ -63,8 +67,10 @@ struct FlatLevel {
   std::vector<uint8_t> albedo, surface;
   std::vector<uint8_t> normal, depth, slots;
   std::vector<uint8_t> emission;
+  std::vector<uint8_t> motion;
   uint64_t texture_bytes() const {
-    return albedo.size() + surface.size() + normal.size() + depth.size() + slots.size() + emission.size();
+    return albedo.size() + surface.size() + normal.size() + depth.size() + slots.size() + emission.size() +
+           motion.size();
   }
 };
 
@@ -76,10 +82,14 @@ struct FlatBake {
   uint32_t views = 0;
   int slot_bits = 0;              // of a compressed bake: 4 or 8 bits a material id; 0: RGBA8
   float emission_peak = 0;        // linear light, of all materials; 0: no emission maps
+  float motion_range = 0;         // metres that the ends of the motion maps' codes stand for; 0: no motion maps
   std::vector<StoredClip> clips;  // one a clip of the bank
   std::vector<FlatLevel> levels;
   uint64_t texture_bytes() const;
 };
+
+// Of `levels`, the one whose motion maps a level is drawn by.
+inline size_t motion_level(size_t level, size_t levels) { return std::min(std::max<size_t>(level, 1), levels - 1); }
 
 // Everything that a bake's bytes depend on.
 std::string flat_cache_key(const scene::Character& character, const scene::PoseBank& bank,
@@ -109,10 +119,16 @@ struct NominalFrame {
 };
 NominalFrame nominal_frame(const ViewGrid& grid, int texels);
 
-// FlatBakeOptions::needed for view samples: `visit` shows them one after the other. blend: the views of ViewGrid::blend
-// instead of the nearest. What lies within rounding of another view or frame counts for both.
+// Which tiles a sample shows.
+struct ShownTiles {
+  bool blend = false;        // the views of ViewGrid::blend; else the nearest
+  bool both_frames = false;  // the frames before and after the moment; else the nearest
+};
+
+// FlatBakeOptions::needed for view samples: `visit` shows them one after the other. What lies within rounding of
+// another view or frame counts for both.
 std::vector<uint8_t> needed_tiles(const scene::Character& character, const std::shared_ptr<const scene::PoseBank>& bank,
-                                  const FlatBakeOptions& options, bool blend,
+                                  const FlatBakeOptions& options, const ShownTiles& shown,
                                   const std::function<void(const std::function<void(const ViewSample&)>&)>& visit);
 
 std::vector<uint8_t> serialise(const FlatBake& bake);

@@ -30,10 +30,34 @@ int tile_of(Agent agent, uint view, int flipped) {
   return int((clip.x + step % clip.y) * table.first.z + view);
 }
 
+#if CB_BETWEEN > 0
+// The two frames of its clip that an agent's moment lies between.
+struct Moment {
+  int nearer, farther;  // their tiles of this level
+  int earlier;          // of the two; where motions are
+  float share;          // of a step between frames, from the nearer one: [0, 0.5]
+  bool later;           // the nearer one is the later one
+};
+
+Moment moment_of(Agent agent, uint view, int flipped) {
+  uvec2 clip = table.clips[agent.clip].xy;
+  float at = agent.phase * float(clip.y);
+  uint step = uint(floor(at)) + (flipped != 0 ? clip.y / 2u : 0u);
+  int earlier = int((clip.x + step % clip.y) * table.first.z + view);
+  int later = int((clip.x + (step + 1u) % clip.y) * table.first.z + view);
+  float share = fract(at);
+  bool second = share >= 0.5;
+  return Moment(second ? later : earlier, second ? earlier : later, earlier, second ? 1.0 - share : share, second);
+}
+#endif
+
 // FlatTile's members in three.
 vec4 tile_place(int tile) { return texelFetch(tile_texels, 3 * (int(table.first.x) + tile)); }
 vec4 tile_plane(int tile) { return texelFetch(tile_texels, 3 * (int(table.first.x) + tile) + 1); }
 vec4 tile_bounds(int tile) { return texelFetch(tile_texels, 3 * (int(table.first.x) + tile) + 2); }
+
+// The middles of a tile's outermost texels, its gutter's: low, high; texels of the page.
+vec4 gutter_of(vec4 bounds, vec4 place) { return bounds + vec4(-0.5, -0.5, 0.5, 0.5) + place.xyxy; }
 
 // A corner of a tile's outline, texels.
 vec2 tile_corner(int tile, uint corner) {

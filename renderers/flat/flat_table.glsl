@@ -7,7 +7,8 @@ layout(std140, binding = CB_UNIFORM_TABLE) uniform Table {
   ivec4 grid;   // as pick_view takes them
   vec4 span;
   vec4 scale;   // metres a texel, 1 / width, 1 / height of a page in texels; the level
-  uvec4 first;  // of the level's tiles, of its outlines' corners; views
+  uvec4 first;  // of the level's tiles, of its outlines' corners; views; of the tiles of the level whose motion maps it uses
   uvec4 layers;  // that the textures bound hold: the first, how many; z: peak of the light given off, a float
+  vec4 motion;  // of the bake with motion: texels of the level that a code's end stands for; texels of the motion's level over one
   uvec4 clips[CB_FLAT_CLIPS];  // first frame, frames
 } table;

@@ -253,7 +253,8 @@ PartMap number(const scene::Character& character, const std::vector<int>& part_o
 // Cuts a mesh primitive by primitive: what belongs to a primitive stays together.
 class Cutter {
  public:
-  Cutter(const scene::Mesh& from, scene::Mesh& to, const PartMap& parts) : from_(from), to_(to), parts_(parts) {}
+  Cutter(const scene::Mesh& from, scene::Mesh& to, const PartMap& parts, const CutAccuracy& accuracy)
+      : from_(from), to_(to), parts_(parts), accuracy_(accuracy) {}
 
   void run(std::vector<std::vector<uint32_t>>& triangles) {
     scene::Mesh empty;
@@ -265,6 +266,7 @@ class Cutter {
       primitive.first_index = static_cast<uint32_t>(to_.indices.size());
       moved_ = primitive.first_vertex - source.first_vertex;
       edges_.clear();
+      leaving_.clear();
       for (uint32_t v = source.first_vertex; v < source.first_vertex + source.vertex_count; ++v) copy(v);
       for (uint32_t i = source.first_index; i < source.first_index + source.index_count; i += 3) {
         const std::array<uint32_t, 3> triangle = {from_.indices[i] + moved_, from_.indices[i + 1] + moved_,
@@ -305,13 +307,42 @@ class Cutter {
     return sum;
   }
 
+  // A vertex's place as the weights of another one carry it.
+  glm::vec3 carried(const std::vector<scene::Mat3x4>& palette, uint32_t by, uint32_t v) const {
+    const glm::vec4 p(to_.positions[v], 1.0F);
+    glm::vec3 out(0.0F);
+    for (int k = 0; k < scene::kInfluences; ++k)
+      for (int row = 0; row < 3; ++row)
+        out[row] += to_.weights[by][k] * glm::dot(palette[to_.joints[by][k]].rows[row], p);
+    return out;
+  }
+
+  // From a to b, where on the edge the part's weight is the border's.
+  float border_on(int part, uint32_t a, uint32_t b) const {
+    const float at_a = share(a, part);
+    return std::clamp((kBorderWeight - at_a) / (share(b, part) - at_a), 0.0F, 1.0F);
+  }
+
+  // Whether a corner there would leave the surface: by t (1 - t) (A - B) (a - b), A and B being what carries the ends.
+  bool leaves_surface(int part, uint32_t a, uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto [found, fresh] = leaving_.try_emplace({part, a, b}, false);
+    if (!fresh) return found->second;
+    const float t = border_on(part, a, b);
+    for (const auto& palette : accuracy_.palettes) {
+      const glm::vec3 apart =
+          carried(palette, a, a) - carried(palette, a, b) - carried(palette, b, a) + carried(palette, b, b);
+      if (t * (1 - t) * glm::length(apart) > static_cast<float>(accuracy_.metres)) found->second = true;
+    }
+    return found->second;
+  }
+
   // The corner on the edge from a to b where the part's weight is the border's.
   uint32_t corner_between(int part, uint32_t a, uint32_t b) {
     if (a > b) std::swap(a, b);
     const auto [found, fresh] = edges_.try_emplace({part, a, b}, static_cast<uint32_t>(to_.positions.size()));
     if (!fresh) return found->second;
-    const float at_a = share(a, part);
-    const float t = std::clamp((kBorderWeight - at_a) / (share(b, part) - at_a), 0.0F, 1.0F);
+    const float t = border_on(part, a, b);
     const auto between = [&](auto& values) { values.push_back(values[a] + t * (values[b] - values[a])); };
     between(to_.positions);
     const glm::vec3 normal = glm::mix(to_.normals[a], to_.normals[b], t);
@@ -344,6 +375,19 @@ class Cutter {
   void cut(int part, const std::array<uint32_t, 3>& triangle, std::vector<uint32_t>& triangles) {
     std::array<uint32_t, 4> polygon{};
     size_t corners = 0;
+    float middle = 0;
+    bool leaves = false;
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = triangle[k];
+      const uint32_t b = triangle[(k + 1) % 3];
+      middle += share(a, part) / 3;
+      if ((share(a, part) >= kBorderWeight) != (share(b, part) >= kBorderWeight))
+        leaves = leaves || leaves_surface(part, a, b);
+    }
+    if (leaves) {
+      if (middle >= kBorderWeight) add(triangle, triangles);
+      return;
+    }
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t a = triangle[k];
       const uint32_t b = triangle[(k + 1) % 3];
@@ -363,8 +407,10 @@ class Cutter {
   const scene::Mesh& from_;
   scene::Mesh& to_;
   const PartMap& parts_;
+  const CutAccuracy& accuracy_;
   uint32_t moved_ = 0;  // from a vertex of `from` to the same one of `to`
   std::map<std::tuple<int, uint32_t, uint32_t>, uint32_t> edges_;
+  std::map<std::tuple<int, uint32_t, uint32_t>, bool> leaving_;
 };
 
 }  // namespace
@@ -414,11 +460,11 @@ BodyParts cut_parts(const scene::Character& character, const std::string& cuts, 
   return {map, map};
 }
 
-CutCharacter cut_at_parts(const scene::Character& character, const PartMap& parts) {
+CutCharacter cut_at_parts(const scene::Character& character, const PartMap& parts, const CutAccuracy& accuracy) {
   auto cut = std::make_shared<scene::Character>(character);
   CutCharacter out;
   out.triangles.resize(static_cast<size_t>(parts.count));
-  Cutter cutter(character.mesh, cut->mesh, parts);
+  Cutter cutter(character.mesh, cut->mesh, parts, accuracy);
   cutter.run(out.triangles);
   out.character = std::move(cut);
   return out;

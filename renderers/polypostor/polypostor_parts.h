@@ -2,10 +2,12 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "scene/character/character.h"
+#include "scene/pose/pose_bank.h"
 
 namespace crowdbench::renderers {
 
@@ -36,11 +38,19 @@ BodyParts cut_parts(const scene::Character& character, const std::string& cuts, 
 // that no gap opens there. Cuts follow the lines of that weight across triangles. (A triangle whose middle so many
 // parts share that none has as much is the one's that has most.) Corners made on edges carry what lies between the
 // ends: everything is interpolated, and of the joints the four of most weight are kept.
+//
+// A corner made on an edge is carried by what is interpolated of both ends' matrices; the surface's point there is what
+// lies between the ends as they are carried. Where these are farther apart than `metres` in any of the palettes, the
+// triangle is not cut: it belongs, whole, to every part that has as much of its middle.
+struct CutAccuracy {
+  std::span<const std::vector<scene::Mat3x4>> palettes;  // none: every triangle is cut
+  double metres = 0;
+};
 struct CutCharacter {
   std::shared_ptr<const scene::Character> character;
   std::vector<std::vector<uint32_t>> triangles;  // by part: indices of triangles, ascending
 };
 inline constexpr float kBorderWeight = 0.3F;
-CutCharacter cut_at_parts(const scene::Character& character, const PartMap& parts);
+CutCharacter cut_at_parts(const scene::Character& character, const PartMap& parts, const CutAccuracy& accuracy = {});
 
 }  // namespace crowdbench::renderers

@@ -95,7 +95,7 @@ PolypostorPlan plan_polypostors(const scene::Character& character, const std::sh
       throw Error(fmt::format("polypostor bake of {}", character.name),
                   fmt::format("{} parts; {} is the most", map.count, kPolypostorParts), "name fewer joints");
     PolypostorTier tier;
-    tier.cut = cut_at_parts(character, map);
+    tier.cut = cut_at_parts(character, map, {plan.palettes, plan.slack * plan.texel});
     tier.first_level = first_level;
     tier.levels = count;
     tier.texel = std::exp2(first_level);

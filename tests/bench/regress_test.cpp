@@ -217,8 +217,7 @@ TEST(Regress, OutputsSayTheSame) {
   const std::string xml = regress_junit(report);
   EXPECT_NE(xml.find("failures=\"2\""), std::string::npos) << xml;
   EXPECT_NE(xml.find("<skipped message=\"missing in CURRENT\"/>"), std::string::npos) << xml;
-  const Json json = regress_json(report);
-  EXPECT_EQ(json.at("verdict").dump(), "\"regression\"");
+  EXPECT_EQ(regress_json(report).at("verdict").dump(), "\"regression\"");
   const support::ScratchFolder folder;
   const std::string why = regress_explanation(report, "relief:boxes=2, mannequin, 1000", {});
   EXPECT_NE(why.find("slower by"), std::string::npos) << why;

@@ -66,6 +66,7 @@ std::vector<Required> required_specs() {
   return {{"flat:frames=4,texels=48", "tiles", 17 * 8 * 4, 0.8},
           {"flat:frames=4,texels=48,blend=3", "tiles", 17 * 8 * 4, 0.8},
           {"flat:frames=4,texels=48,compress=bc", "tiles", 17 * 8 * 4, 0.8},
+          {"flat:frames=4,texels=48,frames_between=move_blend", "tiles", 17 * 8 * 4, 0.8},
           // Polygons are left out, and pages that hold nothing else, of which a small bake has one.
           {"polypostor:views=sphere-9x6,frames=2,texels=48", "views of clips", 9 * 6, 0.95},
           {"polypostor:views=sphere-9x6,frames=4,texels=48,key=two_keys", "views of clips", 9 * 6, 0.95}};

@@ -66,18 +66,21 @@ TEST_P(ZinkGl, PictureIsLlvmpipes) {
 }
 
 const std::vector<const char*>& specs() {
-  static const std::vector<const char*> all = {"mesh",
-                                               "preskinned",
-                                               "pseudo:poses=4",
-                                               "surfel:points=512",
-                                               "rigid:poses=4",
-                                               "flat:views=sphere-4x1,frames=2,texels=64",
-                                               "flat:views=sphere-4x1,frames=2,texels=64,depth=nailboard,blend=3",
-                                               "polypostor:views=sphere-4x1,frames=2,texels=64",
-                                               "relief:map=32",
-                                               "relief:map=32,search=cone",
-                                               "relief:map=32,search=linear,proxy=box",
-                                               "hybrid(mesh,relief:map=32,distance=6)"};
+  static const std::vector<const char*> all = {
+      "mesh",
+      "preskinned",
+      "pseudo:poses=4",
+      "surfel:points=512",
+      "rigid:poses=4",
+      "flat:views=sphere-4x1,frames=2,texels=64",
+      "flat:views=sphere-4x1,frames=2,texels=64,depth=nailboard,blend=3",
+      "flat:views=sphere-4x1,frames=2,texels=64,frames_between=move_blend",
+      "flat:views=sphere-4x1,frames=2,texels=64,frames_between=move,parallax=2",
+      "polypostor:views=sphere-4x1,frames=2,texels=64",
+      "relief:map=32",
+      "relief:map=32,search=cone",
+      "relief:map=32,search=linear,proxy=box",
+      "hybrid(mesh,relief:map=32,distance=6)"};
   return all;
 }
 

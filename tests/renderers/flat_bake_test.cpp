@@ -71,6 +71,18 @@ TEST(FlatBake, BytesSurviveARoundTripAndDamageDoesNot) {
   EXPECT_EQ(deserialise_flat(glowing)->emission_peak, 2.5F);
   EXPECT_EQ(deserialise_flat(glowing)->levels[0].emission.size(), 8U);
   for (size_t n = 0; n < glowing.size(); ++n) EXPECT_FALSE(deserialise_flat(std::span(glowing).first(n))) << n;
+  bake.motion_range = 0.25F;  // the only level has a motion map
+  EXPECT_FALSE(deserialise_flat(serialise(bake)));
+  compressed.motion.resize(64);
+  const auto moving = serialise(bake);
+  ASSERT_TRUE(deserialise_flat(moving));
+  EXPECT_EQ(deserialise_flat(moving)->motion_range, 0.25F);
+  EXPECT_EQ(deserialise_flat(moving)->texture_bytes(), bake.texture_bytes());
+  for (size_t n = 0; n < moving.size(); ++n) EXPECT_FALSE(deserialise_flat(std::span(moving).first(n))) << n;
+  EXPECT_EQ(motion_level(0, 1), 0U);
+  EXPECT_EQ(motion_level(0, 4), 1U);
+  EXPECT_EQ(motion_level(1, 4), 1U);
+  EXPECT_EQ(motion_level(3, 4), 3U);
 }
 
 TEST(FlatBake, AccountingAgreesWithTheSource) {
@@ -103,8 +115,9 @@ TEST_F(FlatGl, BakesDoNotDependOnTheNumberOfThreads) {
     options.threads = threads;
     return serialise(bake_flat(context(), walker().characters[0], walker().banks[0], options, uint64_t{1} << 30));
   };
-  for (const bool compressed : {false, true}) {
+  for (const auto& [compressed, motion] : {std::pair(false, false), std::pair(true, false), std::pair(false, true)}) {
     options.compressed = compressed;
+    options.motion = motion;
     const auto one = bake(1);
     EXPECT_EQ(bake(0), one) << "as many as the machine has";
     EXPECT_EQ(bake(2), one);
@@ -119,9 +132,10 @@ TEST_F(FlatGl, TheCacheKeyHoldsWhatTheBytesDependOn) {
   };
   const std::string plain = key("flat");
   for (const char* option : {"views=hemi-9", "el_min=-10", "frames=9", "texels=64", "quad=square", "plane=facing",
-                             "corners=6", "compress=bc"})
+                             "corners=6", "compress=bc", "frames_between=move"})
     EXPECT_NE(key(std::string("flat:") + option), plain) << option;
-  for (const char* option : {"depth=nailboard", "blend=3", "floor=1"})
+  EXPECT_EQ(key("flat:frames_between=move"), key("flat:frames_between=move_blend"));
+  for (const char* option : {"depth=nailboard", "blend=3", "floor=1", "frames_between=blend"})
     EXPECT_EQ(key(std::string("flat:") + option), plain) << option;
   EXPECT_NE(key("flat:compress=bc"), key("flat:compress=bc,depth=nailboard")) << "only nailboards need the depth map";
   FlatBakeOptions part = flat_bake_options(parse_spec("flat"));

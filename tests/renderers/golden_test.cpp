@@ -62,6 +62,7 @@ const std::vector<Golden>& goldens() {
       {"flat", "flat:views=sphere-6x2,frames=4", 5.5},
       {"flat_nailboard", "flat:views=sphere-6x2,frames=4,depth=nailboard", 5.5, true},
       {"flat_blend", "flat:views=sphere-6x2,frames=4,blend=3", 5.5},
+      {"flat_between", "flat:views=sphere-6x2,frames=4,frames_between=move_blend", 5.5},
       {"flat_far", "flat:views=sphere-6x2,frames=4", 15},
       {"relief", "relief:map=64", 5.5},
       {"relief_far", "relief:map=64", 15},

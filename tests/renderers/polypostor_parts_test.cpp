@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
 #include <set>
+#include <span>
 
 #include "core/error.h"
 #include "scene/gltf/gltf.h"
@@ -97,6 +99,40 @@ TEST(PolypostorParts, AreCutWhereTheirWeightEnds) {
   ASSERT_EQ(mesh.primitives.size(), 1U);
   EXPECT_EQ(mesh.primitives[0].vertex_count, mesh.positions.size());
   EXPECT_EQ(mesh.primitives[0].index_count, mesh.indices.size());
+}
+
+// The same card, its upper edge turned about the lower one by a right angle: a corner at 0.3 of the edge would be
+// carried by t (1 - t) times what the two ends' matrices differ by over the edge beside it.
+TEST(PolypostorParts, ATriangleIsNotCutWhereTheCutWouldLeaveTheSurface) {
+  scene::Character c = card(2, 1);
+  c.skeleton.nodes.push_back(c.skeleton.nodes[0]);
+  c.skeleton.nodes[1].parent = 0;
+  c.skeleton.joints.push_back(c.skeleton.joints[0]);
+  c.skeleton.joints[1].node = 1;
+  for (size_t v = 0; v < 4; ++v) {
+    const float h = c.mesh.positions[v].y;
+    c.mesh.joints[v] = {0, 1, 0, 0};
+    c.mesh.weights[v] = {1 - h, h, 0.0F, 0.0F};
+  }
+  const scene::Mat3x4 still{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+  const scene::Mat3x4 turned{{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
+  const std::vector<std::vector<scene::Mat3x4>> poses = {{still, still}, {still, turned}};
+  const PartMap map{{0, 1}, 2};
+  // Upright edges: (A - B)(a - b) is (0, 1, 0) less (0, 0, 1), of length sqrt 2. The diagonal's sideways share cancels.
+  const double leaves = 0.3 * 0.7 * std::sqrt(2.0);
+  const auto count = [&](double metres) {
+    const CutCharacter cut = cut_at_parts(c, map, {poses, metres});
+    return std::array{cut.triangles[0].size(), cut.triangles[1].size(), cut.character->mesh.positions.size()};
+  };
+  const auto all_cut = count(leaves + 0.001);
+  EXPECT_GT(all_cut[2], 4U);
+  const auto none_cut = count(leaves - 0.001);
+  EXPECT_EQ(none_cut[2], 4U) << "no corner is made";
+  // Each triangle's middle is a third or two thirds of the way up: both parts have both.
+  EXPECT_EQ(none_cut[0], 2U);
+  EXPECT_EQ(none_cut[1], 2U);
+  const auto in_rest = cut_at_parts(c, map, {std::span(poses).first(1), 0.001});
+  EXPECT_EQ(in_rest.character->mesh.positions.size(), all_cut[2]) << "where both joints do the same nothing leaves";
 }
 
 TEST(PolypostorParts, ManyThatShareATriangleLeaveItToOne) {

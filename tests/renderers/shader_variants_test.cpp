@@ -105,13 +105,36 @@ void draw_everything() {
   const std::string polypostor = "polypostor:views=sphere-4x1,frames=2,texels=32";
   const std::string relief = "relief:map=32,capture=bind";
   draw(glowing, flat, kEveryPass);
+  draw(glowing, flat + ",frames_between=move_blend", kEveryPass);
   draw(glowing, polypostor, kEveryPass);
   draw(glowing, relief, kEveryPass);
-  for (const char* options :
-       {"", ",compress=bc", ",depth=nailboard", ",blend=3", ",compress=bc,depth=nailboard", ",compress=bc,blend=3",
-        ",depth=nailboard,blend=3", ",compress=bc,depth=nailboard,blend=3", ",shade=list", ",quad=square", ",floor=1",
-        ",floor=1,compress=bc", ",floor=1,depth=nailboard", ",floor=1,blend=3", ",parallax=2", ",parallax=2,blend=3",
-        ",parallax=2,compress=bc,depth=nailboard", ",parallax=2,depth=nailboard,blend=3", ",parallax=2,floor=1"})
+  for (const char* options : {"",
+                              ",compress=bc",
+                              ",depth=nailboard",
+                              ",blend=3",
+                              ",compress=bc,depth=nailboard",
+                              ",compress=bc,blend=3",
+                              ",depth=nailboard,blend=3",
+                              ",compress=bc,depth=nailboard,blend=3",
+                              ",shade=list",
+                              ",quad=square",
+                              ",floor=1",
+                              ",floor=1,compress=bc",
+                              ",floor=1,depth=nailboard",
+                              ",floor=1,blend=3",
+                              ",parallax=2",
+                              ",parallax=2,blend=3",
+                              ",parallax=2,compress=bc,depth=nailboard",
+                              ",parallax=2,depth=nailboard,blend=3",
+                              ",parallax=2,floor=1",
+                              ",frames_between=blend",
+                              ",frames_between=move",
+                              ",frames_between=move_blend",
+                              ",frames_between=move_blend,floor=1",
+                              ",frames_between=move,parallax=2",
+                              ",frames_between=move_blend,parallax=2,depth=nailboard",
+                              ",frames_between=move,compress=bc",
+                              ",frames_between=move_blend,compress=bc,depth=nailboard"})
     draw(plain, flat + options, {kIds});
   for (const char* options : {"", ",floor=1", ",debug=wire", ",debug=lines", ",debug=parts", ",debug=stretch"})
     draw(plain, polypostor + options, {kIds});

@@ -33,6 +33,7 @@ const std::map<std::string, std::string> kScripts = {
     {"check_tidy.sh", "TidyCheck"},
     {"driver.mjs", "ReliefQuality"},
     {"figures.sh", "Figures"},
+    {"flat_between.mjs", "FlatBetween"},
     {"gpu_check.sh", "Bundle"},
     {"lod_equal.mjs", "LodEqual"},
     {"masked_hair.mjs", "MaskedHair"},
@@ -167,6 +168,15 @@ TEST_F(ScriptsGl, PolypostorFigures) {
     expect_tables("\n" + outcome.text, table == std::string("quality") ? 2 : 1);
   }
   EXPECT_EQ(run("polypostor_figures.mjs", driver_ + " nothing").status, 2);
+}
+
+TEST_F(ScriptsGl, FlatBetween) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("flat_between.mjs", driver_ + " --tiny");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  expect_tables("\n" + outcome.text, 1);
+  EXPECT_EQ(run("flat_between.mjs", driver_ + " --fast").status, 2);
+  EXPECT_EQ(run("flat_between.mjs", "").status, 2);
 }
 
 TEST_F(ScriptsGl, ReliefQuality) {
