@@ -2,6 +2,7 @@
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
 #include "renderers/polypostor/polypostor.h"
+#include "renderers/posecache/posecache.h"
 #include "renderers/preskinned/preskinned.h"
 #include "renderers/pseudo/pseudo.h"
 #include "renderers/relief/relief.h"
@@ -25,6 +26,7 @@ const std::vector<RepresentationType>& representation_types() {
       preskinned_type,
       pseudo_type,
       surfel_type,
+      posecache_type,
   };
   // clang-format on
   return types;

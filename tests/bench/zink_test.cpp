@@ -69,6 +69,7 @@ const std::vector<const char*>& specs() {
   static const std::vector<const char*> all = {"mesh",
                                                "preskinned",
                                                "pseudo:poses=4",
+                                               "posecache:keys=4",
                                                "surfel:points=512",
                                                "rigid:poses=4",
                                                "flat:views=sphere-4x1,frames=2,texels=64",

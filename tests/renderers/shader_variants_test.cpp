@@ -96,6 +96,7 @@ void draw_everything() {
     draw(cast, "mesh:passes=2", {kIds});
     draw(cast, "preskinned", {kIds});
     draw(cast, "pseudo", {kIds});
+    draw(cast, "posecache", {kIds});
     draw(cast, "surfel:points=64", kEveryPass);
     draw(cast, "surfel:points=64,floor=1", {kIds});
   }
