@@ -1,3 +1,4 @@
+#include "renderers/dynamic/dynamic.h"
 #include "renderers/flat/flat.h"
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
@@ -27,6 +28,7 @@ const std::vector<RepresentationType>& representation_types() {
       pseudo_type,
       surfel_type,
       posecache_type,
+      dynamic_type,
   };
   // clang-format on
   return types;

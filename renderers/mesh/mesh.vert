@@ -4,7 +4,7 @@
 //   CB_SKINNED      vertices that skin.comp wrote, in the world, a slot an instance
 //   CB_SHARED_POSE  the same in model space, one slot for all
 //   CB_CACHED_POSES the same, each instance a blend of two slots
-// CB_DEPTH: a pass that writes depth alone. CB_INVARIANT: such a pass and others of the same frame agree to the bit.
+// CB_TILE: an instance goes to its own tile of a page, lit as in the picture. CB_DEPTH: a pass that writes depth alone. CB_INVARIANT: such a pass and others of the same frame agree to the bit.
 #include "renderers/shaders/frame.glsl"
 
 #ifdef CB_INVARIANT
@@ -45,6 +45,9 @@ layout(location = 4) CB_WITHIN out vec2 v_emissive_uv;
 layout(location = CB_ATTRIBUTE_AGENT) in uint in_agent;
 #ifdef CB_CAPTURE
 #include "renderers/impostor/tiles/capture.glsl"
+#endif
+#ifdef CB_TILE
+layout(binding = CB_TEXTURE_TILE_ROWS) uniform samplerBuffer tile_rows;  // four an instance: clip space from the world
 #endif
 
 #ifndef CB_DEPTH
@@ -128,7 +131,14 @@ void main() {
   v_place_flat = vec4(capture_normal(view, world), in_normal.w);
 #endif
 #else
+#ifdef CB_TILE
+  vec4 place = vec4(world, 1.0);
+  int row = gl_InstanceID * 4;
+  gl_Position = vec4(dot(texelFetch(tile_rows, row), place), dot(texelFetch(tile_rows, row + 1), place),
+                     dot(texelFetch(tile_rows, row + 2), place), dot(texelFetch(tile_rows, row + 3), place));
+#else
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
+#endif
 #ifdef CB_FLAT_NORMALS
   v_place_flat = vec4(world, in_normal.w);
 #endif

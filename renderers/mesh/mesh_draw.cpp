@@ -244,6 +244,7 @@ const gl::Program& MeshDraw::program(const Variant& v) {
     define(use_ == MeshUse::preskinned, "CB_SKINNED");
     define(use_ == MeshUse::shared_pose, "CB_SHARED_POSE");
     define(use_ == MeshUse::cached_poses, "CB_CACHED_POSES");
+    define(use_ == MeshUse::tile, "CB_TILE");
     define(use_ == MeshUse::capture, "CB_CAPTURE");
     define(passes_ > 1, "CB_INVARIANT");
     define(v.depth, "CB_DEPTH");
@@ -304,7 +305,8 @@ void MeshDraw::draw_group(const CharacterMesh& mesh, const MeshGroup& group, con
                       mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0, emissive_array >= 0,
                       group.double_sided, mesh.has_flat, group.masked, pass.samples > 1, false});
   p.use();
-  if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
+  if (use_ == MeshUse::skinned || use_ == MeshUse::tile || use_ == MeshUse::capture)
+    p.set(CB_LOCATION_JOINTS, mesh.joints);
   if (use_ == MeshUse::preskinned || use_ == MeshUse::shared_pose || use_ == MeshUse::cached_poses)
     p.set(CB_LOCATION_VERTICES, mesh.vertex_count);
   if (use_ == MeshUse::preskinned || use_ == MeshUse::shared_pose) p.set(CB_LOCATION_SLOT, slot);

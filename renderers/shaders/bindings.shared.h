@@ -22,6 +22,7 @@
 #define CB_TEXTURE_REST 3       // vertices of the character being skinned into a buffer (skin.comp)
 #define CB_TEXTURE_SKINNED 4    // what that wrote
 #define CB_TEXTURE_BLENDS 5     // of each instance: two slots of that, 16 bits each, and the blend (mesh.vert)
+#define CB_TEXTURE_TILE_ROWS 6  // of each instance: the rows of the matrix to its tile (mesh.vert)
 #define CB_TEXTURE_TILES 9      // tiles of the character being drawn: where they lie (flat)
 #define CB_TEXTURE_OUTLINES 10  // corners of the tiles' outlines (flat)
 #define CB_TEXTURE_VIEWS 11     // the planes of a view grid (flat)

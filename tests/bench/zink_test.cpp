@@ -70,6 +70,7 @@ const std::vector<const char*>& specs() {
                                                "preskinned",
                                                "pseudo:poses=4",
                                                "posecache:keys=4",
+                                               "dynamic",
                                                "surfel:points=512",
                                                "rigid:poses=4",
                                                "flat:views=sphere-4x1,frames=2,texels=64",

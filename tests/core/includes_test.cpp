@@ -91,11 +91,8 @@ const std::set<std::string>& representation_doors() {
   return shared;
 }
 const Doors& doors_between_representations() {
-  static const Doors all = {{"posecache", {"mesh"}},
-                            {"preskinned", {"mesh"}},
-                            {"pseudo", {"mesh"}},
-                            {"rigid", {"mesh"}},
-                            {"surfel", {"mesh"}}};
+  static const Doors all = {{"dynamic", {"mesh"}}, {"posecache", {"mesh"}}, {"preskinned", {"mesh"}},
+                            {"pseudo", {"mesh"}},  {"rigid", {"mesh"}},     {"surfel", {"mesh"}}};
   return all;
 }
 

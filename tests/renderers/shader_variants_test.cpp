@@ -97,6 +97,7 @@ void draw_everything() {
     draw(cast, "preskinned", {kIds});
     draw(cast, "pseudo", {kIds});
     draw(cast, "posecache", {kIds});
+    draw(cast, "dynamic", kEveryPass);
     draw(cast, "surfel:points=64", kEveryPass);
     draw(cast, "surfel:points=64,floor=1", {kIds});
   }
