@@ -133,7 +133,8 @@ class DynamicRepresentation : public Representation {
     if (!has_history()) return;
     states_->begin(frame);
     for (size_t c = 0; c < agents.size(); ++c)
-      for (const uint32_t i : agents[c]) (void)states_->update(frame, c, i);
+      if (!meshes_[c].groups.empty())
+        for (const uint32_t i : agents[c]) (void)states_->update(frame, c, i);
   }
 
   Footprint footprint() const override {
