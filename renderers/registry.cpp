@@ -2,6 +2,7 @@
 #include "renderers/flat/flat.h"
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
+#include "renderers/layered/layered.h"
 #include "renderers/polypostor/polypostor.h"
 #include "renderers/posecache/posecache.h"
 #include "renderers/preskinned/preskinned.h"
@@ -29,6 +30,7 @@ const std::vector<RepresentationType>& representation_types() {
       surfel_type,
       posecache_type,
       dynamic_type,
+      layered_type,
   };
   // clang-format on
   return types;

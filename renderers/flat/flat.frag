@@ -25,6 +25,10 @@ layout(location = 6) flat in vec4 v_bounds;
 #if CB_PARALLAX > 0
 layout(location = 7) flat in vec3 v_parallax[2];
 #endif
+#ifdef CB_SLICES
+layout(location = 9) flat in vec2 v_interval;
+layout(location = 10) in float v_plane;
+#endif
 
 void main() {
   vec2 at = v_texel;
@@ -44,6 +48,10 @@ void main() {
   write_output(albedo.rgb * albedo.rgb, v_id);
 #else
   vec4 surface = surface_at(texel);
+#ifdef CB_SLICES
+  float over = (surface.a * 255.0 - 128.0) / 127.0 * table.centre.w - v_plane;
+  if (over < v_interval.x || over >= v_interval.y) discard;
+#endif
   vec2 n = surface.rg * (255.0 / 127.0) - 128.0 / 127.0;
   float n_z = sqrt(max(0.0, 1.0 - dot(n, n)));
 #if defined(CB_NAILBOARD) && CB_PARALLAX > 0

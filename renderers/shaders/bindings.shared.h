@@ -40,6 +40,7 @@
 #define CB_LOCATION_SLOT 4      // uint: slot of skinned vertices that the first instance reads
 #define CB_LOCATION_RADIUS 5    // float: metres that a surfel's disc reaches
 #define CB_LOCATION_SAMPLES 6   // float: samples of the target along a pixel of the picture
+#define CB_LOCATION_OVERLAP 7   // float: share of a slice's depth that it shows of each neighbour's
 
 // Vertex attributes of the mesh.
 #define CB_ATTRIBUTE_POSITION 0  // vec3 position, w = the material's index

@@ -71,6 +71,7 @@ const std::vector<const char*>& specs() {
                                                "pseudo:poses=4",
                                                "posecache:keys=4",
                                                "dynamic",
+                                               "layered:views=sphere-4x1,frames=2,texels=64",
                                                "surfel:points=512",
                                                "rigid:poses=4",
                                                "flat:views=sphere-4x1,frames=2,texels=64",

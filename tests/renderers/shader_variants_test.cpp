@@ -108,6 +108,7 @@ void draw_everything() {
   const std::string relief = "relief:map=32,capture=bind";
   draw(glowing, flat, kEveryPass);
   draw(glowing, polypostor, kEveryPass);
+  draw(glowing, "layered:views=sphere-4x1,frames=2,texels=32", kEveryPass);
   draw(glowing, relief, kEveryPass);
   for (const char* options :
        {"", ",compress=bc", ",depth=nailboard", ",blend=3", ",compress=bc,depth=nailboard", ",compress=bc,blend=3",
