@@ -1,7 +1,10 @@
+#include "renderers/dynamic/dynamic.h"
 #include "renderers/flat/flat.h"
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/mesh/mesh.h"
+#include "renderers/layered/layered.h"
 #include "renderers/polypostor/polypostor.h"
+#include "renderers/posecache/posecache.h"
 #include "renderers/preskinned/preskinned.h"
 #include "renderers/pseudo/pseudo.h"
 #include "renderers/relief/relief.h"
@@ -25,6 +28,9 @@ const std::vector<RepresentationType>& representation_types() {
       preskinned_type,
       pseudo_type,
       surfel_type,
+      posecache_type,
+      dynamic_type,
+      layered_type,
   };
   // clang-format on
   return types;

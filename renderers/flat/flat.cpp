@@ -121,7 +121,27 @@ int layers_at_once(const gl::Context& context, const FlatLevel& level, int most_
       std::min<uint64_t>(most_layers > 0 ? std::min(limit, most_layers) : limit, kMostBytes / layer_bytes));
 }
 
-CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid& grid, int most_layers) {
+// FlatTile::spread of a level of RGBA8 texels.
+float spread_of(const FlatBake& bake, const FlatLevel& level, size_t l, const FlatTile& tile) {
+  const double metres = bake.texel * std::exp2(static_cast<double>(l));
+  double most = 0;
+  for (int y = static_cast<int>(tile.low_y); y < static_cast<int>(tile.high_y); ++y)
+    for (int x = static_cast<int>(tile.low_x); x < static_cast<int>(tile.high_x); ++x) {
+      const auto row = static_cast<size_t>(tile.layer) * static_cast<size_t>(level.height) +
+                       static_cast<size_t>(y + static_cast<int>(tile.offset_y));
+      const size_t at =
+          4 * (row * static_cast<size_t>(level.width) + static_cast<size_t>(x + static_cast<int>(tile.offset_x)));
+      if (level.albedo[at + 3] < 128) continue;
+      const double height = decode_signed(level.surface[at + 3]) * static_cast<double>(bake.radius);
+      const double plane =
+          (static_cast<double>(tile.slope_x) * (x + 0.5) + static_cast<double>(tile.slope_y) * (y + 0.5)) * metres +
+          static_cast<double>(tile.height);
+      most = std::max(most, std::abs(height - plane));
+    }
+  return static_cast<float>(most);
+}
+
+CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid& grid, int most_layers, bool sliced) {
   CharacterTiles out;
   out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
   out.texel = bake.texel;
@@ -143,7 +163,10 @@ CharacterTiles upload(gl::Context& context, const FlatBake& bake, const ViewGrid
   std::vector<std::array<float, 2>> outlines;
   for (size_t i = 0; i < bake.levels.size(); ++i) {
     const FlatLevel& level = bake.levels[i];
-    tiles.insert(tiles.end(), level.tiles.begin(), level.tiles.end());
+    for (const FlatTile& tile : level.tiles) {
+      tiles.push_back(tile);
+      if (sliced) tiles.back().spread = spread_of(bake, level, i, tile);
+    }
     outlines.insert(outlines.end(), level.outlines.begin(), level.outlines.end());
     CharacterTiles::Level& l = out.levels.emplace_back();
     l.corners = level.corners;
@@ -194,6 +217,10 @@ struct DrawOptions {
   int parallax = 0;   // steps of the reprojection by stored depths
   int layers = 0;     // of one array texture, at most; 0: the driver's limit
   FramesBetween between = FramesBetween::nearest;
+  int slices = 0;     // parallel polygons of the finest level; 0: one, and no intervals
+  double overlap = 0;
+  // Half as many of each coarser level, whose texels are as large as the intervals that twice as many would have.
+  int slices_at(size_t level) const { return slices == 0 ? 0 : std::max(slices >> level, 1); }
 };
 
 void check_limits(const gl::Context& context, const FlatBake& bake, const std::string& character,
@@ -265,7 +292,7 @@ class FlatRepresentation : public Representation {
             return bake_flat(context_, character, bank, options, left, progress);
           });
       check_limits(context_, bake, character->name, draw_);
-      characters_.push_back(upload(context_, bake, options.grid, draw_.layers));
+      characters_.push_back(upload(context_, bake, options.grid, draw_.layers, draw_.slices > 0));
     }
     records_ = loader.records();
     filtered_ = page_sampler(context_, GL_LINEAR);
@@ -289,7 +316,10 @@ class FlatRepresentation : public Representation {
         const CharacterTiles::Level& level = tiles.levels[l];
         if (level.arrays.empty()) continue;
         resources.draw_listed(c, order_.at_level(static_cast<int>(l)), [&](uint32_t n) {
-          program(pass, level.corners, tiles.slot_bits, tiles.glows).use();
+          const int slices = draw_.slices_at(l);
+          const gl::Program& used = program(pass, level.corners, tiles.slot_bits, tiles.glows, slices);
+          used.use();
+          if (slices > 0) used.set(CB_LOCATION_OVERLAP, static_cast<float>(draw_.overlap));
           // Every array is offered all agents and shows those whose tile it holds; nearly all bakes have one.
           for (const CharacterTiles::Array& array : level.arrays) {
             array.table.bind(GL_UNIFORM_BUFFER, CB_UNIFORM_TABLE);
@@ -301,7 +331,7 @@ class FlatRepresentation : public Representation {
             if (const auto& moved_by = tiles.levels[motion_level(l, tiles.levels.size())].arrays;
                 !moved_by.empty() && moved_by[0].motion)
               moved_by[0].motion.bind(CB_FLAT_TEXTURE_MOTION);
-            draw_polygons(draw_.blend ? 4 : level.corners, n);
+            draw_polygons(draw_.blend ? 4 : level.corners, n * static_cast<uint32_t>(std::max(slices, 1)));
           }
         });
       }
@@ -364,7 +394,8 @@ class FlatRepresentation : public Representation {
 
   uint64_t triangles(size_t character) const override {
     const auto& levels = characters_[character].levels;
-    return levels.empty() ? 0 : static_cast<uint64_t>(levels[0].corners) - 2;
+    const auto polygons = static_cast<uint64_t>(std::max(draw_.slices, 1));
+    return levels.empty() ? 0 : polygons * (static_cast<uint64_t>(levels[0].corners) - 2);
   }
 
   double texel_metres(size_t character) const override { return characters_[character].texel; }
@@ -389,6 +420,7 @@ class FlatRepresentation : public Representation {
     int corners;
     int slot_bits;
     bool glows;
+    int slices;
     auto operator<=>(const Variant&) const = default;
   };
   struct Polygons {
@@ -419,8 +451,8 @@ class FlatRepresentation : public Representation {
     }
   }
 
-  const gl::Program& program(const Pass& pass, int corners, int slot_bits, bool glows) {
-    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, slot_bits, glows};
+  const gl::Program& program(const Pass& pass, int corners, int slot_bits, bool glows, int slices) {
+    const Variant v{pass.ids, pass.touched, pass.texels, pass.dithered, corners, slot_bits, glows, slices};
     auto found = programs_.find(v);
     if (found == programs_.end()) {
       gl::Defines defines = {{"CB_CORNERS", std::to_string(corners)},
@@ -428,6 +460,7 @@ class FlatRepresentation : public Representation {
                              {"CB_BETWEEN", std::to_string(static_cast<int>(draw_.between))}};
       if (slot_bits > 0) defines.emplace_back("CB_SLOT_BITS", std::to_string(slot_bits));
       if (glows) defines.emplace_back("CB_EMISSIVE", "");
+      if (slices > 0) defines.emplace_back("CB_SLICES", std::to_string(slices));
       if (v.ids) defines.emplace_back("CB_IDS", "");
       if (v.touched) defines.emplace_back("CB_TOUCHED", "");
       if (draw_.nailboard) defines.emplace_back("CB_NAILBOARD", "");
@@ -466,6 +499,12 @@ FramesBetween read_between(const OptionReader& reader) {
 }
 
 }  // namespace
+
+std::unique_ptr<Representation> make_flat_slices(const MakeContext& make, const FlatBakeOptions& options,
+                                                 const FlatSlices& slices) {
+  const DrawOptions draw{.floor = slices.floor, .slices = slices.most, .overlap = slices.overlap};
+  return std::make_unique<FlatRepresentation>(make, options, draw);
+}
 
 FlatBakeOptions flat_bake_options(const Spec& spec) {
   const OptionReader reader(flat_type, spec);

@@ -28,6 +28,10 @@ layout(location = 6) flat in vec4 v_bounds;
 #if CB_PARALLAX > 0
 layout(location = 7) flat in vec3 v_parallax[2];
 #endif
+#ifdef CB_SLICES
+layout(location = 9) flat in vec2 v_interval;
+layout(location = 10) in float v_plane;
+#endif
 #if CB_BETWEEN > 0
 layout(location = 9) flat in vec4 v_between[4];
 #endif
@@ -98,6 +102,10 @@ void main() {
   write_output(albedo.rgb * albedo.rgb, v_id);
 #else
   vec4 surface = surface_at(texel);
+#ifdef CB_SLICES
+  float over = (surface.a * 255.0 - 128.0) / 127.0 * table.centre.w - v_plane;
+  if (over < v_interval.x || over >= v_interval.y) discard;
+#endif
 #if CB_BETWEEN == 1 || CB_BETWEEN == 3
   vec4 other_surface = surface_at(other_texel);
 #endif

@@ -1,7 +1,8 @@
 #version 450 core
 // One convex polygon an agent: picks the tile for the direction from the capture centre to the eye, and lays the tile's
 // outline on the tile's own plane, turned with the agent and not towards the screen, so that an agent seen from above
-// does not lean. CB_CORNERS vertices an agent, in strip order.
+// does not lean. CB_CORNERS vertices an agent, in strip order. With CB_SLICES as many polygons an agent, parallel to that plane, each
+// for the texels whose stored depth lies in its own interval.
 #include "renderers/flat/flat_records.glsl"
 
 layout(location = 0) out vec2 v_texel;              // page coordinates in [0, 1]
@@ -23,9 +24,19 @@ layout(location = 7) flat out vec3 v_parallax[2];   // ParallaxView
 #if CB_BETWEEN > 0
 layout(location = 9) flat out vec4 v_between[4];    // Between
 #endif
+#ifdef CB_SLICES
+layout(location = 9) flat out vec2 v_interval;      // heights over the tile's plane that are shown, metres
+layout(location = 10) out float v_plane;            // height of that plane over the capture plane
+layout(location = CB_LOCATION_OVERLAP) uniform float overlap;
+#endif
 
 void main() {
+#ifdef CB_SLICES
+  uint slot = uint(gl_VertexID) / uint(CB_CORNERS * CB_SLICES);
+  uint slice = uint(gl_VertexID) / uint(CB_CORNERS) % uint(CB_SLICES);
+#else
   uint slot = uint(gl_VertexID) / uint(CB_CORNERS);
+#endif
   uint corner = uint(gl_VertexID) % uint(CB_CORNERS);
   Agent agent = listed_agent(slot);
   vec2 heading = agent.heading;
@@ -59,6 +70,14 @@ void main() {
   vec3 to_eye = cross(right, up);
   vec3 on_capture = right * (side * metres.x) + up * metres.y;
   float height = plane.x * metres.x + plane.y * metres.y + plane.z;
+#ifdef CB_SLICES
+  v_plane = height;
+  float thick = 2.0 * plane.w / float(CB_SLICES);
+  float low = float(slice) * thick - plane.w;
+  v_interval = vec2(slice == 0u ? -1e9 : low - overlap * thick,
+                    slice + 1u == uint(CB_SLICES) ? 1e9 : low + (1.0 + overlap) * thick);
+  height += low + 0.5 * thick;
+#endif
   vec3 world = centre + agent.scale * turn(on_capture + to_eye * height, heading);
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
 

@@ -49,7 +49,7 @@ struct FlatTile {
   float slope_x = 0;
   float slope_y = 0;
   float height = 0;
-  float unused = 0;
+  float spread = 0;  // metres that what is stored lies before or behind the plane, at most; reckoned where it is needed
   float low_x = 0, low_y = 0, high_x = 0, high_y = 0;  // what holds the tile without its gutter, lattice coordinates
 };
 

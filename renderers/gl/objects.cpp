@@ -87,7 +87,8 @@ TexelSize texel_size(unsigned format) {
     case GL_DEPTH_COMPONENT32F: return {4, 1};
     case GL_RGBA16:
     case GL_RGBA16F:
-    case GL_RG32F: return {8, 1};
+    case GL_RG32F:
+    case GL_RG32UI: return {8, 1};
     case GL_RGBA32F:
     case GL_RGBA32UI: return {16, 1};
     case GL_COMPRESSED_RGB_S3TC_DXT1_EXT:

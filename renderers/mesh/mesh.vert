@@ -3,7 +3,8 @@
 //   CB_STATIC       positions already posed, in model space
 //   CB_SKINNED      vertices that skin.comp wrote, in the world, a slot an instance
 //   CB_SHARED_POSE  the same in model space, one slot for all
-// CB_DEPTH: a pass that writes depth alone. CB_INVARIANT: such a pass and others of the same frame agree to the bit.
+//   CB_CACHED_POSES the same, each instance a blend of two slots
+// CB_TILE: an instance goes to its own tile of a page, lit as in the picture. CB_DEPTH: a pass that writes depth alone. CB_INVARIANT: such a pass and others of the same frame agree to the bit.
 #include "renderers/shaders/frame.glsl"
 
 #ifdef CB_INVARIANT
@@ -18,11 +19,15 @@ invariant gl_Position;
 layout(location = CB_ATTRIBUTE_POSITION) in vec4 in_position;  // w: the material's index
 layout(location = CB_ATTRIBUTE_NORMAL) in vec4 in_normal;
 layout(location = CB_ATTRIBUTE_UV) in vec2 in_uv;
-#if defined(CB_SKINNED) || defined(CB_SHARED_POSE)
+#if defined(CB_SKINNED) || defined(CB_SHARED_POSE) || defined(CB_CACHED_POSES)
 #include "renderers/mesh/skinned_vertex.glsl"
 layout(binding = CB_TEXTURE_SKINNED) uniform usamplerBuffer skinned;
 layout(location = CB_LOCATION_VERTICES) uniform uint vertices;
+#ifdef CB_CACHED_POSES
+layout(binding = CB_TEXTURE_BLENDS) uniform usamplerBuffer blends;
+#else
 layout(location = CB_LOCATION_SLOT) uniform uint slot;
+#endif
 #elif !defined(CB_STATIC)
 layout(location = CB_ATTRIBUTE_JOINTS) in uvec4 in_joints;
 layout(location = CB_ATTRIBUTE_WEIGHTS) in vec4 in_weights;
@@ -40,6 +45,9 @@ layout(location = 4) CB_WITHIN out vec2 v_emissive_uv;
 layout(location = CB_ATTRIBUTE_AGENT) in uint in_agent;
 #ifdef CB_CAPTURE
 #include "renderers/impostor/tiles/capture.glsl"
+#endif
+#ifdef CB_TILE
+layout(binding = CB_TEXTURE_TILE_ROWS) uniform samplerBuffer tile_rows;  // four an instance: clip space from the world
 #endif
 
 #ifndef CB_DEPTH
@@ -66,11 +74,18 @@ void main() {
   uvec4 record = texelFetch(skinned, int((slot + uint(gl_InstanceID)) * vertices) + gl_VertexID);
   world = skinned_position(record);
   normal = skinned_normal(record);
-#elif defined(CB_STATIC) || defined(CB_SHARED_POSE)
+#elif defined(CB_STATIC) || defined(CB_SHARED_POSE) || defined(CB_CACHED_POSES)
 #ifdef CB_SHARED_POSE
   uvec4 record = texelFetch(skinned, int(slot * vertices) + gl_VertexID);
   vec3 model = skinned_position(record);
   vec3 model_normal = skinned_normal(record);
+#elif defined(CB_CACHED_POSES)
+  uvec2 pair = texelFetch(blends, gl_InstanceID).xy;
+  uvec4 record = texelFetch(skinned, int((pair.x & 0xffffu) * vertices) + gl_VertexID);
+  uvec4 after = texelFetch(skinned, int((pair.x >> 16u) * vertices) + gl_VertexID);
+  float blend = uintBitsToFloat(pair.y);
+  vec3 model = mix(skinned_position(record), skinned_position(after), blend);
+  vec3 model_normal = mix(skinned_normal(record), skinned_normal(after), blend);
 #else
   vec3 model = in_position.xyz;
   vec3 model_normal = in_normal.xyz;
@@ -116,7 +131,14 @@ void main() {
   v_place_flat = vec4(capture_normal(view, world), in_normal.w);
 #endif
 #else
+#ifdef CB_TILE
+  vec4 place = vec4(world, 1.0);
+  int row = gl_InstanceID * 4;
+  gl_Position = vec4(dot(texelFetch(tile_rows, row), place), dot(texelFetch(tile_rows, row + 1), place),
+                     dot(texelFetch(tile_rows, row + 2), place), dot(texelFetch(tile_rows, row + 3), place));
+#else
   gl_Position = frame.clip_from_world * vec4(world, 1.0);
+#endif
 #ifdef CB_FLAT_NORMALS
   v_place_flat = vec4(world, in_normal.w);
 #endif

@@ -158,13 +158,13 @@ CharacterMesh upload_mesh(gl::Context& context, const scene::Character& characte
         {CB_ATTRIBUTE_NORMAL, 4, GL_INT_2_10_10_10_REV, true, false, offsetof(V, normal)},
         {CB_ATTRIBUTE_UV, 2, GL_FLOAT, false, false, offsetof(V, uv)},
     };
-    if (use == MeshUse::skinned || use == MeshUse::capture) {
+    if (use == MeshUse::skinned || use == MeshUse::cached_poses || use == MeshUse::capture) {
       attributes.push_back({CB_ATTRIBUTE_JOINTS, 4, GL_UNSIGNED_SHORT, false, true, offsetof(V, joints)});
       attributes.push_back({CB_ATTRIBUTE_WEIGHTS, 4, GL_UNSIGNED_SHORT, true, false, offsetof(V, weights)});
     }
     out.vertex_array = gl::VertexArray(context, out.vertices, sizeof(V), attributes, &out.indices);
   }
-  if (use == MeshUse::preskinned || use == MeshUse::shared_pose) {
+  if (use == MeshUse::preskinned || use == MeshUse::shared_pose || use == MeshUse::cached_poses) {
     out.rest = gl::Buffer(context, rest_vertices(data));
     out.rest_texels = gl::Texture::make_buffer(context, GL_RGBA32UI, out.rest);
   }
@@ -243,6 +243,8 @@ const gl::Program& MeshDraw::program(const Variant& v) {
     define(use_ == MeshUse::static_pose || use_ == MeshUse::stored_poses, "CB_STATIC");
     define(use_ == MeshUse::preskinned, "CB_SKINNED");
     define(use_ == MeshUse::shared_pose, "CB_SHARED_POSE");
+    define(use_ == MeshUse::cached_poses, "CB_CACHED_POSES");
+    define(use_ == MeshUse::tile, "CB_TILE");
     define(use_ == MeshUse::capture, "CB_CAPTURE");
     define(passes_ > 1, "CB_INVARIANT");
     define(v.depth, "CB_DEPTH");
@@ -303,11 +305,11 @@ void MeshDraw::draw_group(const CharacterMesh& mesh, const MeshGroup& group, con
                       mesh.has_emissive_uvs && emissive_array >= 0, group.base_array >= 0, emissive_array >= 0,
                       group.double_sided, mesh.has_flat, group.masked, pass.samples > 1, false});
   p.use();
-  if (use_ == MeshUse::skinned || use_ == MeshUse::capture) p.set(CB_LOCATION_JOINTS, mesh.joints);
-  if (use_ == MeshUse::preskinned || use_ == MeshUse::shared_pose) {
+  if (use_ == MeshUse::skinned || use_ == MeshUse::tile || use_ == MeshUse::capture)
+    p.set(CB_LOCATION_JOINTS, mesh.joints);
+  if (use_ == MeshUse::preskinned || use_ == MeshUse::shared_pose || use_ == MeshUse::cached_poses)
     p.set(CB_LOCATION_VERTICES, mesh.vertex_count);
-    p.set(CB_LOCATION_SLOT, slot);
-  }
+  if (use_ == MeshUse::preskinned || use_ == MeshUse::shared_pose) p.set(CB_LOCATION_SLOT, slot);
   const auto bind_array = [&](int array, unsigned unit) {
     if (array < 0) return;
     mesh.textures[static_cast<size_t>(array)].bind(unit);

@@ -15,9 +15,20 @@
 namespace crowdbench::renderers {
 
 // What is drawn: the skinned mesh; the mesh in one static pose (the skinned mesh's floor), in stored poses, in slots of
-// a SkinnedBuffer (skinned_buffer.h) of which every agent has its own (`preskinned`, places in the world) or all of a
-// draw share one (`shared_pose`, in model space); or the maps that bakes are made of.
-enum class MeshUse : uint8_t { skinned, static_pose, stored_poses, preskinned, shared_pose, capture };
+// a SkinnedBuffer (skinned_buffer.h) of which every agent has its own (`preskinned`, places in the world), all of a
+// draw share one (`shared_pose`, in model space) or each blends two (`cached_poses`; uploaded so, it may be drawn
+// skinned as well); skinned to tiles of a page (`tile`; uploaded as the skinned mesh is); or the maps that bakes are
+// made of.
+enum class MeshUse : uint8_t {
+  skinned,
+  static_pose,
+  stored_poses,
+  preskinned,
+  shared_pose,
+  cached_poses,
+  tile,
+  capture
+};
 
 // One character's mesh on the GPU.
 struct CharacterMesh {
@@ -58,7 +69,8 @@ class MeshDraw {
   MeshDraw(gl::Context& context, MeshUse use, int passes = 1) : context_(context), use_(use), passes_(passes) {}
   // Draws `count` agents of the list from position `first` on (FrameResources::list(), within a draw callback). Leaves
   // face culling as the last group wants it: `done` puts that and the samplers back. pose: which of the stored ones;
-  // of a SkinnedBuffer, which must be bound, the first slot.
+  // of a SkinnedBuffer, which must be bound, the first slot. Of cached_poses `first` is 0, and instance i blends what
+  // texel i of CB_TEXTURE_BLENDS says; tiles have four texels an instance of CB_TEXTURE_TILE_ROWS.
   void draw(const CharacterMesh& mesh, const Pass& pass, const gl::Buffer& list, uint32_t first, uint32_t count,
             uint32_t pose = 0);
   static void done();

@@ -1,6 +1,6 @@
 #version 450 core
 // Linear blend skinning into a buffer, once a frame, for draws that then read places and normals: invocation (v, s)
-// writes vertex v of slot s by palette first + s.
+// writes vertex v of slot `slot` + s by palette first + s.
 #include "renderers/shaders/palette.glsl"
 #include "renderers/mesh/skinned_vertex.glsl"
 
@@ -10,6 +10,7 @@ layout(std430, binding = CB_STORAGE_SKINNED) writeonly restrict buffer Skinned {
 layout(location = CB_LOCATION_FIRST) uniform uint first;
 layout(location = CB_LOCATION_JOINTS) uniform uint joints;
 layout(location = CB_LOCATION_VERTICES) uniform uint vertices;
+layout(location = CB_LOCATION_SLOT) uniform uint slot;
 
 // A component of a 10:10:10 normal as the vertex fetch reads it.
 float normal_component(uint bits, int at) {
@@ -29,7 +30,7 @@ void main() {
   vec4 row0 = w.x * palette_row(at.x) + w.y * palette_row(at.y) + w.z * palette_row(at.z) + w.w * palette_row(at.w);
   vec4 row1 = w.x * palette_row(at.x + 1u) + w.y * palette_row(at.y + 1u) + w.z * palette_row(at.z + 1u) + w.w * palette_row(at.w + 1u);
   vec4 row2 = w.x * palette_row(at.x + 2u) + w.y * palette_row(at.y + 2u) + w.z * palette_row(at.z + 2u) + w.w * palette_row(at.w + 2u);
-  skinned[gl_WorkGroupID.y * vertices + vertex] =
+  skinned[(slot + gl_WorkGroupID.y) * vertices + vertex] =
       skinned_record(vec3(dot(row0, p), dot(row1, p), dot(row2, p)),
                      vec3(dot(row0.xyz, n), dot(row1.xyz, n), dot(row2.xyz, n)));
 }

@@ -29,26 +29,33 @@ uint32_t SkinnedBuffer::capacity(const CharacterMesh& mesh) const {
   return static_cast<uint32_t>(std::clamp<uint64_t>(block_ / slot, 1, kMostSlots));
 }
 
-void SkinnedBuffer::skin(const CharacterMesh& mesh, uint32_t first, uint32_t count) {
-  assert(count > 0 && count <= capacity(mesh));
-  const size_t bytes = size_t{count} * mesh.vertex_count * kSkinnedVertexBytes;
-  if (buffer_.size() < bytes) {
-    texels_ = gl::Texture();
-    buffer_ = gl::Buffer();
-    buffer_ = gl::Buffer(context_, bytes);
-    texels_ = gl::Texture::make_buffer(context_, GL_RGBA32UI, buffer_);
-  }
+void SkinnedBuffer::reserve(const CharacterMesh& mesh, uint32_t slots) {
+  assert(slots > 0 && slots <= capacity(mesh));
+  const size_t bytes = size_t{slots} * mesh.vertex_count * kSkinnedVertexBytes;
+  if (buffer_.size() >= bytes) return;
+  texels_ = gl::Texture();
+  buffer_ = gl::Buffer();
+  buffer_ = gl::Buffer(context_, bytes);
+  texels_ = gl::Texture::make_buffer(context_, GL_RGBA32UI, buffer_);
+}
+
+void SkinnedBuffer::bind() const { texels_.bind(CB_TEXTURE_SKINNED); }
+
+void SkinnedBuffer::skin(const CharacterMesh& mesh, uint32_t first, uint32_t count, uint32_t slot) {
+  assert(count > 0);
+  reserve(mesh, slot + count);
   mesh.rest_texels.bind(CB_TEXTURE_REST);
   buffer_.bind(GL_SHADER_STORAGE_BUFFER, CB_STORAGE_SKINNED);
   program_.use();
   program_.set(CB_LOCATION_FIRST, first);
   program_.set(CB_LOCATION_JOINTS, mesh.joints);
   program_.set(CB_LOCATION_VERTICES, mesh.vertex_count);
+  program_.set(CB_LOCATION_SLOT, slot);
   // Draws of an earlier call may still read this buffer.
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glDispatchCompute((mesh.vertex_count + kGroup - 1) / kGroup, count, 1);
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-  texels_.bind(CB_TEXTURE_SKINNED);
+  bind();
 }
 
 }  // namespace crowdbench::renderers

@@ -18,10 +18,15 @@ class SkinnedBuffer {
   explicit SkinnedBuffer(gl::Context& context, uint64_t block = uint64_t{128} << 20);
   // Slots, each one posed mesh, that fit: at least 1.
   uint32_t capacity(const CharacterMesh& mesh) const;
-  // Skins slots 0 .. count - 1 by palettes first, first + 1, ... of those bound to CB_TEXTURE_PALETTE, and binds the
-  // result to CB_TEXTURE_SKINNED until the next call. Places are where the palettes put them. mesh: uploaded for
-  // MeshUse::preskinned or shared_pose. 0 < count <= capacity(mesh).
-  void skin(const CharacterMesh& mesh, uint32_t first, uint32_t count);
+  // Makes room for so many slots at once, so that those skinned stay until they are skinned anew: growing forgets them
+  // all. 0 < slots <= capacity(mesh).
+  void reserve(const CharacterMesh& mesh, uint32_t slots);
+  // Skins slots slot .. slot + count - 1 by palettes first, first + 1, ... of those bound to CB_TEXTURE_PALETTE, and
+  // binds the result to CB_TEXTURE_SKINNED until the next call. Places are where the palettes put them. mesh: uploaded
+  // for MeshUse::preskinned, shared_pose or cached_poses. 0 < count, slot + count <= capacity(mesh).
+  void skin(const CharacterMesh& mesh, uint32_t first, uint32_t count, uint32_t slot = 0);
+  // Binds what was skinned to CB_TEXTURE_SKINNED.
+  void bind() const;
   // Grows with what is skinned and never shrinks.
   uint64_t bytes() const { return buffer_.size(); }
 

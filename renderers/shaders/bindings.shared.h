@@ -21,6 +21,8 @@
 #define CB_TEXTURE_MATERIALS 2  // texels of the character being drawn (mesh)
 #define CB_TEXTURE_REST 3       // vertices of the character being skinned into a buffer (skin.comp)
 #define CB_TEXTURE_SKINNED 4    // what that wrote
+#define CB_TEXTURE_BLENDS 5     // of each instance: two slots of that, 16 bits each, and the blend (mesh.vert)
+#define CB_TEXTURE_TILE_ROWS 6  // of each instance: the rows of the matrix to its tile (mesh.vert)
 #define CB_TEXTURE_TILES 9      // tiles of the character being drawn: where they lie (flat)
 #define CB_TEXTURE_OUTLINES 10  // corners of the tiles' outlines (flat)
 #define CB_TEXTURE_VIEWS 11     // the planes of a view grid (flat)
@@ -38,6 +40,7 @@
 #define CB_LOCATION_SLOT 4      // uint: slot of skinned vertices that the first instance reads
 #define CB_LOCATION_RADIUS 5    // float: metres that a surfel's disc reaches
 #define CB_LOCATION_SAMPLES 6   // float: samples of the target along a pixel of the picture
+#define CB_LOCATION_OVERLAP 7   // float: share of a slice's depth that it shows of each neighbour's
 
 // Vertex attributes of the mesh.
 #define CB_ATTRIBUTE_POSITION 0  // vec3 position, w = the material's index

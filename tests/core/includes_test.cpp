@@ -91,7 +91,9 @@ const std::set<std::string>& representation_doors() {
   return shared;
 }
 const Doors& doors_between_representations() {
-  static const Doors all = {{"preskinned", {"mesh"}}, {"pseudo", {"mesh"}}, {"rigid", {"mesh"}}, {"surfel", {"mesh"}}};
+  static const Doors all = {{"dynamic", {"mesh"}},    {"layered", {"flat"}}, {"posecache", {"mesh"}},
+                            {"preskinned", {"mesh"}}, {"pseudo", {"mesh"}},  {"rigid", {"mesh"}},
+                            {"surfel", {"mesh"}}};
   return all;
 }
 

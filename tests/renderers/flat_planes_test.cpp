@@ -1,4 +1,4 @@
-// Where flat impostors stand and how deep: their planes, nailboards, and the blend of three views.
+// Where flat impostors stand and how deep: their planes, nailboards, the blend of three views, and parallel layers.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,10 +10,12 @@
 #include "renderers/impostor/tiles/plane.h"
 #include "renderers/impostor/tiles/tile_capture.h"
 #include "renderers/impostor/views/view_grid.h"
+#include "renderers/layered/layered.h"
 #include "scene/cast/cast.h"
 #include "scene/pose/hidden.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
+#include "tests/support/cache_folder.h"
 #include "tests/support/sanitized.h"
 
 namespace crowdbench::renderers {
@@ -408,6 +410,63 @@ TEST_F(FlatGl, ParallaxShowsWhatTheEyeSeesBetweenStoredViews) {
     ASSERT_GT(pixels, 3000);
     EXPECT_LT(off / pixels, 0.03) << "metres";
   }
+}
+
+// Views 45 degrees apart, at elevations of 0 and 90 degrees; one bake for all.
+class LayeredGl : public testing::GlTest {
+ protected:
+  static Capture draw(const std::string& spec, double azimuth) {
+    const scene::Frame frame = testing::frame_from(walker(), {.azimuth = azimuth, .elevation = 8});
+    Renderer renderer(context(), walker());
+    return renderer.capture(frame, *testing::make(walker(), spec, {.use_cache = true}));
+  }
+  static testing::Difference against_mesh(const std::string& spec, double azimuth) {
+    return testing::difference(draw("mesh", azimuth), draw(spec, azimuth));
+  }
+  support::CacheFolder bakes_;
+};
+
+const std::string kLayeredTiles = "views=sphere-8x2,frames=2";
+
+TEST_F(LayeredGl, OneLayerIsTheFlatImpostor) {
+  EXPECT_EQ(draw("layered:slices=1," + kLayeredTiles, 20), draw("flat:" + kLayeredTiles, 20));
+}
+
+// Every texel is in a layer: from a stored view they close, and each has the depth of its own.
+TEST_F(LayeredGl, LayersHoldAllThatIsStored) {
+  const testing::Difference flat = against_mesh("flat:" + kLayeredTiles, 0);
+  const testing::Difference layered = against_mesh("layered:" + kLayeredTiles, 0);
+  EXPECT_NEAR(layered.drawn, flat.drawn, 0.04 * flat.drawn);
+  EXPECT_LE(layered.holes, flat.holes + 2);
+  EXPECT_LT(layered.mean_depth, 0.6 * flat.mean_depth);
+}
+
+// Between stored views layers move against each other as the surface does.
+TEST_F(LayeredGl, BetweenViewsLayersAreNearerToTheMesh) {
+  double flat = 0;
+  double layered = 0;
+  for (const double azimuth : {15.0, 110.0, 250.0}) {
+    flat += against_mesh("flat:" + kLayeredTiles, azimuth).iou / 3;
+    layered += against_mesh("layered:" + kLayeredTiles, azimuth).iou / 3;
+  }
+  EXPECT_GT(layered, flat + 0.01);
+}
+
+TEST_F(LayeredGl, OverlapClosesCracks) {
+  const auto holes = [&](const char* overlap) {
+    int sum = 0;
+    for (const double azimuth : {20.0, 112.0, 245.0})
+      sum += against_mesh("layered:overlap=" + std::string(overlap) + "," + kLayeredTiles, azimuth).holes;
+    return sum;
+  };
+  EXPECT_GT(holes("0"), holes("0.5") + 5);
+}
+
+TEST_F(LayeredGl, TrianglesAreThoseOfAllLayers) {
+  const auto flat = testing::make(walker(), "flat:" + kLayeredTiles, {.use_cache = true});
+  const auto layered = testing::make(walker(), "layered:slices=5," + kLayeredTiles, {.use_cache = true});
+  EXPECT_EQ(layered->triangles(0), 5 * flat->triangles(0));
+  EXPECT_EQ(layered->footprint().texture_bytes, flat->footprint().texture_bytes) << "the same tiles";
 }
 
 }  // namespace

@@ -74,6 +74,7 @@ TEST_P(SamplesGl, SmoothOutlinesAsSupersamplingDoes) {
 
 INSTANTIATE_TEST_SUITE_P(Families, SamplesGl,
                          ::testing::Values("mesh", "rigid:poses=8", "preskinned:passes=2", "pseudo", "surfel",
+                                           "posecache:keys=4", "dynamic:ratio=2", "layered:views=sphere-8x2,frames=4",
                                            "flat:views=sphere-8x2,frames=4,texels=128",
                                            "polypostor:views=sphere-8x2,frames=4,texels=128", "relief:map=64",
                                            "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=128),distance=6.2)"),

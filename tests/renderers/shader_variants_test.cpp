@@ -96,6 +96,8 @@ void draw_everything() {
     draw(cast, "mesh:passes=2", {kIds});
     draw(cast, "preskinned", {kIds});
     draw(cast, "pseudo", {kIds});
+    draw(cast, "posecache", {kIds});
+    draw(cast, "dynamic", kEveryPass);
     draw(cast, "surfel:points=64", kEveryPass);
     draw(cast, "surfel:points=64,floor=1", {kIds});
   }
@@ -107,6 +109,7 @@ void draw_everything() {
   draw(glowing, flat, kEveryPass);
   draw(glowing, flat + ",frames_between=move_blend", kEveryPass);
   draw(glowing, polypostor, kEveryPass);
+  draw(glowing, "layered:views=sphere-4x1,frames=2,texels=32", kEveryPass);
   draw(glowing, relief, kEveryPass);
   for (const char* options : {"",
                               ",compress=bc",
