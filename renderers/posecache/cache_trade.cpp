@@ -64,7 +64,7 @@ BlendError blend_error(const scene::Character& character, const scene::PoseBank&
 }
 
 CacheTrade cache_trade(const scene::PoseBank& bank, const std::vector<KeyCircle>& circles, uint32_t slots,
-                       KeyChoice choice, double keep, uint32_t agents) {
+                       KeyRule choice, double keep, uint32_t agents) {
   CacheTrade out;
   const uint32_t keys = key_count(circles);
   PoseSlots cache(keys, slots);

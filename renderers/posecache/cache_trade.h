@@ -30,6 +30,6 @@ struct CacheTrade {
   double skinned = 0;  // key poses
 };
 CacheTrade cache_trade(const scene::PoseBank& bank, const std::vector<KeyCircle>& circles, uint32_t slots,
-                       KeyChoice choice, double keep, uint32_t agents);
+                       KeyRule choice, double keep, uint32_t agents);
 
 }  // namespace crowdbench::renderers

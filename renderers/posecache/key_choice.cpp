@@ -202,7 +202,7 @@ KeySet choose_exact(const KeyDemand& demand, uint32_t most) {
   return set;
 }
 
-KeySet choose_keys(const KeyDemand& demand, uint32_t most, KeyChoice choice) {
+KeySet choose_keys(const KeyDemand& demand, uint32_t most, KeyRule choice) {
   if (demand.fresh_cost == 0) {
     KeySet needed(demand.agents.size(), 0);
     for (const KeyCircle& circle : demand.circles)
@@ -211,9 +211,9 @@ KeySet choose_keys(const KeyDemand& demand, uint32_t most, KeyChoice choice) {
     if (std::accumulate(needed.begin(), needed.end(), 0U) <= most) return needed;
   }
   switch (choice) {
-    case KeyChoice::popular: return choose_popular(demand, most);
-    case KeyChoice::exact: return choose_exact(demand, most);
-    case KeyChoice::greedy: break;
+    case KeyRule::popular: return choose_popular(demand, most);
+    case KeyRule::exact: return choose_exact(demand, most);
+    case KeyRule::greedy: break;
   }
   return choose_greedy(demand, most);
 }

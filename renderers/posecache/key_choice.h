@@ -50,8 +50,8 @@ KeySet choose_greedy(const KeyDemand& demand, uint32_t most);
 KeySet choose_popular(const KeyDemand& demand, uint32_t most);
 KeySet choose_exact(const KeyDemand& demand, uint32_t most);
 
-enum class KeyChoice : uint8_t { greedy, popular, exact };
+enum class KeyRule : uint8_t { greedy, popular, exact };
 // All that somebody needs, where they fit and cost nothing; else by the rule.
-KeySet choose_keys(const KeyDemand& demand, uint32_t most, KeyChoice choice);
+KeySet choose_keys(const KeyDemand& demand, uint32_t most, KeyRule choice);
 
 }  // namespace crowdbench::renderers

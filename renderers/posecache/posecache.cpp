@@ -26,7 +26,7 @@ struct PoseCacheOptions {
   uint32_t poses = 0;  // places of a character's cache
   double mib = 0;      // instead; 0: as `poses` says
   uint32_t keys = 0;   // of a clip that moves; 0: as many as the bank has samples
-  KeyChoice choice = KeyChoice::greedy;
+  KeyRule choice = KeyRule::greedy;
   double keep = 0;
   int passes = 1;
   bool misses = false;  // draw nobody else
@@ -324,7 +324,7 @@ const RepresentationType posecache_type = {
       options.poses = static_cast<uint32_t>(reader.integer("poses", 1, 65536));
       options.mib = reader.number("mib", 0, 4096);
       options.keys = static_cast<uint32_t>(reader.integer("keys", 0, 1024));
-      options.choice = static_cast<KeyChoice>(reader.choice("choice", {"greedy", "popular", "exact"}));
+      options.choice = static_cast<KeyRule>(reader.choice("choice", {"greedy", "popular", "exact"}));
       options.keep = reader.number("keep", 0, 1000);
       options.passes = static_cast<int>(reader.integer("passes", 1, 16));
       options.misses = reader.choice("debug", {"none", "misses"}) == 1;

@@ -46,7 +46,7 @@ TEST(KeyPlace, IsTheIntervalOnTheCircle) {
 
 // Five agents beside each other, and four and four about one key pose: with three places the rule that takes the best
 // next step takes the five, and cannot use the third place.
-TEST(KeyChoice, RulesAsByHand) {
+TEST(KeyRule, RulesAsByHand) {
   const KeyDemand d = demand_of({{0, 6}}, {5, 0, 0, 4, 4, 0});
   EXPECT_EQ(choose_greedy(d, 2), (KeySet{1, 1, 0, 0, 0, 0}));
   EXPECT_EQ(choose_greedy(d, 3), (KeySet{1, 1, 0, 0, 0, 0}));
@@ -55,7 +55,7 @@ TEST(KeyChoice, RulesAsByHand) {
   EXPECT_EQ(choose_popular(d, 3), (KeySet{1, 1, 0, 0, 1, 0})) << "four is beside most, its neighbours are not taken";
   EXPECT_EQ(choose_greedy(d, 5), (KeySet{1, 1, 0, 1, 1, 1}));
   EXPECT_EQ(choose_greedy(d, 1), (KeySet(6, 0))) << "one alone completes no interval";
-  EXPECT_EQ(choose_keys(d, 5, KeyChoice::popular), (KeySet{1, 1, 0, 1, 1, 1})) << "all that are needed fit";
+  EXPECT_EQ(choose_keys(d, 5, KeyRule::popular), (KeySet{1, 1, 0, 1, 1, 1})) << "all that are needed fit";
   // Across the circle's end, and a still clip, which needs one place.
   const KeyDemand two = demand_of({{0, 3}, {3, 1}}, {0, 0, 6, 4});
   EXPECT_EQ(choose_greedy(two, 1), (KeySet{0, 0, 0, 1}));
@@ -63,7 +63,7 @@ TEST(KeyChoice, RulesAsByHand) {
   EXPECT_EQ(choose_greedy(two, 3), (KeySet{1, 0, 1, 1}));
 }
 
-TEST(KeyChoice, WhatMustBeSkinnedFirstCountsLess) {
+TEST(KeyRule, WhatMustBeSkinnedFirstCountsLess) {
   KeyDemand d = demand_of({{0, 6}}, {5, 0, 0, 4, 0, 0}, 1);
   EXPECT_EQ(choose_greedy(d, 2), (KeySet{1, 1, 0, 0, 0, 0}));
   d.cached = {0, 0, 0, 1, 1, 0};
@@ -74,7 +74,7 @@ TEST(KeyChoice, WhatMustBeSkinnedFirstCountsLess) {
 }
 
 // Against all sets there are; and how far the greedy rule stays below.
-TEST(KeyChoice, ExactIsTheBestOfAllSets) {
+TEST(KeyRule, ExactIsTheBestOfAllSets) {
   double worst = 1;
   for (uint64_t trial = 0; trial < 60; ++trial) {
     const auto random = [&](uint64_t index, uint64_t below) {
@@ -137,17 +137,17 @@ TEST(BlendError, IsNoneAtTheBanksSamplesAndFallsWithTheSquare) {
 TEST(CacheTrade, AllAreHitsWhereAllKeyPosesFit) {
   const scene::PoseBank& bank = *walker().banks[0];
   const std::vector<KeyCircle> circles = key_circles(bank, 16);
-  const CacheTrade all = cache_trade(bank, circles, 16, KeyChoice::greedy, 0, 50);
+  const CacheTrade all = cache_trade(bank, circles, 16, KeyRule::greedy, 0, 50);
   EXPECT_DOUBLE_EQ(all.hits, 50);
   EXPECT_EQ(all.skinned, 0);
-  const CacheTrade half = cache_trade(bank, circles, 8, KeyChoice::greedy, 0, 50);
+  const CacheTrade half = cache_trade(bank, circles, 8, KeyRule::greedy, 0, 50);
   EXPECT_GT(half.hits, 15);
   EXPECT_LT(half.hits, 35);
   EXPECT_GT(half.skinned, 0);
-  const CacheTrade exact = cache_trade(bank, circles, 8, KeyChoice::exact, 0, 50);
+  const CacheTrade exact = cache_trade(bank, circles, 8, KeyRule::exact, 0, 50);
   EXPECT_GE(exact.hits, half.hits);
-  EXPECT_LT(cache_trade(bank, circles, 8, KeyChoice::popular, 0, 50).hits, half.hits);
-  EXPECT_LT(cache_trade(bank, circles, 8, KeyChoice::greedy, 40, 50).skinned, half.skinned);
+  EXPECT_LT(cache_trade(bank, circles, 8, KeyRule::popular, 0, 50).hits, half.hits);
+  EXPECT_LT(cache_trade(bank, circles, 8, KeyRule::greedy, 40, 50).skinned, half.skinned);
 }
 
 class PoseCacheGl : public GlTest {};
