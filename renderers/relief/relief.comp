@@ -123,7 +123,7 @@ void main() {
   float depth = max(-centre.z, 2.0 * frame.lens.x);
   float pixel = 2.0 * depth * frame.lens.z * frame.viewport.w;
   float wanted = log2(max(pixel * float(maps.z) / longest, 1e-6));
-  float most = float(maps.w - 1u);
+  float most = float(maps.w - 2u);  // 8 texels a side
   float level = clamp(floor(wanted + LEVEL_BIAS), 0.0, most);
   // Levels of colours, in sixteenths.
   uint colour_level = uint(clamp(wanted * 16.0, 0.0, 127.0));

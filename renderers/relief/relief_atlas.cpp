@@ -1,3 +1,6 @@
+// Based on: error diffusion, Floyd and Steinberg, "An adaptive algorithm for spatial greyscale" (1976), for which
+// texels of a level are covered. Differs from the source: carried along the Z-order of blocks, so that every aligned
+// square of a map keeps its area; within a block the fullest texels are taken, so that outlines stay where they are.
 #include "renderers/relief/relief_atlas.h"
 
 #include <algorithm>
@@ -5,8 +8,10 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "core/colour.h"
+#include "core/random.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -17,6 +22,7 @@ struct Level {
   std::vector<uint16_t> depth;    // [axis][v][u][2]
   std::vector<uint8_t> normal;    // [axis][side][v][u][4]
   std::vector<uint8_t> emission;  // the same; empty where nothing glows
+  std::vector<uint32_t> filled;   // [axis][v][u]: of the texels of level 0 that lie under each, how many are covered
 };
 
 double linear_of(uint8_t code) {
@@ -180,26 +186,90 @@ void halve_face(const Level& from, const Children& children, size_t face, size_t
   normal[3] = from.normal[child(0) + 3];
 }
 
-Level halved(const Level& from) {
+// One map of a halved level, before it is known which of its texels are covered.
+struct Halves {
+  size_t n = 0;
+  std::vector<Children> children;  // of each texel
+  const uint32_t* filled = nullptr;
+  uint32_t full = 1;  // what `filled` is of a texel that is wholly covered
+};
+
+// The texels of a block under which there is anything, the fullest first; equal ones in an order of no pattern.
+std::vector<size_t> ranked(const Halves& map, size_t left, size_t top, size_t side) {
+  std::vector<size_t> order;
+  for (size_t v = top; v < top + side; ++v)
+    for (size_t u = left; u < left + side; ++u)
+      if (map.filled[v * map.n + u] > 0) order.push_back(v * map.n + u);
+  const auto rank = [&](size_t t) {
+    return std::tuple(-int64_t{map.filled[t]}, -map.children[t].count, random_bits(map.n, t, 0));
+  };
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return rank(a) < rank(b); });
+  return order;
+}
+
+// Which texels are covered: those of which at least half is, or in each block of four by four so many more or fewer,
+// the fullest first, that what is covered up to there is the area of level 0 within a texel (of the smallest maps, half
+// of one).
+std::vector<uint8_t> covered_texels(const Halves& map) {
+  const size_t side = std::min<size_t>(map.n, 4);
+  const size_t blocks = map.n / side;
+  const int64_t full = map.full;
+  const int64_t most = map.n > 8 ? full : full / 2;
+  std::vector<uint8_t> covered(map.n * map.n);
+  int64_t owed = 0;  // texels of level 0 that nothing covers yet
+  for (size_t k = 0; k < blocks * blocks; ++k) {
+    size_t left = 0;
+    size_t top = 0;
+    for (size_t bit = 0; blocks >> bit != 0; ++bit) {
+      left |= (k >> (2 * bit) & 1) << bit;
+      top |= (k >> (2 * bit + 1) & 1) << bit;
+    }
+    const std::vector<size_t> order = ranked(map, left * side, top * side, side);
+    for (const size_t t : order) owed += map.filled[t];
+    for (const size_t t : order) {
+      if (map.children[t].count == 0) continue;  // has no depth
+      const bool half = 2 * int64_t{map.filled[t]} >= full;
+      if (half ? owed - full < -most : owed <= most) break;
+      covered[t] = 1;
+      owed -= full;
+    }
+  }
+  return covered;
+}
+
+// Of each of the texels of three halved maps, how much lies under it.
+std::vector<uint32_t> filled_of(const Level& from) {
+  const size_t n = from.n / 2;
+  std::vector<uint32_t> filled(3 * n * n);
+  for (size_t i = 0; i < from.filled.size(); ++i) {
+    const size_t row = i / from.n;  // of all maps
+    filled[row / 2 * n + i % from.n / 2] += from.filled[i];
+  }
+  return filled;
+}
+
+// full: texels of level 0 under one of the halved level.
+Level halved(const Level& from, uint32_t full) {
   Level to;
   const size_t n = to.n = from.n / 2;
+  to.filled = filled_of(from);
   to.depth.resize(3 * n * n * 2);
   to.normal.resize(6 * n * n * 4);
   if (!from.emission.empty()) to.emission.resize(to.normal.size());
   std::vector<std::array<uint16_t, 2>> reach(n * n);  // least and greatest of each texel's children
   for (size_t map = 0; map < 3; ++map) {
-    for (size_t v = 0; v < n; ++v) {
-      for (size_t u = 0; u < n; ++u) {
-        const size_t at = v * n + u;
-        const Children children = children_of(from, map, u, v);
-        const int count = children.count;
-        reach[at] = {children.least, children.greatest};
-        const auto mean = [&](int sum) { return static_cast<uint16_t>((sum + count / 2) / count); };
-        uint16_t* d = to.depth.data() + (map * n * n + at) * 2;
-        d[0] = count >= 2 ? mean(children.depth_sums[0]) : 65535;
-        d[1] = count >= 2 ? mean(children.depth_sums[1]) : 0;
-        for (size_t side = 0; side < 2 && count >= 2; ++side) halve_face(from, children, map * 2 + side, at, to);
-      }
+    Halves halves{n, {}, to.filled.data() + map * n * n, full};
+    for (size_t at = 0; at < n * n; ++at) halves.children.push_back(children_of(from, map, at % n, at / n));
+    const std::vector<uint8_t> covered = covered_texels(halves);
+    for (size_t at = 0; at < n * n; ++at) {
+      const Children& children = halves.children[at];
+      const int count = children.count;
+      reach[at] = {children.least, children.greatest};
+      const auto mean = [&](int sum) { return static_cast<uint16_t>((sum + count / 2) / count); };
+      uint16_t* d = to.depth.data() + (map * n * n + at) * 2;
+      d[0] = covered[at] != 0 ? mean(children.depth_sums[0]) : 65535;
+      d[1] = covered[at] != 0 ? mean(children.depth_sums[1]) : 0;
+      for (size_t side = 0; side < 2 && covered[at] != 0; ++side) halve_face(from, children, map * 2 + side, at, to);
     }
     meet_again(reach, n, to.depth.data() + map * n * n * 2);
   }
@@ -267,10 +337,12 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
       const auto begin = all.begin() + static_cast<std::ptrdiff_t>(box.first * per_texel);
       return std::vector(begin, begin + static_cast<std::ptrdiff_t>(n * n * per_texel));
     };
-    Level level{n, slice(model.depth, 6), slice(model.normal, 24), {}};
+    Level level{n, slice(model.depth, 6), slice(model.normal, 24), {}, std::vector<uint32_t>(3 * n * n)};
+    for (size_t t = 0; t < level.filled.size(); ++t)
+      level.filled[t] = level.depth[2 * t] <= level.depth[2 * t + 1] ? 1 : 0;
     if (!model.emission.empty()) level.emission = slice(model.emission, 24);
     for (uint32_t l = 0; l < atlas_levels(box.texels); ++l) {
-      if (l > 0) level = halved(level);
+      if (l > 0) level = halved(level, 1U << (2 * l));
       const auto first =
           model.colour.begin() + static_cast<std::ptrdiff_t>(4 * (l == 0 ? 6 * box.first : model.colour_texel(i, l)));
       std::vector<uint8_t> colour(first, first + static_cast<std::ptrdiff_t>(24 * level.n * level.n));

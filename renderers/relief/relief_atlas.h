@@ -8,7 +8,8 @@
 
 namespace crowdbench::renderers {
 
-// Mip levels of a map of n texels: down to 4 a side, below which a joint is a blob of one colour.
+// Mip levels of a map of n texels: down to 4 a side, below which a joint is a blob of one colour. Depths are searched
+// down to 8: of 4 by 4 texels, one is more than a twentieth of what a limb covers.
 uint32_t atlas_levels(int texels);
 
 // Depth texels; the colour and normal pictures are twice as wide. A box takes 3 n x 3 n / 2: the three axes' level 0
@@ -38,10 +39,11 @@ struct Atlas {
   // lies outside, in any of the three axes' maps, is air.
   std::vector<uint8_t> bounds;
 };
-// Halved levels. A texel is covered when at least two of its four children are: the silhouette keeps its area on
-// average, and only depths of covered children are joined (least and greatest), so that no surface appears between a
-// limb and nothing. Ids are not mixed, emission is averaged in linear light; colours are the model's own of each level.
-// Both are spread beyond the silhouette by two texels so that they can be filtered.
+// Halved levels. A texel is covered when half of the area under it is at level 0, but that every aligned square of four
+// texels and more keeps the area that it has at level 0, within a texel: patterns neither close nor vanish. Where that
+// asks for fewer or more, the fullest texels are taken. Only depths of covered children are joined (their means), so
+// that no surface appears between a limb and nothing. Ids are not mixed, emission is averaged in linear light; colours
+// are the model's own of each level. Both are spread beyond the silhouette by two texels so that they can be filtered.
 Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan);
 
 }  // namespace crowdbench::renderers

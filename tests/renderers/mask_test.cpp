@@ -5,6 +5,9 @@
 #include <cmath>
 
 #include "gl_test_support.h"
+#include "renderers/relief/relief_atlas.h"
+#include "renderers/relief/relief_bake.h"
+#include "solids.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -102,6 +105,56 @@ TEST_F(MaskLevelsGl, PatternsCoverAsMuchAtADistanceAsNear) {
     for (const Pattern& pattern : kPatterns) {
       const double there = pixels_of(masked_card(128, 128, 0.5F, pattern.there), "mesh", height);
       EXPECT_NEAR(there / all, pattern.covers, 0.03) << pattern.name << " " << height << " pixels tall";
+    }
+  }
+}
+
+// Texels of one axis's map that are covered at a level, as a fraction of the map.
+double covered_at(const ReliefModel& model, const AtlasPlan& plan, const Atlas& atlas, size_t axis, uint32_t level) {
+  const auto texels = static_cast<size_t>(model.boxes[0].texels);
+  const size_t n = texels >> level;
+  const AtlasPlace place = atlas_place(plan, 0, texels, level);
+  size_t count = 0;
+  for (size_t v = 0; v < n; ++v)
+    for (size_t u = 0; u < n; ++u) {
+      const uint16_t* d =
+          atlas.depth.data() + 2 * ((place.top + v) * static_cast<size_t>(plan.width) + place.left + axis * texels + u);
+      count += d[0] <= d[1] ? 1 : 0;
+    }
+  return static_cast<double>(count) / static_cast<double>(n * n);
+}
+
+// A relief's levels cover what the first does: the whole map and, where there is a pattern, each quarter of it alike.
+TEST(MaskRelief, LevelsKeepTheArea) {
+  std::vector<Pattern> patterns(std::begin(kPatterns), std::end(kPatterns));
+  patterns.push_back({"dots", [](int x, int y) { return x % 8 / 3 == 1 && y % 8 / 3 == 1; }, 9.0 / 64});
+  for (const Pattern& pattern : patterns) {
+    const ReliefModel model = bake_relief(masked_card(128, 128, 0.5F, pattern.there), {.map_size = 128});
+    const AtlasPlan plan = plan_atlas(model);
+    const Atlas atlas = fill_atlas(model, plan);
+    EXPECT_NEAR(covered_at(model, plan, atlas, 2, 0), pattern.covers, 0.03) << pattern.name;
+    for (uint32_t level = 1; level < 5; ++level)
+      EXPECT_NEAR(covered_at(model, plan, atlas, 2, level), covered_at(model, plan, atlas, 2, 0),
+                  1.0 / ((128U >> level) * (128U >> level)))
+          << pattern.name << ", level " << level;
+  }
+  // A ball's outline is a disc of 127 texels. Half a texel of 8 by 8 is 0.008.
+  const ReliefModel ball = bake_relief(testing::sphere(0.5, 64), {.map_size = 128});
+  const AtlasPlan plan = plan_atlas(ball);
+  const Atlas atlas = fill_atlas(ball, plan);
+  for (uint32_t level = 0; level < 5; ++level)
+    for (size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(covered_at(ball, plan, atlas, axis, level), 3.14159265 / 4 * 127 * 127 / (128 * 128), 0.009)
+          << axis << ", level " << level;
+}
+
+// And so do its pictures, of cards 40 to 5 pixels tall.
+TEST_F(MaskLevelsGl, ReliefsCoverWhatThePatternLeaves) {
+  for (const double height : {40.0, 12.0, 5.0}) {
+    const double all = pixels_of(masked_card(128, 128, 0.0F, kPatterns[0].there), "relief:capture=bind", height);
+    for (const size_t k : {size_t{2}, size_t{3}}) {
+      const double there = pixels_of(masked_card(128, 128, 0.5F, kPatterns[k].there), "relief:capture=bind", height);
+      EXPECT_NEAR(there / all, kPatterns[k].covers, 0.05) << kPatterns[k].name << " " << height << " pixels tall";
     }
   }
 }
