@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "core/error.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "renderers/mesh/mesh_level.h"
@@ -18,6 +19,7 @@ class MeshRepresentation : public Representation {
   MeshRepresentation(const MakeContext& make, MeshUse use, const MeshLevelOptions& level, int passes, float peak = 0)
       : floor_(use == MeshUse::static_pose), draw_(make.context, use, passes) {
     const auto start = std::chrono::steady_clock::now();
+    const BakeProgress progress = bake_progress(make, "simplifying characters");
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
       std::vector<std::vector<scene::Mat3x4>> poses;
@@ -29,6 +31,7 @@ class MeshRepresentation : public Representation {
         upload(*make.cast.characters[c]);
         continue;
       }
+      progress(c, make.cast.characters.size());
       levels_.push_back(make_mesh_level(make.cast.characters[c], make.cast.banks[c], level));
       upload(scene::with_mesh(*make.cast.characters[c], levels_.back().mesh));
     }

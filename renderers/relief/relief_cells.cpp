@@ -442,7 +442,10 @@ std::vector<Skirt> skirts_of(const scene::Mesh& mesh, const Skin& skin, const st
 }  // namespace
 
 Cells skin_cells(const Character& character, const scene::PoseBank& bank, const CapturePose& capture,
-                 const Carriers& carriers, const CellOptions& options) {
+                 const Carriers& carriers, const CellOptions& options, const BakeProgress& progress) {
+  const auto advance = [&](size_t done) {
+    if (progress) progress(std::min(done, 2 * options.most), 2 * options.most);
+  };
   const Skin skin(character, bank, capture, carriers);
   std::map<int, Cell> by_joint;
   std::vector<uint32_t> all;
@@ -467,8 +470,10 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
                      [&](size_t a, size_t b) { return cells[a].fit.worst > cells[b].fit.worst; });
     worst.resize(std::min(worst.size(), options.most - cells.size()));
     std::vector<std::vector<Cell>> parts(worst.size());
-    parallel_for(worst.size(), 0, [&](size_t i) { parts[i] = cut(skin, cells[worst[i]]); });
     const size_t before = cells.size();
+    parallel_for(
+        worst.size(), 0, [&](size_t i) { parts[i] = cut(skin, cells[worst[i]]); },
+        [&](size_t done) { advance(std::min(before + done, options.most)); });
     for (size_t i = 0; i < worst.size(); ++i) {
       if (parts[i].size() < 2) continue;
       cells[worst[i]] = std::move(parts[i][0]);
@@ -483,6 +488,7 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
   Cells out;
   double whole = 0;
   for (size_t i = 0; i < cells.size(); ++i) {
+    advance(options.most + options.most * i / cells.size());
     double area = 0;
     for (const uint32_t t : cells[i].triangles) area += skin.area(t);
     whole += area;

@@ -37,10 +37,13 @@ struct RigidOptions {
 };
 
 // The characters as they are posed: with fewer triangles where that was asked for.
-std::vector<std::shared_ptr<const scene::Character>> posed_characters(const scene::Cast& cast, size_t triangles) {
+std::vector<std::shared_ptr<const scene::Character>> posed_characters(const MakeContext& make, size_t triangles) {
+  const scene::Cast& cast = make.cast;
   auto out = cast.characters;
   if (triangles == 0) return out;
+  const BakeProgress progress = bake_progress(make, "simplifying characters");
   for (size_t c = 0; c < out.size(); ++c) {
+    progress(c, out.size());
     scene::LodMesh level = scene::make_lod_mesh(*cast.characters[c], *cast.banks[c], {.triangles = triangles});
     out[c] = std::make_shared<const scene::Character>(scene::with_mesh(*cast.characters[c], std::move(level.mesh)));
   }
@@ -81,7 +84,7 @@ class RigidRepresentation : public Representation {
       : floor_(options.floor), draw_(make.context, MeshUse::stored_poses) {
     const auto start = std::chrono::steady_clock::now();
     const scene::Cast& cast = make.cast;
-    const auto characters = posed_characters(cast, options.triangles);
+    const auto characters = posed_characters(make, options.triangles);
     std::vector<size_t> vertices;  // those that triangles use
     uint32_t most = 1;
     for (size_t c = 0; c < cast.characters.size(); ++c) {
@@ -100,7 +103,9 @@ class RigidRepresentation : public Representation {
                   fmt::format("{:.1f} MiB of posed vertices are more than the budget of {:.1f}",
                               static_cast<double>(bytes) / (1 << 20), static_cast<double>(budget) / (1 << 20)),
                   "lower poses, use fewer clips or characters, or raise budget (MiB)");
+    const BakeProgress progress = bake_progress(make, "posing rigid meshes");
     for (size_t c = 0; c < cast.characters.size(); ++c) {
+      progress(c, cast.characters.size());
       const scene::PoseBank& bank = *cast.banks[c];
       warn_of_bake("rigid meshes", coarse_poses_text(*characters[c], bank, poses));
       CharacterPoses& out = characters_.emplace_back();
