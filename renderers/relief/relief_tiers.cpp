@@ -159,16 +159,16 @@ constexpr size_t kMapStep = 2;
 constexpr size_t kTierSteps = 3;
 constexpr size_t kConeStep = kTierSteps + 2 * kTiers.size();
 
-// TIMES
+// About what they take, measured with the built-in character; only their ratios count.
 std::vector<double> step_weights(const ReliefTierOptions& options) {
   const bool bends = options.bend > 0;
   const double texels = options.maps.map_size / 128.0;
-  std::vector<double> weights{options.capture == "best" ? 1.0 : 0.0, bends ? 4.0 : 0.0, 1.0 + 5.0 * texels * texels};
+  std::vector<double> weights{options.capture == "best" ? 2.0 : 0.0, bends ? 16.0 : 0.0, 8.0 + 5.0 * texels * texels};
   for (size_t tier = 0; tier < kTiers.size(); ++tier) {
-    weights.push_back(options.merge > 0 && bends ? 2.0 : 0.0);
+    weights.push_back(options.merge > 0 && bends ? 1.5 : 0.0);
     weights.push_back(options.merge > 0 ? 1.0 : 0.0);
   }
-  weights.push_back(options.cones ? 2.0 * texels * texels : 0.0);
+  weights.push_back(options.cones ? 3.0 * texels * texels : 0.0);
   return weights;
 }
 
