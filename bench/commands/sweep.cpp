@@ -9,6 +9,7 @@
 #include "bench/sweep/schedulers.h"
 #include "bench/sweep/sweep_run.h"
 #include "bench/sweep/sweep_table.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/term_status.h"
@@ -94,9 +95,8 @@ int run_sweep_command(const Options& options) {
   } else {
     const std::optional<sweep::SweepOutcome> outcome = measure(options, plan, shard, out);
     if (!outcome) return sweep::kRetryStatus;
-    fmt::print(stderr,
-               "{} of {} conditions measured, {} taken from the file; the sweep itself took {:.1f} % of the time; {}\n",
-               outcome->measured, outcome->cells, outcome->held,
+    fmt::print(stderr, "{} of {} measured, {} taken from the file; the sweep itself took {:.1f} % of the time; {}\n",
+               outcome->measured, counted(outcome->cells, "condition", "conditions"), outcome->held,
                outcome->seconds > 0 ? 100 * (1 - outcome->measuring_s / outcome->seconds) : 0.0,
                printable(out.string()));
   }

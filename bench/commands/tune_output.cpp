@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/experiments/tune_measure.h"
+#include "core/counted.h"
 #include "core/error.h"
 
 namespace crowdbench::bench {
@@ -60,11 +61,11 @@ std::string budget_text(const TuneReport& report, const TuneAnswer& answer) {
   for (const double in_bin : answer.table.agents) agents += in_bin;
   const double each = std::max(agents, 1.0);
   std::string text = fmt::format(
-      "{:g} ms for {} agents, {:.0f} of them in view: the least visible set takes {:.2f} ms by its agents' costs, "
+      "{:g} ms for {}, {:.0f} of them in view: the least visible set takes {:.2f} ms by its agents' costs, "
       "{:.2f} of "
       "them without any agent",
-      1e-6 * report.request.budget_ns, report.crowd, agents, 1e-6 * (budget.base_ns + answer.plan->cost),
-      1e-6 * budget.base_ns);
+      1e-6 * report.request.budget_ns, counted(report.crowd, "agent", "agents"), agents,
+      1e-6 * (budget.base_ns + answer.plan->cost), 1e-6 * budget.base_ns);
   if (budget.measured_ns) text += fmt::format("; as a crowd {:.2f} ms", 1e-6 * *budget.measured_ns);
   if (budget.factor > 1)
     text += fmt::format(" (costs corrected by {:.2f}: what was sought first took longer than its agents' costs said)",
@@ -107,19 +108,22 @@ void print_lenses(const TuneReport& report) {
     skipped += one.skipped;
     if (one.holds || one.skipped) continue;
     ++broken;
-    fmt::print("NOT through {:g} degrees on {} rows: {} at {:.1f} pixels, {} of {} views are worse than promised\n",
+    fmt::print("NOT through {:g} degrees on {} rows: {} at {:.1f} pixels, {} of {} {} worse than promised\n",
                one.lens.fov_y_deg, one.lens.rows, candidate_name(report, one.candidate),
-               report.request.heights_px[one.bin], one.worse, one.views);
+               report.request.heights_px[one.bin], one.worse, counted(one.views, "view", "views"),
+               one.worse == 1 ? "is" : "are");
   }
   double largest = 0;  // of skipped ones 0
   for (const TuneLensCheck& one : *report.lenses) largest = std::max(largest, std::abs(one.mean_difference));
   fmt::print(
-      "the rule in pixels holds in {} of {} checks (rows and lenses, at the same pixels per degree); {} differs by "
+      "the rule in pixels holds in {} of {} (rows and lenses, at the same pixels per degree); {} differs by "
       "{:.{}f} "
       "on average at most\n",
-      report.lenses->size() - skipped - broken, report.lenses->size() - skipped, score.title, largest, score.digits);
+      report.lenses->size() - skipped - broken, counted(report.lenses->size() - skipped, "check", "checks"),
+      score.title, largest, score.digits);
   if (skipped > 0)
-    fmt::print("  {} further checks were skipped: their figures are taller than so many rows show whole\n", skipped);
+    fmt::print("  skipped: {} of figures taller than so many rows show whole\n",
+               counted(skipped, "further check", "further checks"));
 }
 
 void print_proof(const TuneReport& report) {
@@ -134,15 +138,15 @@ void print_proof(const TuneReport& report) {
         "{:>20} {:>12.3f} {:>22} {:>12.2f} {:>12.2f}\n", one.seed, one.ratio,
         fmt::format("{:.3f} to {:.3f}", report.promise->on_another_seed.low, report.promise->on_another_seed.high),
         1e-6 * one.reference_ns, 1e-6 * one.plan_ns);
-  fmt::print("  speed: {} of {} seeds within what was promised: {}\n", proof.speed.within, proof.speed.seeds.size(),
-             proof.speed.holds ? "holds" : "does NOT hold");
+  fmt::print("  speed: {} of {} within what was promised: {}\n", proof.speed.within,
+             counted(proof.speed.seeds.size(), "seed", "seeds"), proof.speed.holds ? "holds" : "does NOT hold");
   for (const ErrorProof& one : proof.errors)
     fmt::print(
-        "  error: {} of {} unseen figures worse than promised (5 % may be), {} over the threshold; {} at the bad end's "
+        "  error: {} of {} worse than promised (5 % may be), {} over the threshold; {} at the bad end's "
         "5 "
         "% {:.{}f}, worst {:.{}f} at {:.1f} pixels: {}\n",
-        one.worse, one.views, one.over_threshold, score.title, one.tail, score.digits, one.worst, score.digits,
-        one.worst_height_px, one.holds ? "holds" : "does NOT hold");
+        one.worse, counted(one.views, "unseen figure", "unseen figures"), one.over_threshold, score.title, one.tail,
+        score.digits, one.worst, score.digits, one.worst_height_px, one.holds ? "holds" : "does NOT hold");
 }
 
 }  // namespace
@@ -178,8 +182,9 @@ std::string no_plan_text(const TuneReport& report, const TuneAnswer& answer) {
     const TuneBudgetAnswer& budget = *answer.budget;
     std::string text = fmt::format("nothing fits in {:g} ms: ", 1e-6 * report.request.budget_ns);
     if (!std::isfinite(budget.cheapest_ns)) return text + "no chain of switches keeps the pop threshold";
-    text += fmt::format("the cheapest set takes {:.2f} ms for {} agents, {:.2f} of them without any agent",
-                        1e-6 * budget.factor * budget.cheapest_ns, report.crowd, 1e-6 * budget.factor * budget.base_ns);
+    text += fmt::format("the cheapest set takes {:.2f} ms for {}, {:.2f} of them without any agent",
+                        1e-6 * budget.factor * budget.cheapest_ns, counted(report.crowd, "agent", "agents"),
+                        1e-6 * budget.factor * budget.base_ns);
     if (budget.measured_ns)
       text += fmt::format("; as a crowd a frame takes {:.2f} times its agents' costs", budget.factor);
     return text;
@@ -196,10 +201,10 @@ void print_tune(const TuneReport& report) {
   if (report.proof && !report.proof->holds()) fmt::print("the promise below does NOT hold on unseen crowds\n");
   for (size_t s = 0; s < result.subjects.size(); ++s) {
     const size_t views = result.subjects[s].views;
-    fmt::print("{}: {} at the bad end's 5 % of {} views and moments, threshold {:g}; {} of one more agent; {}x{}\n",
-               printable(report.request.subjects[s].character->name), report.request.error.score->title, views,
-               report.request.error.value, result.subjects[s].costs.clock, report.request.cost.width,
-               report.request.cost.height);
+    fmt::print("{}: {} at the bad end's 5 % of {}, threshold {:g}; {} of one more agent; {}x{}\n",
+               printable(report.request.subjects[s].character->name), report.request.error.score->title,
+               counted(views, "view and moment", "views and moments"), report.request.error.value,
+               result.subjects[s].costs.clock, report.request.cost.width, report.request.cost.height);
     if (views < kTailValues)
       fmt::print("  fewer than {} views bound no tail: the worst one seen stands for its end\n", kTailValues);
     print_heights(report, s);
@@ -218,15 +223,14 @@ void print_tune(const TuneReport& report) {
                  candidate_name(report, answer.switches[i].change.to), *predicted,
                  depth_in_report(report, 0, *predicted));
   if (agents_in_view(report) > 0)
-    fmt::print(
-        "{:.0f} agents in view: {:.2f} times as fast as {} ({:.2f} to {:.2f}), what a frame costs anyhow not counted\n",
-        agents_in_view(report), answer.reference_cost / std::max(answer.plan->cost, 1e-9),
-        renderers::reference_spec().text(), answer.saving.low, answer.saving.high);
+    fmt::print("{} in view: {:.2f} times as fast as {} ({:.2f} to {:.2f}), what a frame costs anyhow not counted\n",
+               counted(static_cast<uint64_t>(std::llround(agents_in_view(report))), "agent", "agents"),
+               answer.reference_cost / std::max(answer.plan->cost, 1e-9), renderers::reference_spec().text(),
+               answer.saving.low, answer.saving.high);
   if (report.promise)
-    fmt::print(
-        "promised: the whole frame on another seed {:.2f} times as fast as {} ({:.2f} to {:.2f}, from {} seeds)\n",
-        report.promise->ratio, renderers::reference_spec().text(), report.promise->on_another_seed.low,
-        report.promise->on_another_seed.high, report.promise->seeds.size());
+    fmt::print("promised: the whole frame on another seed {:.2f} times as fast as {} ({:.2f} to {:.2f}, from {})\n",
+               report.promise->ratio, renderers::reference_spec().text(), report.promise->on_another_seed.low,
+               report.promise->on_another_seed.high, counted(report.promise->seeds.size(), "seed", "seeds"));
   if (report.lenses) print_lenses(report);
   if (report.proof) print_proof(report);
 }

@@ -53,7 +53,7 @@ struct RatioReport {
   std::vector<Median> medians;  // of every representation timed
   int warmup_frames = 0;
   bool settled = true;
-  uint64_t order_seed = 0;  // of the order of turns (TimingPlan)
+  uint64_t order_seed = 0;  // of the order within a round (TimingPlan)
   std::string renderer;
   bool software = false;
 };
