@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "core/error.h"
-#include "renderers/bake/bake_loader.h"
+#include "core/progress.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "renderers/mesh/mesh_level.h"
@@ -19,7 +20,8 @@ class MeshRepresentation : public Representation {
   MeshRepresentation(const MakeContext& make, MeshUse use, const MeshLevelOptions& level, int passes, float peak = 0)
       : floor_(use == MeshUse::static_pose), draw_(make.context, use, passes) {
     const auto start = std::chrono::steady_clock::now();
-    const BakeProgress progress = bake_progress(make, "simplifying characters");
+    std::optional<Progress> progress;
+    if (!level.is_whole() && make.progress) progress.emplace("simplifying characters", make.cast.characters.size());
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
       std::vector<std::vector<scene::Mat3x4>> poses;
@@ -31,7 +33,8 @@ class MeshRepresentation : public Representation {
         upload(*make.cast.characters[c]);
         continue;
       }
-      progress(c, make.cast.characters.size());
+      throw_if_interrupted();
+      if (progress) progress->set_done(c);
       levels_.push_back(make_mesh_level(make.cast.characters[c], make.cast.banks[c], level));
       upload(scene::with_mesh(*make.cast.characters[c], levels_.back().mesh));
     }
