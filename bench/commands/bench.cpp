@@ -113,17 +113,17 @@ int run_bench_command(const Options& options) {
         run_bench(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
   }
   const StoreContents contents = read_store(options.out, false, false);
+  const std::string counts = fmt::format("{} measured, {} taken from the file; {}\n",
+                                         counted(summary.measured, "point", "points"), summary.held, options.out);
   if (options.json) {
     fmt::print("{}", json_of(contents, summary));
     for (const std::string& remark : summary.remarks) fmt::print(stderr, "{}\n", remark);
-    fmt::print(stderr, "{} measured, {} taken from the file; {}\n", counted(summary.measured, "point", "points"),
-               summary.held, options.out);
+    fmt::print(stderr, "{}", counts);
     return summary.invalid == 0 ? 0 : 1;
   }
   fmt::print("{}", bench_table(contents, run));
   for (const std::string& remark : summary.remarks) fmt::print("{}\n", remark);
-  fmt::print("{} measured, {} taken from the file; {}\n", counted(summary.measured, "point", "points"), summary.held,
-             options.out);
+  fmt::print("{}", counts);
   return summary.invalid == 0 ? 0 : 1;
 }
 

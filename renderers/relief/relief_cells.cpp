@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -439,6 +440,30 @@ std::vector<Skirt> skirts_of(const scene::Mesh& mesh, const Skin& skin, const st
   return out;
 }
 
+// What the cells are in the end; they are taken. all: every triangle that a joint moves. advance: of options.most to
+// come.
+Cells pieces_of(const Character& character, const Skin& skin, const std::vector<uint32_t>& all,
+                std::vector<Cell>& cells, const std::vector<char>& is_cut, const CellOptions& options,
+                const std::function<void(size_t)>& advance) {
+  Cells out;
+  double whole = 0;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    advance(options.most * i / cells.size());
+    double area = 0;
+    for (const uint32_t t : cells[i].triangles) area += skin.area(t);
+    whole += area;
+    if (cells[i].fit.worst > options.tolerance) out.loose += area;
+    Piece& piece = out.pieces.emplace_back();
+    piece.shares = skin.frugal_fit(cells[i].triangles, options.tolerance).shares;
+    piece.skirts = skirts_of(character.mesh, skin, all, cells[i].triangles, options.skirt);
+    piece.triangles = std::move(cells[i].triangles);
+    piece.texel = is_cut[i] != 0 ? options.texel : 0.0;
+    out.deviation = std::max(out.deviation, cells[i].fit.worst);
+  }
+  out.loose /= std::max(whole, 1e-30);
+  return out;
+}
+
 }  // namespace
 
 Cells skin_cells(const Character& character, const scene::PoseBank& bank, const CapturePose& capture,
@@ -485,23 +510,7 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
     }
     if (cells.size() == before) break;
   }
-  Cells out;
-  double whole = 0;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    advance(options.most + options.most * i / cells.size());
-    double area = 0;
-    for (const uint32_t t : cells[i].triangles) area += skin.area(t);
-    whole += area;
-    if (cells[i].fit.worst > options.tolerance) out.loose += area;
-    Piece& piece = out.pieces.emplace_back();
-    piece.shares = skin.frugal_fit(cells[i].triangles, options.tolerance).shares;
-    piece.skirts = skirts_of(character.mesh, skin, all, cells[i].triangles, options.skirt);
-    piece.triangles = std::move(cells[i].triangles);
-    piece.texel = is_cut[i] != 0 ? options.texel : 0.0;
-    out.deviation = std::max(out.deviation, cells[i].fit.worst);
-  }
-  out.loose /= std::max(whole, 1e-30);
-  return out;
+  return pieces_of(character, skin, all, cells, is_cut, options, [&](size_t done) { advance(options.most + done); });
 }
 
 }  // namespace crowdbench::renderers

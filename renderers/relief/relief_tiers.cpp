@@ -213,6 +213,13 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
   }
 }
 
+void add_cones(ReliefTiers& bake, BakeSteps& steps) {
+  for (const ReliefModel& model : bake.models) {
+    const AtlasPlan plan = plan_atlas(model);
+    bake.cones.push_back(derive_cones(model, plan, fill_atlas(model, plan), steps.of(kConeStep)));
+  }
+}
+
 // Makes do with coarser texels for cut skin; false where there is none.
 bool coarsen(std::vector<Piece>& pieces) {
   bool any = false;
@@ -398,11 +405,7 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
     bake.models[0] = bake_relief(character, what, steps.of(kMapStep));
   }
   if (options.merge > 0) add_tiers(character, bank, options, what, bake, steps);
-  if (options.cones)
-    for (const ReliefModel& model : bake.models) {
-      const AtlasPlan plan = plan_atlas(model);
-      bake.cones.push_back(derive_cones(model, plan, fill_atlas(model, plan), steps.of(kConeStep)));
-    }
+  if (options.cones) add_cones(bake, steps);
   steps.end();
   return bake;
 }
