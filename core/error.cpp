@@ -12,19 +12,25 @@ std::string one_line(const std::string& where, const std::string& wrong, const s
   return printable(line, line.size());
 }
 
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+// Letters that are put in, left out, exchanged, or swapped with their neighbour (once), whatever their case: the
+// "optimal string alignment" distance, F. Damerau, "A technique for computer detection and correction of spelling
+// errors" (1964).
 size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
+  std::vector<std::vector<size_t>> rows(3, std::vector<size_t>(b.size() + 1));  // two before, the one before, this one
+  std::iota(rows[2].begin(), rows[2].end(), size_t{0});
+  const auto same = [&](size_t i, size_t j) { return lower(a[i]) == lower(b[j]); };
   for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = row[0];
+    std::rotate(rows.begin(), rows.begin() + 1, rows.end());
+    std::vector<size_t>& row = rows[2];
     row[0] = i;
     for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
+      row[j] = std::min({rows[1][j] + 1, row[j - 1] + 1, rows[1][j - 1] + (same(i - 1, j - 1) ? 0 : 1)});
+      if (i > 1 && j > 1 && same(i - 1, j - 2) && same(i - 2, j - 1)) row[j] = std::min(row[j], rows[0][j - 2] + 1);
     }
   }
-  return row[b.size()];
+  return rows[2][b.size()];
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ class Error : public std::runtime_error {
 // after what was cut. What the program itself says is never cut.
 std::string printable(std::string_view text, size_t limit = 200);
 
-// The candidate nearest to `name` by edit distance, for "did you mean"; empty when none is near.
+// The candidate nearest to `name` by edit distance, for "did you mean": case counts for nothing, two letters swapped
+// for one. Empty when none is near; the first of several.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 // "walk, Walking_A, run and 12 more": as many whole candidates as `most`, in their own order where all are shown, else

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <condition_variable>
@@ -16,7 +17,7 @@
 #include <vector>
 
 #include "core/files.h"
-#include "core/term_waits.h"
+#include "core/term_status.h"
 
 namespace crowdbench {
 namespace {
@@ -35,14 +36,9 @@ sem_t stop_wanted;
 std::mutex kept_mutex;
 std::string kept_text = "nothing was left half-written";
 
-volatile std::sig_atomic_t term_waits = 0;
-volatile std::sig_atomic_t term_came = 0;
+std::atomic<int> status_after_term = 0;
 
 void on_signal(int signal_number) {
-  if (signal_number == SIGTERM && term_waits != 0 && term_came == 0) {
-    term_came = 1;
-    return;
-  }
   stop_requested = signal_number;
   std::signal(signal_number, SIG_DFL);
   sem_post(&stop_wanted);
@@ -253,14 +249,13 @@ void throw_if_interrupted() {
   if (interrupted()) throw Interrupted{};
 }
 
-int interrupt_status() { return stop_requested == 0 ? 0 : 128 + stop_requested; }
-
-TermWaits::TermWaits() {
-  term_came = 0;
-  term_waits = 1;
+int interrupt_status() {
+  if (stop_requested == 0) return 0;
+  const int given = status_after_term;
+  return stop_requested == SIGTERM && given != 0 ? given : 128 + stop_requested;
 }
-TermWaits::~TermWaits() { term_waits = 0; }
-bool TermWaits::came() const { return term_came != 0; }
+
+void set_term_status(int status) { status_after_term = status; }
 
 void say_when_interrupted(const std::string& kept) {
   const std::scoped_lock lock(kept_mutex);

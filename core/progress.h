@@ -72,7 +72,8 @@ inline constexpr std::chrono::milliseconds kInterruptGrace{1500};
 void install_interrupt_handler();  // by the driver, once; a second signal kills at once
 bool interrupted();
 void throw_if_interrupted();
-int interrupt_status();  // 128 + the signal's number: 130 after SIGINT, 143 after SIGTERM; 0 before
+// 128 + the signal's number: 130 after SIGINT, 143 (or as core/term_status.h says) after SIGTERM; 0 before.
+int interrupt_status();
 // What the line says of the work done so far, instead of "nothing was left half-written".
 void say_when_interrupted(const std::string& kept);
 std::string interrupt_line();  // "crowdbench: interrupted; ...\n"

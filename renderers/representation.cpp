@@ -52,6 +52,59 @@ std::vector<std::string> option_keys(const RepresentationType& type) {
   return keys;
 }
 
+[[noreturn]] void bad_value(const RepresentationType& type, const std::string& key, const std::string& value,
+                            const std::string& want) {
+  throw Error(fmt::format("representation '{}'", type.name),
+              fmt::format("option {}={} is not a {}", key, printable(value), want));
+}
+
+[[noreturn]] void bad_word(const RepresentationType& type, const std::string& key, const std::string& value,
+                           const std::vector<std::string>& words) {
+  const std::string near = nearest_name(value, words);
+  throw Error(fmt::format("representation '{}'", type.name),
+              fmt::format("option {}={} is not one of {}", key, printable(value), fmt::join(words, ", ")),
+              near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+}
+
+std::vector<std::string> split_words(const std::string& text) {
+  std::vector<std::string> words;
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find('|', at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return words;
+}
+
+std::optional<double> whole_text_number(std::string_view text) {
+  double number = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return fault == std::errc{} && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
+}
+
+// Where the table of options says all that a value can be, a range or words, that is checked as the text is read,
+// before a device is opened. Everything else is for the type's make().
+void check_value(const RepresentationType& type, const OptionDoc& option, const std::string& value) {
+  const std::vector<std::string> words = split_words(option.values);
+  const auto is_plain = [](const std::string& word) {
+    return word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
+  };
+  if (words.size() > 1) {
+    if (std::all_of(words.begin(), words.end(), is_plain) &&
+        std::find(words.begin(), words.end(), value) == words.end())
+      bad_word(type, option.key, value, words);
+    return;
+  }
+  const size_t dots = option.values.find("..");
+  if (dots == std::string::npos) return;
+  const auto low = whole_text_number(std::string_view(option.values).substr(0, dots));
+  const auto high = whole_text_number(std::string_view(option.values).substr(dots + 2));
+  if (!low || !high) return;
+  const std::optional<double> number = whole_text_number(value);
+  if (!number || !(*number >= *low && *number <= *high))
+    bad_value(type, option.key, value, fmt::format("number from {:.15g} to {:.15g}", *low, *high));
+}
+
 class Parser {
  public:
   Parser(const std::string& text, const std::vector<RepresentationType>& types) : text_(text), types_(types) {}
@@ -95,7 +148,8 @@ class Parser {
     if (key.empty() || !take('=')) fail(fmt::format("'{}' is not key=value", printable(key)));
     const std::string value = word();
     const std::string where = fmt::format("representation '{}'", type.name);
-    if (!find_option(type, key)) {
+    const OptionDoc* option = find_option(type, key);
+    if (option == nullptr) {
       const std::string near = nearest_name(key, option_keys(type));
       throw Error(
           where, fmt::format("there is no option '{}'", printable(key)),
@@ -104,6 +158,7 @@ class Parser {
     if (value.empty()) throw Error(where, fmt::format("option '{}' has no value", key));
     for (const auto& [k, v] : spec.options)
       if (k == key) throw Error(where, fmt::format("option '{}' is given twice", key));
+    check_value(type, *option, value);
     spec.options.emplace_back(key, value);
   }
 
@@ -284,14 +339,9 @@ bool is_floor(const Spec& spec) {
 }
 
 std::vector<std::string> debug_views(const RepresentationType& type) {
-  std::vector<std::string> views;
   const OptionDoc* option = find_option(type, kDebug);
-  if (!option) return views;
-  for (size_t at = 0; at <= option->values.size();) {
-    const size_t end = std::min(option->values.find('|', at), option->values.size());
-    views.push_back(option->values.substr(at, end - at));
-    at = end + 1;
-  }
+  if (!option) return {};
+  std::vector<std::string> views = split_words(option->values);
   std::erase(views, kNoDebug);
   return views;
 }
@@ -329,9 +379,12 @@ void set_debug_view(Spec& spec, const std::string& view) {
   if (views.empty())
     throw Error("--debug", fmt::format("'{}' has no debug views", spec.name),
                 "crowdbench info --representations names those of the others");
-  if (!knows(views, view))
-    throw Error("--debug", fmt::format("'{}' has no debug view '{}'", spec.name, printable(view)),
-                fmt::format("it has {}", fmt::join(views, ", ")));
+  if (!knows(views, view)) {
+    const std::string near = nearest_name(view, views);
+    throw Error(
+        "--debug", fmt::format("'{}' has no debug view '{}'", spec.name, printable(view)),
+        near.empty() ? fmt::format("it has {}", fmt::join(views, ", ")) : fmt::format("did you mean '{}'?", near));
+  }
   set_where_known(spec, view);
 }
 
@@ -359,20 +412,11 @@ std::string OptionReader::text(const std::string& key) const {
   return found->second;
 }
 
-namespace {
-[[noreturn]] void bad_value(const RepresentationType& type, const std::string& key, const std::string& value,
-                            const std::string& want) {
-  throw Error(fmt::format("representation '{}'", type.name),
-              fmt::format("option {}={} is not a {}", key, printable(value), want));
-}
-}  // namespace
-
 size_t OptionReader::choice(const std::string& key, const std::vector<std::string>& words) const {
   const std::string value = text(key);
   const auto found = std::find(words.begin(), words.end(), value);
   if (found != words.end()) return static_cast<size_t>(found - words.begin());
-  throw Error(fmt::format("representation '{}'", type_.name),
-              fmt::format("option {}={} is not one of {}", key, printable(value), fmt::join(words, ", ")));
+  bad_word(type_, key, value, words);
 }
 
 int64_t OptionReader::integer(const std::string& key, int64_t low, int64_t high) const {

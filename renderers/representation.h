@@ -25,7 +25,8 @@ class Context;
 
 namespace crowdbench::renderers {
 
-class FrameResources;  // frame_resources.h: the frame's uniforms, agents, outfits and posed palettes on the GPU
+class FrameResources;  // renderers/frame/frame_resources.h: the frame's uniforms, agents, outfits and posed palettes on
+                       // the GPU
 
 // "name:key=value,key=value" or "hybrid(NEAR,FAR,key=value,...)" taken apart. Values are kept as text until the type
 // reads them.

@@ -9,11 +9,12 @@
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/experiments/bench_run.h"
+#include "bench/experiments/bench_table.h"
 #include "bench/experiments/score_rows.h"
-#include "bench/experiments/sweep_table.h"
 #include "bench/stage/low_polygon.h"
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
 #include "core/progress.h"
@@ -30,7 +31,7 @@ struct Options {
   std::vector<uint32_t> agents;
   std::vector<double> occupancies;
   std::string out = "results.sqlite";
-  SweepRequest request;
+  BenchRequest request;
   bool no_floors = false;
   bool json = false;
   bool full = false;
@@ -40,7 +41,7 @@ struct Options {
 
 // The rows of the file, the levels of detail that were drawn now, and the stages of the points that were solved for
 // now.
-std::string json_of(const StoreContents& contents, const SweepSummary& summary) {
+std::string json_of(const StoreContents& contents, const BenchSummary& summary) {
   Json all = Json::parse(reports::results_json(contents, score_docs(metrics::scores())));
   Json& levels = all["levels"] = Json::object();
   for (const DrawnLevels& drawn : summary.levels) levels[drawn.representation] = levels_json(drawn.levels);
@@ -58,16 +59,17 @@ constexpr double kDefaultMinutes = 3;
 constexpr double kPointOverhead = 4;
 
 // What is about to be done, and about how long it takes at most.
-std::string forecast(const SweepRequest& request, const std::string& out) {
+std::string forecast(const BenchRequest& request, const std::string& out) {
   const size_t points = request.agents.size() * request.occupancies.size();
   double seconds = static_cast<double>(points) * (2 * request.time_limit_s + kPointOverhead);
   if (request.total_time_s > 0) seconds = std::min(seconds, request.total_time_s);
-  return fmt::format("bench: {} points of {} representations and the mesh, about {} at most; results go to {}", points,
-                     request.representations.size(), duration_text(seconds), out);
+  return fmt::format(
+      "bench: {} of {} and the mesh, about {} at most; results go to {}", counted(points, "point", "points"),
+      counted(request.representations.size(), "representation", "representations"), duration_text(seconds), out);
 }
 
-int run_bench(const Options& options) {
-  SweepRequest request = options.request;
+int run_bench_command(const Options& options) {
+  BenchRequest request = options.request;
   request.floors = !options.no_floors;
   request.bake_budget = options.bake_budget_mib << 20;
   request.representations = parse_representations(options.representations);
@@ -101,7 +103,7 @@ int run_bench(const Options& options) {
 
   RunRow run = describe_run(context, method, request.scenario, "bench", command_line(), request.order_seed);
   run.id = store.write(run);
-  SweepSummary summary;
+  BenchSummary summary;
   {
     say_when_interrupted(
         fmt::format("finished points are in {}, the same command goes on from there", printable(options.out)));
@@ -112,24 +114,26 @@ int run_bench(const Options& options) {
       if (request.total_time_s > 0) progress.expect(seconds_left);
     };
     summary =
-        run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
+        run_bench(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
   }
   if (std::ranges::none_of(request.representations, is_level))
     summary.remarks.push_back(fmt::format("no level of detail of {} was timed beside them: --representation {} is one",
                                           renderers::reference_spec().text(), low_polygon_spec().text()));
   const StoreContents contents = read_store(options.out, false, false);
+  const std::string counts = fmt::format("{} measured, {} taken from the file; {}\n",
+                                         counted(summary.measured, "point", "points"), summary.held, options.out);
   if (options.json) {
     fmt::print("{}", json_of(contents, summary));
     for (const std::string& remark : summary.remarks) fmt::print(stderr, "{}\n", remark);
-    fmt::print(stderr, "{} points measured, {} taken from the file; {}\n", summary.measured, summary.held, options.out);
+    fmt::print(stderr, "{}", counts);
     return summary.invalid == 0 ? 0 : 1;
   }
-  fmt::print("{}", sweep_table(contents, run));
+  fmt::print("{}", bench_table(contents, run));
   for (const DrawnLevels& drawn : summary.levels)
     for (const renderers::LevelInfo& level : drawn.levels)
       fmt::print("{} of {}\n", drawn.representation, level_text(level));
   for (const std::string& remark : summary.remarks) fmt::print("{}\n", remark);
-  fmt::print("{} points measured, {} taken from the file; {}\n", summary.measured, summary.held, options.out);
+  fmt::print("{}", counts);
   return summary.invalid == 0 ? 0 : 1;
 }
 
@@ -138,14 +142,15 @@ int run_bench(const Options& options) {
 void add_bench(Command& app, Run& run) {
   Command* command = app.add_subcommand("bench", "Frame times against the number of agents, into a result file");
   command->footer(
-      "All representations draw the same crowd from the same camera and take turns. A curve ends with the first frame "
+      "All representations draw the same crowd from the same camera, in the same rounds. A curve ends with the first "
+      "frame "
       "beyond\nthe budget. Ctrl-C keeps every finished point; the same command continues the file. Exit status 1 when "
       "a "
       "picture check\nfailed (the row says so).\nExamples:\n  crowdbench bench\n  crowdbench bench --representation "
       "flat,relief --agents 1,10,100,250 --occupancy 0.15 --out results.sqlite\n  crowdbench bench plaza.toml --full "
       "--budget-ms 500 --out results.sqlite");
   auto options = std::make_shared<Options>();
-  SweepRequest& request = options->request;
+  BenchRequest& request = options->request;
   add_scenario_argument(*command, options->scene.file);
   add_representation_option(*command, options->representations,
                             "drawn beside the mesh (all that are built in, and levels of the mesh)");
@@ -183,7 +188,7 @@ void add_bench(Command& app, Run& run) {
       ->type_name("K")
       ->capture_default_str()
       ->whole_number(static_cast<uint64_t>(request.least_rounds), 100'000);
-  command->add_option("--time-limit", request.time_limit_s, "seconds of timing a point, from 10 turns on")
+  command->add_option("--time-limit", request.time_limit_s, "seconds of timing a point, from 10 rounds on")
       ->type_name("S")
       ->capture_default_str()
       ->number(0, 1e6);
@@ -201,7 +206,7 @@ void add_bench(Command& app, Run& run) {
       *command, options->json,
       "print every row of the result file as JSON instead of the table, and of the points measured now the\n"
       "stages (camera, crowd, occupancy) and the errors of levels of detail");
-  command->callback([options, &run] { run = [options] { return run_bench(*options); }; });
+  command->callback([options, &run] { run = [options] { return run_bench_command(*options); }; });
 }
 
 }  // namespace crowdbench::bench

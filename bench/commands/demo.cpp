@@ -16,6 +16,7 @@
 #include "bench/stage/stage_scenario.h"
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image_io.h"
@@ -104,8 +105,9 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
     const std::filesystem::path path =
         std::filesystem::path(options.out) / fmt::format("{}-{}.png", file_stem(cast), name.substr(0, name.find(':')));
     write_png(path, rgb, picture_metadata(scenario, name));
-    store.write(PictureRow{0, run, std::nullopt, "hero", fmt::format("{} agents as {}", staged.crowd.size(), name),
-                           rgb.width, rgb.height, encode_png(rgb)});
+    store.write(PictureRow{0, run, std::nullopt, "hero",
+                           fmt::format("{} as {}", counted(staged.crowd.size(), "agent", "agents"), name), rgb.width,
+                           rgb.height, encode_png(rgb)});
     throw_if_interrupted();
   }
 }
@@ -173,9 +175,9 @@ void remove_results(const std::filesystem::path& results) {
   for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(results.string() + suffix, ignored);
 }
 
-SweepSummary time_crowds(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
+BenchSummary time_crowds(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
                          const scene::Scenario& scenario, const Options& options, StoreWriter& store) {
-  SweepRequest request;
+  BenchRequest request;
   request.scenario = scenario;
   request.representations = level_specs();
   request.representations.insert(request.representations.begin(), renderers::parse_spec(options.representation));
@@ -186,15 +188,15 @@ SweepSummary time_crowds(gl::Context& context, const scene::Cast& cast, const Ti
   const AgentsByOccupancy crowds = options.tiny
                                        ? AgentsByOccupancy{{0.15, {1, 5}}}
                                        : AgentsByOccupancy{{0.15, {1, 10, 100, 250, 1000}}, {0.9, {10, 100, 250}}};
-  SweepSummary summary;
+  BenchSummary summary;
   Progress progress("timing", 0);
   for (const auto& [occupancy, agents] : crowds) {
     request.occupancies = {occupancy};
     request.agents = agents;
-    const SweepSummary swept =
-        run_sweep(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
-    summary.invalid += swept.invalid;
-    summary.remarks.insert(summary.remarks.end(), swept.remarks.begin(), swept.remarks.end());
+    const BenchSummary timed =
+        run_bench(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
+    summary.invalid += timed.invalid;
+    summary.remarks.insert(summary.remarks.end(), timed.remarks.begin(), timed.remarks.end());
   }
   return summary;
 }
@@ -212,7 +214,7 @@ int show_character(gl::Context& context, const TimingMethod& method, const std::
 
   steps.next(fmt::format("{}: timing {} and {} in rounds", cast_name(cast), renderers::reference_spec().text(),
                          options.representation));
-  const SweepSummary summary = time_crowds(context, cast, method, run, scenario, options, store);
+  const BenchSummary summary = time_crowds(context, cast, method, run, scenario, options, store);
   for (const std::string& remark : summary.remarks) steps.say(remark);
 
   steps.next(fmt::format("{}: comparing single agents with the mesh", cast_name(cast)));

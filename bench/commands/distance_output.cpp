@@ -10,6 +10,7 @@
 #include "bench/commands/score_json.h"
 #include "bench/experiments/distance_rows.h"
 #include "bench/experiments/score_rows.h"
+#include "core/counted.h"
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/statistics.h"
@@ -178,9 +179,11 @@ void print_thresholds(const DistanceReport& report) {
 
 std::string counts_text(const DistanceReport& report) {
   const Counts counts = counts_of(report);
-  std::string text = report.request.frames == 1 ? ""
-                                                : fmt::format("of {} agents in all frames ",
-                                                              report.request.frames * report.scenario.crowd.agents);
+  std::string text =
+      report.request.frames == 1
+          ? ""
+          : fmt::format("of {} in all frames ",
+                        counted(report.request.frames * report.scenario.crowd.agents, "agent", "agents"));
   text +=
       fmt::format("{} counted, {} occluded (less than {:g} % of the pixels that they cover alone), ",
                   counts.of(AgentState::counted), counts.of(AgentState::occluded), 100 * report.request.least_visible);
@@ -247,9 +250,10 @@ std::string distance_csv(const DistanceReport& report) {
 }
 
 void print_distance(const DistanceReport& report) {
-  fmt::print("{} agents of {}, {} x {} pixels, {}, against {}; {}\n{}\n", report.scenario.crowd.agents, report.cast,
-             report.scenario.width, report.scenario.height, ticks_text(report.request), report.request.reference.text(),
-             report.renderer, counts_text(report));
+  fmt::print("{} of {}, {} x {} pixels, {}, against {}; {}\n{}\n",
+             counted(report.scenario.crowd.agents, "agent", "agents"), report.cast, report.scenario.width,
+             report.scenario.height, ticks_text(report.request), report.request.reference.text(), report.renderer,
+             counts_text(report));
   bool display = false;
   for (const DistanceCurve& of : report.curves) {
     const metrics::Score& score = *report.request.scores[of.score];
@@ -265,8 +269,8 @@ void print_distance(const DistanceReport& report) {
 std::string distance_page_of(const DistanceReport& report) {
   reports::DistancePage page;
   page.reference = report.request.reference.text();
-  page.scene = fmt::format("{} agents of {}, {} x {} pixels, {}", report.scenario.crowd.agents, report.cast,
-                           report.scenario.width, report.scenario.height, ticks_text(report.request));
+  page.scene = fmt::format("{} of {}, {} x {} pixels, {}", counted(report.scenario.crowd.agents, "agent", "agents"),
+                           report.cast, report.scenario.width, report.scenario.height, ticks_text(report.request));
   page.counts = counts_text(report);
   page.display = metrics::display_text(report.request.display);
   page.renderer = report.renderer;

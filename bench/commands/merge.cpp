@@ -7,6 +7,7 @@
 #include "bench/commands/options.h"
 #include "bench/experiments/score_rows.h"
 #include "bench/sweep/sweep_run.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "reports/exports/exports.h"
 
@@ -32,8 +33,8 @@ int run_merge(const Options& options) {
     for (const std::string& remark : outcome.remarks) fmt::print(stderr, "crowdbench: warning: {}\n", remark);
     const sweep::PointStates states = sweep::states_of(outcome.contents);
     if (options.json) fmt::print("{}", reports::results_json(outcome.contents, score_docs(metrics::scores())));
-    fmt::print(options.json ? stderr : stdout, "{}; {} shards; {}\n", states.text(), request.shards.size(),
-               printable(options.out));
+    fmt::print(options.json ? stderr : stdout, "{}; {}; {}\n", states.text(),
+               counted(request.shards.size(), "shard", "shards"), printable(options.out));
     return states.status();
   } catch (const sweep::MissingShards& missing) {
     fmt::print(stderr, "crowdbench: {}; measure them, or merge what there is: --allow-missing\n", missing.what);

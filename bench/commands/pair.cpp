@@ -10,6 +10,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
 #include "bench/stage/stage_scenario.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
@@ -96,9 +97,9 @@ int run_pair(const Options& options) {
     fmt::print("{}", pair.manifest);
     return 0;
   }
-  fmt::print("{} frames of {}x{} at {} fps; {} on top, {} below (by the seed)\n", clip.frame_sha256.size(), clip.width,
-             clip.height, clip.fps, (pair.a_on_top ? request.a : request.b).text(),
-             (pair.a_on_top ? request.b : request.a).text());
+  fmt::print("{} of {}x{} at {} fps; {} on top, {} below (by the seed)\n",
+             counted(clip.frame_sha256.size(), "frame", "frames"), clip.width, clip.height, clip.fps,
+             (pair.a_on_top ? request.a : request.b).text(), (pair.a_on_top ? request.b : request.a).text());
   for (const studies::ClipFile& file : clip.files) {
     fmt::print("{}  {}, {}, {:.1f} MB; decoded: mean {}, worst frame {}{}\n", file.path.string(), file.role,
                file.crf ? fmt::format("{} crf {}", file.pixel_format, *file.crf) : file.pixel_format + " lossless",

@@ -19,6 +19,7 @@
 #include "bench/stage/cast_name.h"
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "renderers/gl/context.h"
@@ -138,7 +139,7 @@ int run_scenario(const Options& options) {
     progress.note("loading the characters");
     const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
     const auto context = open_context(options.scene.device);
-    progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
+    progress.note(fmt::format("placing {}", counted(chosen.scenario.crowd.agents, "agent", "agents")));
     const Staged staged = stage_scenario(chosen.scenario, cast, *context);
     report.scenario = staged.scenario;
     report.cast = cast_name(cast);

@@ -6,6 +6,7 @@
 
 #include "bench/commands/scene_options.h"
 #include "bench/commands/score_json.h"
+#include "core/counted.h"
 #include "core/files.h"
 #include "core/image_io.h"
 
@@ -142,11 +143,13 @@ Json popping_json(const PoppingReport& report) {
 
 void print_popping(const PoppingReport& report) {
   const PoppingRequest& request = report.request;
-  fmt::print("{} agents of {}, {} x {} pixels, ticks {} to {} at {:g} frames a second; {}\n",
-             report.scenario.crowd.agents, report.cast, report.scenario.width, report.scenario.height, request.tick,
-             request.tick + request.frames - 1, request.view.fps, report.renderer);
+  fmt::print("{} of {}, {} x {} pixels, ticks {} to {} at {:g} frames a second; {}\n",
+             counted(report.scenario.crowd.agents, "agent", "agents"), report.cast, report.scenario.width,
+             report.scenario.height, request.tick, request.tick + request.frames - 1, request.view.fps,
+             report.renderer);
   if (report.runs.size() == 1) {
-    fmt::print("{}: {} switches\n", report.runs[0].representation.text(), report.runs[0].result.switches.size());
+    fmt::print("{}: {}\n", report.runs[0].representation.text(),
+               counted(report.runs[0].result.switches.size(), "switch", "switches"));
     print_list(report, report.runs[0]);
   }
   print_settings(report);

@@ -9,6 +9,7 @@
 #include "bench/commands/level_output.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
 #include "renderers/gl/context.h"
@@ -94,9 +95,9 @@ std::string times_text(const MedianRatio& ratio) {
 }
 
 void print(const RatioReport& report, const scene::Scenario& scenario) {
-  fmt::print("{} against {}: {} agents, {}x{}, {:.1f} % of the picture covered, {}\n", report.of, report.to,
-             scenario.crowd.agents, scenario.width, scenario.height, 100 * report.stage.coverage.occupancy,
-             report.renderer);
+  fmt::print("{} against {}: {}, {}x{}, {:.1f} % of the picture covered, {}\n", report.of, report.to,
+             counted(scenario.crowd.agents, "agent", "agents"), scenario.width, scenario.height,
+             100 * report.stage.coverage.occupancy, report.renderer);
   const char* mark = report.is_void ? "  VOID" : "";
   if (report.cpu)
     fmt::print("  process CPU   {}{}{}\n", times_text(*report.cpu), report.headline == "cpu" ? "  <- headline" : "",

@@ -13,6 +13,7 @@
 #include "bench/stage/stage_scenario.h"
 #include "bench/stage/truth_capture.h"
 #include "core/colour.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/json.h"
@@ -139,14 +140,14 @@ int render_crowd(const RenderOptions& options) {
   progress.note("loading the characters");
   const scene::Cast cast = open_cast(chosen.scenario, chosen.folder, chosen.places);
   const auto context = open_context(options.scene.device);
-  progress.note(
-      fmt::format("placing {} agent{}", chosen.scenario.crowd.agents, chosen.scenario.crowd.agents == 1 ? "" : "s"));
+  progress.note(fmt::format("placing {}", counted(chosen.scenario.crowd.agents, "agent", "agents")));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
   const scene::Scenario& scenario = staged.scenario;
   const scene::Crowd& crowd = staged.crowd;
   if (staged.solved && staged.solved->unreachable)
-    fmt::print(stderr, "crowdbench: warning: {} agents cover {:.1f} % of the picture at most, not {:.1f} %\n",
-               crowd.size(), 100 * staged.solved->achieved, 100 * staged.solved->requested);
+    fmt::print(stderr, "crowdbench: warning: {} {} {:.1f} % of the picture at most, not {:.1f} %\n",
+               counted(crowd.size(), "agent", "agents"), crowd.size() == 1 ? "covers" : "cover",
+               100 * staged.solved->achieved, 100 * staged.solved->requested);
   const auto frame_at = [&](uint64_t tick) {
     const double seconds = static_cast<double>(tick) / scenario.tick_rate;
     return scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), tick);

@@ -6,6 +6,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
 #include "bench/commands/study.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/json.h"
@@ -42,8 +43,9 @@ int run_answers(const Options& o) {
                             {"records", answers.answers.size()}}
                            .dump(2));
   } else {
-    fmt::print("{} participants finished, {} did not, {} withdrew; {} trials answered\n", states["finished"],
-               states["started"], states["withdrawn"], trials);
+    fmt::print("{} finished, {} did not, {} withdrew; {} answered\n",
+               counted(states["finished"], "participant", "participants"), states["started"], states["withdrawn"],
+               counted(trials, "trial", "trials"));
   }
   return 0;
 }

@@ -6,6 +6,7 @@
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/study.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
 #include "core/progress.h"
@@ -65,15 +66,16 @@ int print_dry_run(const Options& options, const StudyPlan& plan) {
   fmt::print("conditions:\n");
   for (const StudyCondition& condition : plan.conditions)
     fmt::print("  {}  {:<40} {}\n", condition.id, condition.name, condition.test.text());
-  fmt::print("clips to draw: {} of {} frames\n", estimate.halves, plan.frames());
+  fmt::print("clips to draw: {} of {}\n", estimate.halves, counted(plan.frames(), "frame", "frames"));
   for (const PlannedHalf& half : design.halves)
     fmt::print("  {}  {:<40} seed {}\n", plan.conditions[half.condition].id, half.spec.text(), half.scenario.seed);
   fmt::print("stimuli: {}\n", estimate.stimuli);
   for (const Stimulus& stimulus : design.stimuli)
     fmt::print("  {}  {:<9} {}  {} / {}\n", stimulus.id, stimulus_word(stimulus.kind),
                plan.conditions[stimulus.condition].id, stimulus.item_upper, stimulus.item_lower);
-  fmt::print("{} lists, {} participants, {} trials each: about {:.0f} minutes\n", estimate.lists,
-             plan.participants.planned, estimate.trials, estimate.minutes_a_participant);
+  fmt::print("{}, {}, {} each: about {:.0f} min\n", counted(estimate.lists, "list", "lists"),
+             counted(plan.participants.planned, "participant", "participants"),
+             counted(estimate.trials, "trial", "trials"), estimate.minutes_a_participant);
   fmt::print("about {} on two cores without a GPU, {:.0f} MB for participants, {:.0f} MB of working files\n",
              duration_text(estimate.seconds), estimate.page_bytes / 1e6, estimate.work_bytes / 1e6);
   return 0;
@@ -107,10 +109,10 @@ int run_export(const Options& options) {
     return 0;
   }
   fmt::print(
-      "{}: {} crowds drawn, {} kept; {} stimuli made, {} kept; decoding changes what is under test by at most "
+      "{}: {} drawn, {} kept; {} made, {} kept; decoding changes what is under test by at most "
       "{:.1f} % of it\n",
-      options.out, exported.drawn, exported.kept_halves, exported.stacked, exported.kept_stimuli,
-      100 * exported.worst_share);
+      options.out, counted(exported.drawn, "crowd", "crowds"), exported.kept_halves,
+      counted(exported.stacked, "stimulus", "stimuli"), exported.kept_stimuli, 100 * exported.worst_share);
   fmt::print("show participants {} and nothing beside it\n", (std::filesystem::path(options.out) / "page").string());
   return 0;
 }

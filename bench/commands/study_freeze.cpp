@@ -5,6 +5,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
 #include "bench/commands/study.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
 #include "studies/plan/frozen.h"
@@ -31,8 +32,8 @@ int run_freeze(const Options& options) {
                            .dump(2));
     return 0;
   }
-  fmt::print("{}: {}, {} conditions, frozen as {}\n", frozen.file.string(), plan.name, plan.conditions.size(),
-             frozen.current_hash().substr(0, 16));
+  fmt::print("{}: {}, {}, frozen as {}\n", frozen.file.string(), plan.name,
+             counted(plan.conditions.size(), "condition", "conditions"), frozen.current_hash().substr(0, 16));
   if (adaptive)
     fmt::print("order: adaptive ({}): each main trial is chosen by the participant's own answers so far\n",
                studies::method_words()[static_cast<size_t>(plan.method.method)]);

@@ -5,6 +5,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
 #include "bench/commands/study.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
 #include "studies/analysis/power.h"
@@ -43,10 +44,11 @@ int run_power(Options options) {
   Json rows = Json::array();
   if (!options.json)
     fmt::print(
-        "simulated: {:g} logits between two conditions, {} clips x {} repeats in either, {} studies a row\n"
+        "simulated: {:g} logits between two conditions, {} x {} in either, {} a row\n"
         "{:>12} {:>8} {:>7} {:>10} {:>10} {:>9} {:>7}\n",
-        options.settings.effect, options.settings.clips, options.settings.repeats, options.simulations, "participants",
-        "trials", "power", "+-", "CI width", "singular", "failed");
+        options.settings.effect, counted(options.settings.clips, "clip", "clips"),
+        counted(options.settings.repeats, "repeat", "repeats"), counted(options.simulations, "study", "studies"),
+        "participants", "trials", "power", "+-", "CI width", "singular", "failed");
   for (const uint32_t participants : options.participants) {
     studies::PowerSettings s = options.settings;
     s.participants = participants;

@@ -8,6 +8,7 @@
 #include "bench/commands/options.h"
 #include "bench/commands/study.h"
 #include "bench/experiments/study_simulation.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/json.h"
@@ -91,7 +92,8 @@ int run_simulate(const Options& o) {
         Json{{"observers", "simulated"}, {"participants", o.simulated.observers}, {"answers", answers}, {"file", o.out}}
             .dump(2));
   else
-    fmt::print("{} answers of {} simulated observers: {}\n", answers, o.simulated.observers, o.out);
+    fmt::print("{} of {}: {}\n", counted(answers, "answer", "answers"),
+               counted(o.simulated.observers, "simulated observer", "simulated observers"), o.out);
   return 0;
 }
 

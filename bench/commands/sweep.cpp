@@ -9,8 +9,10 @@
 #include "bench/sweep/schedulers.h"
 #include "bench/sweep/sweep_run.h"
 #include "bench/sweep/sweep_table.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/term_status.h"
 #include "renderers/gl/context.h"
 #include "reports/exports/exports.h"
 
@@ -65,6 +67,7 @@ void say_tables(const Options& options, const sweep::Plan& plan, const StoreCont
 // Exit status; nothing where the machine could not draw, which another might.
 std::optional<sweep::SweepOutcome> measure(const Options& options, const sweep::Plan& plan, const sweep::Shard& shard,
                                            const fs::path& out) {
+  set_term_status(sweep::kRetryStatus);
   std::unique_ptr<gl::Context> context;
   try {
     context = open_context(options.device);
@@ -92,12 +95,10 @@ int run_sweep_command(const Options& options) {
   } else {
     const std::optional<sweep::SweepOutcome> outcome = measure(options, plan, shard, out);
     if (!outcome) return sweep::kRetryStatus;
-    fmt::print(stderr,
-               "{} of {} conditions measured, {} taken from the file; the sweep itself took {:.1f} % of the time; {}\n",
-               outcome->measured, outcome->cells, outcome->held,
+    fmt::print(stderr, "{} of {} measured, {} taken from the file; the sweep itself took {:.1f} % of the time; {}\n",
+               outcome->measured, counted(outcome->cells, "condition", "conditions"), outcome->held,
                outcome->seconds > 0 ? 100 * (1 - outcome->measuring_s / outcome->seconds) : 0.0,
-               printable(outcome->complete ? out.string() : sweep::partial_file(out).string()));
-    if (!outcome->complete) return sweep::kRetryStatus;
+               printable(out.string()));
   }
   const StoreContents contents = read_store(out, false, false);
   say_tables(options, plan, contents);
@@ -113,17 +114,16 @@ void add_sweep(Command& app, Run& run) {
       app.add_subcommand("sweep", "Measure every point of a plan, into a result file, and tabulate them");
   command->footer(
       "A plan is a TOML file that says what varies: keys of a scenario and options of representations, as lists, "
-      "ranges "
-      "or\nsamples; bench/plans holds examples, and bench/sweep/README.md says all there is. Ended by whatever, the "
-      "same "
-      "command goes\non where it was. SIGTERM ends it after the point in hand.\nExit status: 0 done; 1 a point failed, "
-      "or "
-      "its picture check; 2 a mistake in the plan or the command; 3 no point could be\nmeasured; 75 not yet done, run "
-      "it "
-      "again, perhaps elsewhere.\nExamples:\n  crowdbench sweep bench/plans/texture_size.toml --dry-run\n  crowdbench "
-      "sweep "
-      "bench/plans/texture_size.toml --out textures.sqlite --markdown textures.md\n  crowdbench sweep "
-      "bench/plans/texture_size.toml --shard 2/8\n  crowdbench sweep bench/plans/texture_size.toml --slurm 8 --submit");
+      "ranges or\nsamples; bench/plans holds examples, and bench/sweep/README.md says all there is. Ended by whatever, "
+      "the same command goes\non where it was; of the condition in hand, whose points are measured together, nothing "
+      "is "
+      "kept.\nExit status: 0 done; 1 a point failed, or its picture check; 2 a mistake in the plan or the command; 3 "
+      "no "
+      "point could be\nmeasured; 75 not yet done (SIGTERM, or no device), run it again, perhaps elsewhere.\nExamples:\n"
+      "  crowdbench sweep bench/plans/texture_size.toml --dry-run\n"
+      "  crowdbench sweep bench/plans/texture_size.toml --out textures.sqlite --markdown textures.md\n"
+      "  crowdbench sweep bench/plans/texture_size.toml --shard 2/8\n"
+      "  crowdbench sweep bench/plans/texture_size.toml --slurm 8 --submit");
   auto options = std::make_shared<Options>();
   command->add_option("PLAN", options->plan, "plan of a sweep")->required()->type_name("PLAN.toml");
   command->add_option("--out", options->out, "result file; continued where it was begun (the plan's name, here)")

@@ -19,6 +19,7 @@
 #include "bench/stage/stage.h"
 #include "bench/timing/run_facts.h"
 #include "core/command_line.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
@@ -289,7 +290,7 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
   }
   const std::optional<OtherCast> other = other_cast(options, chosen.scenario);
   const auto context = open_context(options.scene.device);
-  progress.note(fmt::format("placing {} agents", chosen.scenario.crowd.agents));
+  progress.note(fmt::format("placing {}", counted(chosen.scenario.crowd.agents, "agent", "agents")));
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
   if (options.prove > 0 && staged.crowd.size() == 0)
     throw Error("--prove", "the crowd has no agents, so that no speed is promised", "give some with --agents");

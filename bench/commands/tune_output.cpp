@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/experiments/tune_measure.h"
+#include "core/counted.h"
 #include "core/error.h"
 
 namespace crowdbench::bench {
@@ -112,11 +113,11 @@ void print_proof(const TuneReport& report) {
         "{:>20} {:>12.3f} {:>22} {:>12.2f} {:>12.2f}\n", one.seed, one.ratio,
         fmt::format("{:.3f} to {:.3f}", report.promise->on_another_seed.low, report.promise->on_another_seed.high),
         1e-6 * one.reference_ns, 1e-6 * one.plan_ns);
-  fmt::print("  speed: {} of {} seeds within what was promised: {}\n", proof.speed.within, proof.speed.seeds.size(),
-             proof.speed.holds ? "holds" : "does NOT hold");
+  fmt::print("  speed: {} of {} within what was promised: {}\n", proof.speed.within,
+             counted(proof.speed.seeds.size(), "seed", "seeds"), proof.speed.holds ? "holds" : "does NOT hold");
   for (const ErrorProof& one : proof.errors)
     fmt::print(
-        "  error: {} of {} unseen figures worse than promised (5 % may be), {} over the threshold; {} at the bad end's "
+        "  error: {} of {} worse than promised (5 % may be), {} over the threshold; {} at the bad end's "
         "5 "
         "% {:.{}f}, worst {:.{}f} at {:.1f} pixels: {}\n",
         one.worse, one.views, one.over_threshold, score.title, one.tail, score.digits, one.worst, score.digits,

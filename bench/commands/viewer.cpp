@@ -7,6 +7,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/counted.h"
+
 namespace crowdbench::bench {
 namespace {
 
@@ -81,7 +83,7 @@ std::string viewer_title(const ViewerState& state, const std::vector<std::string
   const std::string what = state.side_by_side
                                ? fmt::format("{}, {} (left, right)", names[state.beside], names[state.current])
                                : names[state.current];
-  return fmt::format("crowdbench: {} | {} agents | tick {}{}", what, agents, state.tick,
+  return fmt::format("crowdbench: {} | {} | tick {}{}", what, counted(agents, "agent", "agents"), state.tick,
                      state.paused ? " (paused)" : "");
 }
 

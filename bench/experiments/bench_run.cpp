@@ -38,10 +38,10 @@ Image8 without_alpha(const Image8& rgba) {
   return rgb;
 }
 
-class Sweep {
+class BenchRun {
  public:
-  Sweep(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
-        const SweepRequest& request, StoreWriter& store, const std::function<void(const std::string&)>& progress)
+  BenchRun(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
+           const BenchRequest& request, StoreWriter& store, const std::function<void(const std::string&)>& progress)
       : context_(context),
         method_(method),
         run_(run),
@@ -58,7 +58,7 @@ class Sweep {
         specs_.push_back(spec);
   }
 
-  SweepSummary run() {
+  BenchSummary run() {
     size_t done = 0;
     for (const double occupancy : request_.occupancies) {
       curves_.assign(specs_.size(), {});
@@ -188,8 +188,9 @@ class Sweep {
   }
 
   void write_unreachable(const Point& at, const StageFacts& facts) {
-    const std::string reason = fmt::format("{} cover {} at most, {} were asked for", agents_text(at.agents),
-                                           percent_text(facts.coverage.occupancy), percent_text(at.occupancy));
+    const std::string reason =
+        fmt::format("{} {} {} at most, {} were asked for", agents_text(at.agents), at.agents == 1 ? "covers" : "cover",
+                    percent_text(facts.coverage.occupancy), percent_text(at.occupancy));
     store_.begin();
     for (size_t s = 0; s < specs_.size(); ++s) write_untimed(s, at, Status::unreachable, reason, &facts);
     store_.commit();
@@ -339,7 +340,7 @@ class Sweep {
       write_pictures(store_, run_.id, id, reference.colour, test.colour, row.reference, row.representation);
   }
 
-  // Baked at first use and kept for the whole sweep.
+  // Baked at first use and kept for the whole run.
   TimedRepresentation& timed(size_t spec) {
     auto& place = timed_[spec];
     if (!place) {
@@ -372,7 +373,7 @@ class Sweep {
   gl::Context& context_;
   const TimingMethod& method_;
   const RunRow& run_;
-  const SweepRequest& request_;
+  const BenchRequest& request_;
   StoreWriter& store_;
   const std::function<void(const std::string&)>& progress_;
   const scene::Cast& cast_;
@@ -385,7 +386,7 @@ class Sweep {
   std::map<size_t, std::unique_ptr<TimedRepresentation>> timed_;
   std::map<size_t, std::unique_ptr<TimedRepresentation>> floors_;
   std::map<size_t, std::unique_ptr<TimedRepresentation>> controls_;
-  SweepSummary summary_;
+  BenchSummary summary_;
   TimeBudget budget_;
   // Of the latest point that was timed at this occupancy: every variant drawn once, and how many agents that were.
   double turn_s_ = 0;
@@ -396,10 +397,10 @@ class Sweep {
 
 std::vector<uint32_t> full_agents() { return {1, 10, 100, 250, 500, 1000, 2000, 5000, 10000}; }
 
-SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
-                       const SweepRequest& request, StoreWriter& store,
+BenchSummary run_bench(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
+                       const BenchRequest& request, StoreWriter& store,
                        const std::function<void(const std::string&)>& progress) {
-  return Sweep(context, cast, method, run, request, store, progress).run();
+  return BenchRun(context, cast, method, run, request, store, progress).run();
 }
 
 std::vector<ScoreRow> score_crowd(metrics::ScoreTable table, const metrics::ChosenDisplay& display,

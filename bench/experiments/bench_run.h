@@ -13,7 +13,7 @@
 
 namespace crowdbench::bench {
 
-struct SweepRequest {
+struct BenchRequest {
   scene::Scenario scenario;  // agents and occupancy are replaced by the axes below
   // Drawn beside the reference, which is always the mesh and need not be named. Canonical texts are unique.
   std::vector<renderers::Spec> representations;
@@ -27,7 +27,7 @@ struct SweepRequest {
   // Called after each point with how many are through, and what is left of total_time_s.
   std::function<void(size_t done, double seconds_left)> after_point;
   bool floors = true;                // also time each representation's floor
-  uint64_t order_seed = kOrderSeed;  // of the order of turns (TimingPlan)
+  uint64_t order_seed = kOrderSeed;  // of the order within a round (TimingPlan)
   uint32_t picture_agents = 250;     // pictures are kept of the largest measured crowd up to this, at each occupancy
   uint64_t bake_budget = uint64_t{512} << 20;
   metrics::ScoreTable table = metrics::scores();  // of the pictures
@@ -41,7 +41,7 @@ struct StagedPoint {
   StageFacts facts;
 };
 
-// The numbers of agents of a thorough sweep: 1 to 10,000.
+// The numbers of agents of a thorough run: 1 to 10,000.
 std::vector<uint32_t> full_agents();
 
 // The levels of detail that a representation draws.
@@ -50,7 +50,7 @@ struct DrawnLevels {
   std::vector<renderers::LevelInfo> levels;
 };
 
-struct SweepSummary {
+struct BenchSummary {
   size_t measured = 0;               // points timed now
   size_t held = 0;                   // points that the file already had
   size_t invalid = 0;                // of those timed now: the image check failed
@@ -60,11 +60,11 @@ struct SweepSummary {
 };
 
 // Measures point by point: at each occupancy the numbers of agents ascend; all representations whose curve still goes
-// on take turns; each point is one transaction. Points that the store holds for the same scenario, revision and
+// on share its rounds; each point is one transaction. Points that the store holds for the same scenario, revision and
 // renderer are not measured again. run: its id is that of the row that the caller wrote. Throws Error and Interrupted;
 // what was finished before is kept. progress: called with what is going on now.
-SweepSummary run_sweep(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
-                       const SweepRequest& request, StoreWriter& store,
+BenchSummary run_bench(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
+                       const BenchRequest& request, StoreWriter& store,
                        const std::function<void(const std::string&)>& progress);
 
 // Whole-frame scores of a representation's picture against the reference's (same view): each of the table's that

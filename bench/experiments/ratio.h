@@ -59,7 +59,7 @@ struct RatioReport {
   std::vector<Levels> levels;
   int warmup_frames = 0;
   bool settled = true;
-  uint64_t order_seed = 0;  // of the order of turns (TimingPlan)
+  uint64_t order_seed = 0;  // of the order within a round (TimingPlan)
   std::string renderer;
   bool software = false;
 };

@@ -46,7 +46,7 @@ inline constexpr size_t kPromiseSeeds = 5;
 // The prediction interval alone: positive ratios, at least two.
 SpeedPromise promised_speed(std::vector<SeedTimes> seeds);
 
-// Times reference and plan in turns on each of the seeds. Throws Error and Interrupted.
+// Times reference and plan in the same rounds on each of the seeds. Throws Error and Interrupted.
 std::vector<SeedTimes> time_seeds(gl::Context& context, const TuneProofRequest& request,
                                   const std::vector<uint64_t>& seeds);
 // `count` seeds that differ from `seed` and, for another purpose, from each other's.

@@ -1,4 +1,4 @@
-// One condition of a plan measured: its points, the reference and its A/A twin, drawn in turns in the same rounds.
+// One condition of a plan measured: its points, the reference and its A/A twin, drawn in the same rounds.
 #pragma once
 #include <functional>
 #include <memory>

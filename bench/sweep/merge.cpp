@@ -12,6 +12,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
@@ -108,10 +109,11 @@ void check_complete(const std::vector<FinishedShard>& shard_files, bool allow_mi
   const size_t expected = size_t{sweep.conditions} * sweep.repetitions;
   if (cells.size() == expected) return;
   std::string text;
-  if (!missing.empty()) text = fmt::format("of {} shards are missing: {}", sweep.shards, fmt::join(missing, ", "));
+  if (!missing.empty())
+    text = fmt::format("of {} are missing: {}", counted(sweep.shards, "shard", "shards"), fmt::join(missing, ", "));
   if (cells.size() + of_missing < expected)
-    text += fmt::format("{}{} conditions are missing in the shards named", text.empty() ? "" : "; ",
-                        expected - of_missing - cells.size());
+    text += fmt::format("{}missing in the shards named: {}", text.empty() ? "" : "; ",
+                        counted(expected - of_missing - cells.size(), "condition", "conditions"));
   if (!allow_missing) throw MissingShards{text};
   remarks.push_back(text);
 }

@@ -19,7 +19,7 @@
 //   where = ["crowd.agents <= 1000 or occupancy > 0.5"]   # ... these conditions (expression.h); one that names an axis
 //                                            # which a point does not have says nothing of that point
 //   sample = { method = "halton", count = 20, seed = 1 }  # of all axes without `steps` together; or "random"
-//   repetitions = 1                          # each with another order of turns
+//   repetitions = 1                          # each with other orders within the rounds
 //   [[points.also]]                          # one more point, by its values
 //   crowd.agents = 7
 //   [measure]
@@ -33,7 +33,7 @@
 //   value = "speed"
 //
 // A point is one representation at one place of the grid. Points whose scenarios are equal but for what is drawn make a
-// condition: they are drawn in turns, in the same rounds, beside the reference and its A/A twin; a shard holds whole
+// condition: they are drawn in the same rounds, beside the reference and its A/A twin; a shard holds whole
 // conditions. A point's key is a hash of all that decides what it shows, the contents of the characters' files among
 // it, so that a comment or another order of the axes changes no key; a plan's hash is one over its points in order.
 #pragma once

@@ -71,8 +71,8 @@ std::string slurm_array(const ShardJobs& jobs) {
 #SBATCH --open-mode=append
 # Two shards on one machine would disturb each other's times.
 #SBATCH --exclusive
-# Two minutes before its time is over the shard is told to end after the point in hand; it then exits with 75.
-#SBATCH --signal=B:TERM@120
+# A minute before its time is over the shard is told to end; it then exits with 75, without the condition in hand.
+#SBATCH --signal=B:TERM@60
 #SBATCH --requeue
 {program} sweep {plan} --shard "$SLURM_ARRAY_TASK_ID/{shards}"{options} \
   --out {before}"$SLURM_ARRAY_TASK_ID"{after} &

@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
-#include "core/term_waits.h"
+#include "core/term_status.h"
 
 namespace crowdbench::bench::sweep {
 namespace {
@@ -172,9 +172,9 @@ SweepOutcome run_shard(gl::Context& context, const TimingMethod& method, const P
   SweepOutcome outcome;
   const std::vector<Cell> cells = cells_of(plan, shard);
   outcome.cells = cells.size();
-  say_when_interrupted(fmt::format("finished points are in {}, the same command goes on from there",
+  say_when_interrupted(fmt::format("finished conditions are in {}, the same command goes on from there",
                                    printable(partial_file(out).string())));
-  const TermWaits term;
+  set_term_status(kRetryStatus);
   Progress progress("sweep", cells.size() - file.done().size());
   std::string where;
   ConditionBench bench(context, method, plan, [&](const std::string& now_doing) { progress.note(where + now_doing); });
@@ -183,7 +183,6 @@ SweepOutcome run_shard(gl::Context& context, const TimingMethod& method, const P
       ++outcome.held;
       continue;
     }
-    if (term.came()) break;
     where = fmt::format("condition {}: ", cell.first + 1);
     const double before = now();
     const MeasuredCondition measured = bench.measure(cell.first, cell.second);
@@ -192,8 +191,7 @@ SweepOutcome run_shard(gl::Context& context, const TimingMethod& method, const P
     ++outcome.measured;
     progress.advance();
   }
-  outcome.complete = outcome.held + outcome.measured == outcome.cells;
-  if (outcome.complete) file.finish();
+  file.finish();
   outcome.seconds = now() - begun;
   return outcome;
 }

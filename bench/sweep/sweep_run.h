@@ -61,9 +61,10 @@ bool is_finished(const std::filesystem::path& out, const Plan& plan, const Shard
 
 struct SweepOutcome {
   size_t cells = 0, held = 0, measured = 0;  // conditions and repetitions: of the shard, found done, measured now
-  bool complete = false;                     // else: SIGTERM came, the rest waits
   double seconds = 0, measuring_s = 0;       // of all, and of it in ConditionBench
 };
+// Throws Interrupted after Ctrl-C or SIGTERM, the latter with kRetryStatus: what was measured of the condition in hand
+// is dropped, since its points are worth something together alone, and the rest waits.
 SweepOutcome run_shard(gl::Context& context, const TimingMethod& method, const Plan& plan, const Shard& shard,
                        const std::filesystem::path& out, bool mixed);
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/statistics.h"
 #include "renderers/representation.h"
@@ -287,9 +288,9 @@ std::string aa_text(const Views& views) {
   }
   if (pairs == 0) return {};
   return fmt::format(
-      "A/A: of {} pairs of the reference with itself the 95 % interval of {} leaves 1 out; the farthest is {:.1f} % "
+      "A/A: of {} of the reference with itself the 95 % interval of {} leaves 1 out; the farthest is {:.1f} % "
       "off.\n",
-      pairs, apart, 100 * (std::exp(widest) - 1));
+      counted(pairs, "pair", "pairs"), apart, 100 * (std::exp(widest) - 1));
 }
 
 // A speed against the whole reference says little of what would be drawn instead: a level of detail of it.

@@ -1,4 +1,4 @@
-// Frame times of several variants that take turns in random order, so that drift hits all alike.
+// Frame times of several variants, a frame of each a round in random order, so that drift hits all alike.
 //
 // Based on: google/benchmark's random interleaving of repetitions (docs/random_interleaving.md), with every variant
 // once a round, so that times of one round make pairs.
@@ -52,7 +52,7 @@ const char* metric_name(Metric metric);
 inline constexpr uint64_t kBootstrapSeed = 1;
 // Unless asked otherwise, every run draws its rounds in the same order as every other.
 inline constexpr uint64_t kOrderSeed = 1;
-// The order of one round's turns: the numbers 0 to variants - 1, each once, every order as likely as any other. A hash
+// The order of one round's frames: the numbers 0 to variants - 1, each once, every order as likely as any other. A hash
 // of its arguments. Were the order the same in all rounds, each variant would always find the caches, the clock rate
 // and the driver's queue as one and the same other left them.
 std::vector<size_t> round_order(uint64_t seed, int round, size_t variants);
@@ -70,7 +70,7 @@ struct TimingPlan {
   // A variant whose warm-up frames pass this wall time twice is dropped before the timed rounds. 0: no limit.
   int64_t drop_above_ns = 0;
   uint64_t first_tick = 0;
-  // Of the order in which the variants of a round take their turns (round_order).
+  // Of the order in which the variants of a round are drawn (round_order).
   uint64_t order_seed = kOrderSeed;
 };
 

@@ -58,20 +58,23 @@ std::optional<std::vector<uint8_t>> BakeLoader::stored(const std::string& key) c
   return cache_.load(messages_.kind, key);
 }
 
-BakeProgress BakeLoader::progress(const std::string& character) const {
-  if (!policy_.progress) return [](size_t, size_t) { throw_if_interrupted(); };
+BakeProgress bake_progress(const BakePolicy& policy, const std::string& label) {
+  if (!policy.progress) return [](size_t, size_t) { throw_if_interrupted(); };
   struct Shown {
     std::optional<Progress> line;
     size_t done = 0;
   };
   const auto shown = std::make_shared<Shown>();
-  const std::string label = fmt::format("baking {} of {}", messages_.what, character);
   return [shown, label](size_t done, size_t total) {
     throw_if_interrupted();
     if (!shown->line) shown->line.emplace(label, total);
     shown->line->advance(done - std::min(shown->done, done));
     shown->done = std::max(shown->done, done);
   };
+}
+
+BakeProgress bake_progress(const BakePolicy& policy, const std::string& what, const std::string& character) {
+  return bake_progress(policy, fmt::format("baking {} of {}", what, printable(character)));
 }
 
 void BakeLoader::take(const std::string& character, const std::string& key, bool cached, uint64_t texture_bytes) {

@@ -9,11 +9,10 @@
 #include <vector>
 
 #include "renderers/bake/bake_cache.h"
+#include "renderers/bake/bake_progress.h"
 #include "renderers/representation.h"
 
 namespace crowdbench::renderers {
-
-using BakeProgress = std::function<void(size_t done, size_t total)>;
 
 // What became of one character's bake.
 struct BakeRecord {
@@ -33,6 +32,12 @@ int fitting_size(int size, int least, uint64_t needed, uint64_t left);
 
 // A warning about a bake of `what`, on stderr, once a process; nothing where the text is empty.
 void warn_of_bake(const std::string& what, const std::string& text);
+
+// A line on stderr from the first call on, "LABEL: 12/306, 8 s left", where the policy asks for it. Throws Interrupted
+// after Ctrl-C in any case. Of its copies the last ends the line.
+BakeProgress bake_progress(const BakePolicy& policy, const std::string& label);
+// With the label "baking WHAT of CHARACTER".
+BakeProgress bake_progress(const BakePolicy& policy, const std::string& what, const std::string& character);
 
 class BakeLoader {
  public:
@@ -55,7 +60,7 @@ class BakeLoader {
     if (const auto bytes = stored(key)) bake = deserialise(*bytes);
     const bool cached = bake.has_value();
     if (!bake) {
-      bake = make(left_, progress(character));
+      bake = make(left_, bake_progress(policy_, messages_.what, character));
       cache_.store(messages_.kind, key, serialise(*bake));
     }
     take(character, key, cached, bake->texture_bytes());
@@ -67,7 +72,6 @@ class BakeLoader {
 
  private:
   std::optional<std::vector<uint8_t>> stored(const std::string& key) const;
-  BakeProgress progress(const std::string& character) const;
   void take(const std::string& character, const std::string& key, bool cached, uint64_t texture_bytes);
 
   BakePolicy policy_;

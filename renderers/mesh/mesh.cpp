@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "core/error.h"
+#include "core/progress.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "renderers/mesh/mesh_level.h"

@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/bake/bake_cache.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/gl/objects.h"
 #include "renderers/gl/per_sample.h"
@@ -226,7 +227,8 @@ class Relief final : public Representation {
     const bool cached = bake.has_value();
     if (cached) require_room(character, bake->models[0].texels(), options_.bake, allowance);
     if (!bake) {
-      bake = bake_tiers(character, bank, options_.bake, allowance);
+      bake =
+          bake_tiers(character, bank, options_.bake, allowance, bake_progress(make.policy(), "relief", character.name));
       cache.store("relief", key, serialise(*bake));
     }
     if (options_.bake.bend <= 0 && bake->capture.silhouette_error > kTornSilhouette)

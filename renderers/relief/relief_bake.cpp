@@ -224,7 +224,7 @@ size_t relief_texels(const Character& character, const ReliefBakeOptions& option
   return plan_boxes(character, options, palette, scene::skin_positions(character.mesh, palette)).texels;
 }
 
-ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& options) {
+ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& options, const BakeProgress& progress) {
   const std::vector<glm::dmat4> palette = capture_palette(character, options.capture);
   const std::vector<glm::dvec3> positions = scene::skin_positions(character.mesh, palette);
   const std::vector<glm::dvec3> normals = scene::skin_normals(character.mesh, palette);
@@ -262,7 +262,10 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
 
   parallel_for(
       model.boxes.size(), 0, [&](size_t i) { capture_box(source, plan.captures[i], i, model); },
-      [](size_t) { throw_if_interrupted(); });
+      [&](size_t done) {
+        throw_if_interrupted();
+        if (progress) progress(done, model.boxes.size());
+      });
   return model;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "renderers/bake/bake_progress.h"
 #include "renderers/relief/relief_pieces.h"
 #include "scene/character/character.h"
 
@@ -102,8 +103,10 @@ struct ReliefModel {
 // Texels of one map of all boxes that a bake would have: ReliefModel::texels(), without capturing.
 size_t relief_texels(const scene::Character& character, const ReliefBakeOptions& options);
 
-// Throws Error when the character has no triangle that any joint moves. Parallel over boxes; deterministic.
-ReliefModel bake_relief(const scene::Character& character, const ReliefBakeOptions& options);
+// Throws Error when the character has no triangle that any joint moves. Parallel over boxes, which progress counts;
+// deterministic.
+ReliefModel bake_relief(const scene::Character& character, const ReliefBakeOptions& options,
+                        const BakeProgress& progress = {});
 
 // Bytes of the source's two RGBA8 maps on six faces: joints * 6 * 2 * n * n * 4.
 uint64_t relief_nominal_bytes(size_t joints, int map_size);

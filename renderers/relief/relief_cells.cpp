@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -439,10 +440,37 @@ std::vector<Skirt> skirts_of(const scene::Mesh& mesh, const Skin& skin, const st
   return out;
 }
 
+// What the cells are in the end; they are taken. all: every triangle that a joint moves. advance: of options.most to
+// come.
+Cells pieces_of(const Character& character, const Skin& skin, const std::vector<uint32_t>& all,
+                std::vector<Cell>& cells, const std::vector<char>& is_cut, const CellOptions& options,
+                const std::function<void(size_t)>& advance) {
+  Cells out;
+  double whole = 0;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    advance(options.most * i / cells.size());
+    double area = 0;
+    for (const uint32_t t : cells[i].triangles) area += skin.area(t);
+    whole += area;
+    if (cells[i].fit.worst > options.tolerance) out.loose += area;
+    Piece& piece = out.pieces.emplace_back();
+    piece.shares = skin.frugal_fit(cells[i].triangles, options.tolerance).shares;
+    piece.skirts = skirts_of(character.mesh, skin, all, cells[i].triangles, options.skirt);
+    piece.triangles = std::move(cells[i].triangles);
+    piece.texel = is_cut[i] != 0 ? options.texel : 0.0;
+    out.deviation = std::max(out.deviation, cells[i].fit.worst);
+  }
+  out.loose /= std::max(whole, 1e-30);
+  return out;
+}
+
 }  // namespace
 
 Cells skin_cells(const Character& character, const scene::PoseBank& bank, const CapturePose& capture,
-                 const Carriers& carriers, const CellOptions& options) {
+                 const Carriers& carriers, const CellOptions& options, const BakeProgress& progress) {
+  const auto advance = [&](size_t done) {
+    if (progress) progress(std::min(done, 2 * options.most), 2 * options.most);
+  };
   const Skin skin(character, bank, capture, carriers);
   std::map<int, Cell> by_joint;
   std::vector<uint32_t> all;
@@ -467,8 +495,10 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
                      [&](size_t a, size_t b) { return cells[a].fit.worst > cells[b].fit.worst; });
     worst.resize(std::min(worst.size(), options.most - cells.size()));
     std::vector<std::vector<Cell>> parts(worst.size());
-    parallel_for(worst.size(), 0, [&](size_t i) { parts[i] = cut(skin, cells[worst[i]]); });
     const size_t before = cells.size();
+    parallel_for(
+        worst.size(), 0, [&](size_t i) { parts[i] = cut(skin, cells[worst[i]]); },
+        [&](size_t done) { advance(std::min(before + done, options.most)); });
     for (size_t i = 0; i < worst.size(); ++i) {
       if (parts[i].size() < 2) continue;
       cells[worst[i]] = std::move(parts[i][0]);
@@ -480,22 +510,7 @@ Cells skin_cells(const Character& character, const scene::PoseBank& bank, const 
     }
     if (cells.size() == before) break;
   }
-  Cells out;
-  double whole = 0;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    double area = 0;
-    for (const uint32_t t : cells[i].triangles) area += skin.area(t);
-    whole += area;
-    if (cells[i].fit.worst > options.tolerance) out.loose += area;
-    Piece& piece = out.pieces.emplace_back();
-    piece.shares = skin.frugal_fit(cells[i].triangles, options.tolerance).shares;
-    piece.skirts = skirts_of(character.mesh, skin, all, cells[i].triangles, options.skirt);
-    piece.triangles = std::move(cells[i].triangles);
-    piece.texel = is_cut[i] != 0 ? options.texel : 0.0;
-    out.deviation = std::max(out.deviation, cells[i].fit.worst);
-  }
-  out.loose /= std::max(whole, 1e-30);
-  return out;
+  return pieces_of(character, skin, all, cells, is_cut, options, [&](size_t done) { advance(options.most + done); });
 }
 
 }  // namespace crowdbench::renderers

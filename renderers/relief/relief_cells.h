@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "renderers/bake/bake_progress.h"
 #include "renderers/relief/relief_pieces.h"
 
 namespace crowdbench::renderers {
@@ -24,8 +25,8 @@ struct Cells {
 
 // Every triangle that a joint moves is in one cell; at first those of a joint (its carrier's), then the cells that
 // deviate most are cut until none deviates more than the tolerance or there are `most`. Looks at up to 16 poses of the
-// bank. Deterministic; throws nothing.
+// bank. Deterministic; throws what progress does, which counts twice the cells that there may be.
 Cells skin_cells(const scene::Character& character, const scene::PoseBank& bank, const CapturePose& capture,
-                 const Carriers& carriers, const CellOptions& options);
+                 const Carriers& carriers, const CellOptions& options, const BakeProgress& progress = {});
 
 }  // namespace crowdbench::renderers

@@ -203,7 +203,8 @@ std::vector<TexelCones> derive_cones(const uint16_t* depth, size_t n) {
   return cones;
 }
 
-std::vector<uint8_t> derive_cones(const ReliefModel& model, const AtlasPlan& plan, const Atlas& atlas) {
+std::vector<uint8_t> derive_cones(const ReliefModel& model, const AtlasPlan& plan, const Atlas& atlas,
+                                  const BakeProgress& progress) {
   const auto width = static_cast<size_t>(plan.width);
   std::vector<uint8_t> cones(atlas.depth.size() * 2);
   parallel_for(
@@ -232,7 +233,10 @@ std::vector<uint8_t> derive_cones(const ReliefModel& model, const AtlasPlan& pla
           }
         }
       },
-      [](size_t) { throw_if_interrupted(); });
+      [&](size_t done) {
+        throw_if_interrupted();
+        if (progress) progress(done, model.boxes.size() * 3);
+      });
   return cones;
 }
 

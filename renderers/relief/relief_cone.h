@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "renderers/bake/bake_progress.h"
 #include "renderers/relief/relief_atlas.h"
 
 namespace crowdbench::renderers {
@@ -35,7 +36,8 @@ double cone_ratio(uint8_t code);
 std::vector<TexelCones> derive_cones(const uint16_t* depth, size_t n);
 
 // Of every map and level of the atlas, in the depth picture's layout, four bytes a texel: TexelCones. Parallel over
-// maps; deterministic.
-std::vector<uint8_t> derive_cones(const ReliefModel& model, const AtlasPlan& plan, const Atlas& atlas);
+// maps, which progress counts; deterministic.
+std::vector<uint8_t> derive_cones(const ReliefModel& model, const AtlasPlan& plan, const Atlas& atlas,
+                                  const BakeProgress& progress = {});
 
 }  // namespace crowdbench::renderers

@@ -241,7 +241,7 @@ Carriers JointMerger::merged(double tolerance) {
 }
 
 std::vector<CaptureScore> score_captures(const Character& character, const scene::PoseBank& bank, TriangleRule rule,
-                                         double threshold) {
+                                         double threshold, const BakeProgress& progress) {
   constexpr int kTall = 96;
   const scene::Mesh& mesh = character.mesh;
   const size_t joints = character.skeleton.joints.size();
@@ -280,6 +280,7 @@ std::vector<CaptureScore> score_captures(const Character& character, const scene
   Mask mask(wide, kTall);
   std::vector<glm::dvec3> moved(mesh.positions.size());
   for (const CapturePose& candidate : candidates) {
+    if (progress) progress(scores.size(), candidates.size());
     const std::vector<glm::dmat4> palette = capture_palette(character, candidate);
     const std::vector<glm::dvec3> captured = scene::skin_positions(mesh, palette);
     CaptureScore score{candidate, 0, 0};

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "renderers/bake/bake_progress.h"
 #include "scene/character/character.h"
 #include "scene/pose/pose_bank.h"
 
@@ -107,9 +108,9 @@ struct CaptureScore {
   double silhouette_error = 0;
   double box_volume = 0;  // metres^3, of all boxes
 };
-// The bind pose and eight phases of every clip of the bank.
+// The bind pose and eight phases of every clip of the bank; progress counts these poses.
 std::vector<CaptureScore> score_captures(const scene::Character& character, const scene::PoseBank& bank,
-                                         TriangleRule rule, double threshold);
+                                         TriangleRule rule, double threshold, const BakeProgress& progress = {});
 // The least error; among those within 2 % of it (of the error, relative), the least volume. scores not empty.
 CaptureScore choose_capture(const std::vector<CaptureScore>& scores);
 

@@ -151,9 +151,30 @@ uint64_t atlas_bytes(const ReliefModel& model, const ReliefTierOptions& options)
          static_cast<uint64_t>(plan.width / 2) * static_cast<uint64_t>(plan.height / 2) * 2;
 }
 
+// The steps of a bake: the pose to capture in, the nearest tier's cells and maps, its cones; then of each farther tier
+// cells and maps.
+constexpr size_t kCaptureStep = 0;
+constexpr size_t kCellStep = 1;
+constexpr size_t kMapStep = 2;
+constexpr size_t kTierSteps = 3;
+constexpr size_t kConeStep = kTierSteps + 2 * kTiers.size();
+
+// About what they take, measured with the built-in character; only their ratios count.
+std::vector<double> step_weights(const ReliefTierOptions& options) {
+  const bool bends = options.bend > 0;
+  const double texels = options.maps.map_size / 128.0;
+  std::vector<double> weights{options.capture == "best" ? 2.0 : 0.0, bends ? 16.0 : 0.0, 8.0 + 5.0 * texels * texels};
+  for (size_t tier = 0; tier < kTiers.size(); ++tier) {
+    weights.push_back(options.merge > 0 && bends ? 1.5 : 0.0);
+    weights.push_back(options.merge > 0 ? 1.0 : 0.0);
+  }
+  weights.push_back(options.cones ? 3.0 * texels * texels : 0.0);
+  return weights;
+}
+
 // Models of fewer boxes for smaller pictures. `nearest`: how the nearest tier was baked.
 void add_tiers(const scene::Character& character, const scene::PoseBank& bank, const ReliefTierOptions& options,
-               const ReliefBakeOptions& nearest, ReliefTiers& bake) {
+               const ReliefBakeOptions& nearest, ReliefTiers& bake, BakeSteps& steps) {
   ReliefBakeOptions what = nearest;
   what.pieces.clear();
   what.longest = 0;
@@ -170,7 +191,8 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
                               .skirt = kSkirt * what.texel,
                               .texel = kCutTexel * what.texel,
                               .most = static_cast<size_t>(options.cells)};
-      what.pieces = skin_cells(character, bank, what.capture, what.carriers, cells).pieces;
+      what.pieces =
+          skin_cells(character, bank, what.capture, what.carriers, cells, steps.of(kTierSteps + 2 * tier)).pieces;
       const bool cut = std::any_of(what.pieces.begin(), what.pieces.end(), [](const Piece& p) { return p.texel > 0; });
       // Fewer cells are off by too much of a figure of this size.
       if (cut && kTiers[tier].pixels > kWholePixels) continue;
@@ -182,12 +204,19 @@ void add_tiers(const scene::Character& character, const scene::PoseBank& bank, c
       const int given = nearest.texels_of_joint[joint];
       what.texels_of_joint[joint] = std::min(given, std::max(64, given >> (tier + 1)));
     }
-    ReliefModel model = bake_relief(character, what);
+    ReliefModel model = bake_relief(character, what, steps.of(kTierSteps + 2 * tier + 1));
     const auto boxes = static_cast<double>(bake.models.back().boxes.size());
     if (static_cast<double>(model.boxes.size()) < (bends ? kFewer : 1.0) * boxes) {
       bake.tier_pixels.push_back(kTiers[tier].pixels);
       bake.models.push_back(std::move(model));
     }
+  }
+}
+
+void add_cones(ReliefTiers& bake, BakeSteps& steps) {
+  for (const ReliefModel& model : bake.models) {
+    const AtlasPlan plan = plan_atlas(model);
+    bake.cones.push_back(derive_cones(model, plan, fill_atlas(model, plan), steps.of(kConeStep)));
   }
 }
 
@@ -322,11 +351,12 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
 }
 
 ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank& bank, const ReliefTierOptions& options,
-                       const ReliefAllowance& allowance) {
+                       const ReliefAllowance& allowance, const BakeProgress& progress) {
+  BakeSteps steps(progress, step_weights(options));
   ReliefTiers bake;
   ReliefBakeOptions what = options.maps;
   if (options.capture == "best")
-    bake.capture = choose_capture(score_captures(character, bank, what.rule, what.threshold));
+    bake.capture = choose_capture(score_captures(character, bank, what.rule, what.threshold, steps.of(kCaptureStep)));
   else
     bake.capture.pose = parse_capture(options.capture, character);
   what.capture = bake.capture.pose;
@@ -341,7 +371,8 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
                              {.tolerance = options.bend * height / kBendPixels,
                               .skirt = kSkirt / kCutTexel * texel,
                               .texel = texel,
-                              .most = static_cast<size_t>(options.cells)});
+                              .most = static_cast<size_t>(options.cells)},
+                             steps.of(kCellStep));
     bake.deviation = cells.deviation;
     bake.loose = cells.loose;
     const double most = kMore * static_cast<double>(relief_texels(character, what));
@@ -355,7 +386,7 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
     texels = relief_texels(character, what);
   }
   require_room(character, texels, options, allowance);
-  bake.models.push_back(bake_relief(character, what));
+  bake.models.push_back(bake_relief(character, what, steps.of(kMapStep)));
   // Under a budget the texels grow until the maps fit.
   while (options.budget > 0 && atlas_bytes(bake.models[0], options) > options.budget) {
     if (what.by_area && what.texels_of_joint.empty()) {
@@ -371,14 +402,11 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
     if (what.map_size < 16 || what.texel > 1e3)
       throw Error("relief: budget", fmt::format("{} does not fit in {} bytes", character.name, options.budget),
                   "raise the budget");
-    bake.models[0] = bake_relief(character, what);
+    bake.models[0] = bake_relief(character, what, steps.of(kMapStep));
   }
-  if (options.merge > 0) add_tiers(character, bank, options, what, bake);
-  if (options.cones)
-    for (const ReliefModel& model : bake.models) {
-      const AtlasPlan plan = plan_atlas(model);
-      bake.cones.push_back(derive_cones(model, plan, fill_atlas(model, plan)));
-    }
+  if (options.merge > 0) add_tiers(character, bank, options, what, bake, steps);
+  if (options.cones) add_cones(bake, steps);
+  steps.end();
   return bake;
 }
 

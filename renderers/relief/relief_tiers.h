@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "renderers/bake/bake_progress.h"
 #include "renderers/relief/relief_bake.h"
 #include "renderers/relief/relief_pieces.h"
 #include "scene/character/character.h"
@@ -57,7 +58,7 @@ std::string relief_key(const scene::Character& character, const scene::PoseBank&
                        const ReliefAllowance& allowance);
 // Throws Error when an option names what the character lacks or the maps need more than is left of the bake budget.
 ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank& bank, const ReliefTierOptions& options,
-                       const ReliefAllowance& allowance);
+                       const ReliefAllowance& allowance, const BakeProgress& progress = {});
 // Throws Error when the nearest tier's maps, of so many texels (ReliefModel::texels()), need more than is left.
 void require_room(const scene::Character& character, size_t texels, const ReliefTierOptions& options,
                   const ReliefAllowance& allowance);

@@ -58,9 +58,8 @@ std::string coarse_poses_text(const scene::Character& character, const scene::Po
     if (clip.samples > 1 && (longest == nullptr || clip.seconds > longest->seconds)) longest = &clip;
   if (longest == nullptr || poses >= kFewFramesASecond * longest->seconds * (1 - 1e-9)) return {};
   return fmt::format(
-      "{}: {} stored poses of clip '{}' ({:.3g} s) are {:.2g} a second of motion, and {:.0f} would be {:g}: raise "
-      "poses "
-      "or budget (MiB), or shorten the clip",
+      "{}: {} stored poses of clip '{}' ({:.3g} s) are {:.2g} a second of motion, and {:.0f} would be {:g}: "
+      "raise poses or budget (MiB), or shorten the clip",
       character.name, poses, printable(character.clips[static_cast<size_t>(longest->clip)].name, 60), longest->seconds,
       poses / longest->seconds, std::ceil(kFewFramesASecond * longest->seconds), kFewFramesASecond);
 }
@@ -90,7 +89,9 @@ class RigidRepresentation : public Representation {
                   fmt::format("{:.1f} MiB of posed vertices are more than the budget of {:.1f}",
                               static_cast<double>(bytes) / (1 << 20), static_cast<double>(budget) / (1 << 20)),
                   "lower poses, use fewer clips or characters, or raise budget (MiB)");
+    const BakeProgress progress = bake_progress(make.policy(), "posing rigid meshes");
     for (size_t c = 0; c < cast.characters.size(); ++c) {
+      progress(c, cast.characters.size());
       const scene::PoseBank& bank = *cast.banks[c];
       warn_of_bake("rigid meshes", coarse_poses_text(*characters[c], bank, poses));
       CharacterPoses& out = characters_.emplace_back();

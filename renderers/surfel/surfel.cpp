@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 
+#include "renderers/bake/bake_loader.h"
 #include "renderers/frame/frame_resources.h"
 #include "renderers/gl/per_sample.h"
 #include "renderers/gl/program.h"
@@ -84,7 +85,9 @@ class SurfelRepresentation : public Representation {
     const auto start = std::chrono::steady_clock::now();
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
-      add(make_surfel_cloud(*make.cast.characters[c], bank, options.points), bank);
+      const scene::Character& character = *make.cast.characters[c];
+      add(make_surfel_cloud(character, bank, options.points, bake_progress(make.policy(), "surfels", character.name)),
+          bank);
     }
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }

@@ -148,7 +148,8 @@ void average_colours(const std::vector<Surfel>& candidates, const SurfelOrder& o
 
 }  // namespace
 
-SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count) {
+SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count,
+                              const BakeProgress& progress) {
   const scene::Mesh& mesh = character.mesh;
   const std::vector<glm::vec3> posed = scene::skin_points(mesh, bank.palette(bank.sample(0, 0.0)));
   std::vector<Surfel> candidates;
@@ -166,7 +167,7 @@ SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::Po
   }
   SurfelCloud out;
   if (candidates.empty()) return out;
-  const SurfelOrder order = order_places(places, count);
+  const SurfelOrder order = order_places(places, count, progress);
   for (const uint32_t i : order.order) out.surfels.push_back(candidates[i]);
   out.radius = order.radius;
   average_colours(candidates, order, out.surfels);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "renderers/bake/bake_progress.h"
 #include "scene/character/character.h"
 #include "scene/pose/pose_bank.h"
 
@@ -29,6 +30,8 @@ struct SurfelCloud {
 
 // count: at most so many surfels, above 0. Candidates, eight for each, lie evenly by area in the bank's first pose;
 // where a mask cuts the surface out there are none. A surfel has the mean colour of the candidates nearest to it.
-SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count);
+// progress: of the ordering, which takes nearly all the time.
+SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count,
+                              const BakeProgress& progress = {});
 
 }  // namespace crowdbench::renderers

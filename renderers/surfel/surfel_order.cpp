@@ -13,6 +13,14 @@ namespace crowdbench::renderers {
 namespace {
 
 constexpr float kLeastCosine = 0.1F;
+constexpr uint32_t kRanksBetweenReports = 256;
+constexpr size_t kTime = 1000;
+
+// Of kTime for `most` places, what the first `rank` take: each is compared with those around it, of which there are the
+// fewer the more are chosen, n / rank.
+size_t time_of(size_t rank, size_t most) {
+  return static_cast<size_t>(kTime * std::log(static_cast<double>(rank)) / std::log(static_cast<double>(most) + 1));
+}
 
 // Places by the cubes that they lie in.
 class Grid {
@@ -49,9 +57,10 @@ float disc_distance(const SurfacePlace& from, const SurfacePlace& to) {
   return glm::distance(from.position, to.position) / std::max(glm::dot(from.normal, to.normal), kLeastCosine);
 }
 
-SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count) {
+SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count, const BakeProgress& progress) {
   SurfelOrder out;
   const size_t n = places.size();
+  const size_t most = std::min(count, n);
   std::vector<float> gap(n, std::numeric_limits<float>::max());  // to the nearest chosen place
   out.nearest.assign(n, 0);
   const auto reach = [&](uint32_t chosen, uint32_t rank, uint32_t i) {
@@ -76,10 +85,11 @@ SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count) {
     const float radius = queue.top().first;
     const uint32_t place = queue.top().second;
     out.radius.push_back(radius);
-    if (out.order.size() == std::min(count, n) || radius <= 0) return out;
+    if (out.order.size() == most || radius <= 0) return out;
     // No place lies farther than `radius`, so a new point takes none over from farther.
     if (radius < 0.5F * grid.cell()) grid = Grid(places, radius);
     const auto rank = static_cast<uint32_t>(out.order.size());
+    if (progress && rank % kRanksBetweenReports == 1) progress(time_of(rank, most), kTime);
     out.order.push_back(place);
     grid.near(places[place].position, [&](uint32_t i) {
       if (reach(place, rank, i)) queue.push({gap[i], i});

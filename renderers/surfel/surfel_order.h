@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "renderers/bake/bake_progress.h"
+
 namespace crowdbench::renderers {
 
 struct SurfacePlace {
@@ -22,7 +24,8 @@ struct SurfelOrder {
   std::vector<uint32_t> nearest;  // by place: which of `order` (its rank) is nearest to it: the first of several
 };
 // The first place, then always the one that is farthest from all chosen ones. places: not empty; count: above 0. Takes
-// time by places x log(count); the same whatever the machine.
-SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count);
+// time by places x log(count); the same whatever the machine. progress is told
+// about that, at every 256th.
+SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count, const BakeProgress& progress = {});
 
 }  // namespace crowdbench::renderers

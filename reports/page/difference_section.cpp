@@ -40,9 +40,10 @@ Rows agent_rows(const SceneOnPage& page, const AgentScoreTable& table) {
   return rows;
 }
 
-Html scores_caption(const Scene& scene, const ComparisonRow& comparison) {
-  const std::string text = headline_scores(scene, comparison);
-  return {text.empty() ? text : "<br>" + html_escape(text)};
+Rows scores_of(const Scene& scene, const ComparisonRow& comparison) {
+  Rows rows;
+  if (const std::string text = headline_scores(scene, comparison); !text.empty()) rows.push_back({{"text", text}});
+  return rows;
 }
 
 // The colour bar of the differences, where they have none of their own.
@@ -80,7 +81,7 @@ Rows agent_pictures(const SceneOnPage& page) {
                       {"enlarged", std::move(enlarged)},
                       {"reference", comparison->reference},
                       {"representation", comparison->representation},
-                      {"scores", scores_caption(scene, *comparison)}});
+                      {"headline", scores_of(scene, *comparison)}});
     if (direction.empty())
       direction = fmt::format("Seen from {:.0f}° beside the front and {:.0f}° above.",
                               comparison->azimuth_deg.value_or(0), comparison->elevation_deg.value_or(0));

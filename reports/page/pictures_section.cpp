@@ -14,9 +14,13 @@ Html figure(const PictureRow& picture, Html caption) {
   return figure_block(picture.width, picture.height, picture.png, picture.caption, std::move(caption));
 }
 
-std::string scores_caption(const Scene& scene, const ComparisonRow& comparison) {
-  const std::string text = headline_scores(scene, comparison);
-  return text.empty() ? text : ", " + text;
+// scores: empty for the reference itself.
+Html caption(const SceneOnPage& page, const std::string& representation, bool reference, const std::string& scores) {
+  std::vector<TemplateValues> text;
+  if (!scores.empty()) text.push_back({{"text", scores}});
+  return fill_template(
+      page_file("crowd_caption.html"),
+      {{"representation", page.mark(representation)}, {"is_reference", reference}, {"scores", std::move(text)}});
 }
 
 }  // namespace
@@ -33,10 +37,9 @@ Html pictures_section(const SceneOnPage& page) {
     const PictureRow* test = scene.picture(*comparison, "test");
     const PictureRow* difference = scene.picture(*comparison, "difference");
     if (reference == nullptr || test == nullptr) continue;
-    const auto bold = [&](const std::string& name) { return "<b>" + page.mark(name).text + "</b>"; };
     std::vector<Html> figures = {
-        figure(*reference, Html{bold(comparison->reference) + ", the reference"}),
-        figure(*test, Html{bold(comparison->representation) + html_escape(scores_caption(scene, *comparison))})};
+        figure(*reference, caption(page, comparison->reference, true, "")),
+        figure(*test, caption(page, comparison->representation, false, headline_scores(scene, *comparison)))};
     if (difference != nullptr)
       figures.push_back(
           figure(*difference, Html{"absolute difference: dark blue = equal, red = the largest possible error"}));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/counted.h"
 #include "core/csv.h"
 #include "core/files.h"
 #include "core/json.h"
@@ -88,13 +89,13 @@ std::string dataset_description(const Analysis& a) {
   Json measured = Json::array();
   for (const DataColumn& column : columns_of(a))
     measured.push_back({{"@type", "PropertyValue"}, {"name", column.name}, {"description", column.meaning}});
-  return Json{
-             {"@context", "https://schema.org"},
-             {"@type", "Dataset"},
-             {"name", "answers of a study of crowds"},
-             {"description", fmt::format("Answers as they were analysed, after exclusions: {} rows of {} participants.",
-                                         a.answers.rows.size(), a.participants)},
-             {"variableMeasured", measured}}
+  return Json{{"@context", "https://schema.org"},
+              {"@type", "Dataset"},
+              {"name", "answers of a study of crowds"},
+              {"description", fmt::format("Answers as they were analysed, after exclusions: {} of {}.",
+                                          crowdbench::counted(a.answers.rows.size(), "row", "rows"),
+                                          crowdbench::counted(a.participants, "participant", "participants"))},
+              {"variableMeasured", measured}}
              .dump(2) +
          "\n";
 }

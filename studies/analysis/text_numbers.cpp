@@ -6,10 +6,6 @@
 
 namespace crowdbench::studies::text {
 
-std::string counted(uint64_t count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 std::string named(const std::string& name) { return name.empty() ? "all" : printable(name, 80); }
 
 std::string percent(uint64_t part, uint64_t whole) {

@@ -5,10 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include "core/counted.h"
+
 namespace crowdbench::studies::text {
 
-// "1 trial", "12 trials".
-std::string counted(uint64_t count, std::string_view one, std::string_view many);
+using crowdbench::counted;  // not studies::counted, which is of answers
 // A name from a file, without control characters; "all" where it is empty.
 std::string named(const std::string& name);
 std::string percent(uint64_t part, uint64_t whole);  // "29 %"; "-" of nothing

@@ -5,8 +5,8 @@
 
 #include <set>
 
+#include "bench/experiments/bench_table.h"
 #include "bench/experiments/ratio.h"
-#include "bench/experiments/sweep_table.h"
 #include "bench/stage/stage.h"
 #include "bench/timing/image_check.h"
 #include "bench/timing/run_facts.h"
@@ -19,13 +19,13 @@ namespace {
 
 constexpr const char* kFlat = "flat:views=sphere-8x3,frames=2,texels=32";
 
-// A handful of coarse figures in a small picture: the bookkeeping of a sweep, not its figures, is under test.
-class SweepGl : public testing::Test {
+// A handful of coarse figures in a small picture: the bookkeeping of a run, not its figures, is under test.
+class BenchRunGl : public testing::Test {
  protected:
   static void SetUpTestSuite() { context_ = std::make_unique<gl::Context>(gl::ContextOptions{"software"}); }
   static void TearDownTestSuite() { context_.reset(); }
   void SetUp() override {
-    file_ = std::filesystem::temp_directory_path() / ("crowdbench_sweep_" + std::to_string(::getpid()) + ".sqlite");
+    file_ = std::filesystem::temp_directory_path() / ("crowdbench_bench_" + std::to_string(::getpid()) + ".sqlite");
     remove();
     request_.scenario.name = "test";
     request_.scenario.width = 96;
@@ -41,34 +41,34 @@ class SweepGl : public testing::Test {
   void remove() {
     for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(file_.string() + suffix);
   }
-  SweepSummary sweep() {
+  BenchSummary bench() {
     StoreWriter store(file_);
     const TimingMethod method{Metric::cpu, false, "not asked"};
     RunRow run = describe_run(*context_, method, request_.scenario, "bench", "test", request_.order_seed);
     run.id = store.write(run);
-    return run_sweep(*context_, cast_, method, run, request_, store, [&](const std::string& now) {
+    return run_bench(*context_, cast_, method, run, request_, store, [&](const std::string& now) {
       if (!stop_at_.empty() && now.starts_with(stop_at_)) throw Interrupted{};
     });
   }
 
   static std::unique_ptr<gl::Context> context_;
   std::filesystem::path file_;
-  SweepRequest request_;
+  BenchRequest request_;
   scene::Cast cast_;
   std::string stop_at_;  // the beginning of a note; empty: never
 };
-std::unique_ptr<gl::Context> SweepGl::context_;
+std::unique_ptr<gl::Context> BenchRunGl::context_;
 
-TEST_F(SweepGl, MeasuresEveryPointOnceAndContinuesAFile) {
-  const SweepSummary first = sweep();
+TEST_F(BenchRunGl, MeasuresEveryPointOnceAndContinuesAFile) {
+  const BenchSummary first = bench();
   EXPECT_EQ(first.measured, 2U);
   EXPECT_EQ(first.held, 0U);
   EXPECT_EQ(first.invalid, 0U);
-  const SweepSummary again = sweep();
+  const BenchSummary again = bench();
   EXPECT_EQ(again.measured, 0U);
   EXPECT_EQ(again.held, 2U);
   request_.agents = {2, 4, 6};
-  const SweepSummary more = sweep();
+  const BenchSummary more = bench();
   EXPECT_EQ(more.measured, 1U);
   EXPECT_EQ(more.held, 2U);
 
@@ -98,9 +98,9 @@ TEST_F(SweepGl, MeasuresEveryPointOnceAndContinuesAFile) {
   EXPECT_EQ(floors, 6U);
 }
 
-TEST_F(SweepGl, ACurveEndsWhereAFramePassesTheBudgetAndSaysSo) {
+TEST_F(BenchRunGl, ACurveEndsWhereAFramePassesTheBudgetAndSaysSo) {
   request_.budget_ms = 1e-6;
-  const SweepSummary summary = sweep();
+  const BenchSummary summary = bench();
   ASSERT_FALSE(summary.remarks.empty());
   EXPECT_NE(summary.remarks[0].find("mesh at 15 %: stopped at 2 agents"), std::string::npos) << summary.remarks[0];
   const StoreContents all = read_store(file_);
@@ -112,13 +112,13 @@ TEST_F(SweepGl, ACurveEndsWhereAFramePassesTheBudgetAndSaysSo) {
   }
   // A larger budget goes on in the same file.
   request_.budget_ms = 10'000;
-  EXPECT_EQ(sweep().measured, 2U);
+  EXPECT_EQ(bench().measured, 2U);
 }
 
-TEST_F(SweepGl, AnOccupancyOutOfReachIsARowWithItsReason) {
+TEST_F(BenchRunGl, AnOccupancyOutOfReachIsARowWithItsReason) {
   request_.agents = {1};
   request_.occupancies = {1.0};
-  const SweepSummary summary = sweep();
+  const BenchSummary summary = bench();
   EXPECT_EQ(summary.measured, 0U);
   const StoreContents all = read_store(file_);
   ASSERT_EQ(all.measurements.size(), 1U);
@@ -130,7 +130,7 @@ TEST_F(SweepGl, AnOccupancyOutOfReachIsARowWithItsReason) {
 }
 
 // A convex polygon around a figure touches more than the figure, and all of it.
-TEST_F(SweepGl, AnImpostorTouchesMoreThanItCovers) {
+TEST_F(BenchRunGl, AnImpostorTouchesMoreThanItCovers) {
   scene::Scenario scenario = request_.scenario;
   scenario.crowd.agents = 4;
   scenario.occupancy = 0.15;
@@ -144,10 +144,10 @@ TEST_F(SweepGl, AnImpostorTouchesMoreThanItCovers) {
 }
 
 // What the rows of an impostor say, held against what it is and against the mesh's rows.
-TEST_F(SweepGl, AnImpostorHasRowsRatiosScoresAndPicturesOfItsOwn) {
+TEST_F(BenchRunGl, AnImpostorHasRowsRatiosScoresAndPicturesOfItsOwn) {
   request_.representations = {renderers::parse_spec(kFlat)};
   request_.order_seed = 77;
-  const SweepSummary summary = sweep();
+  const BenchSummary summary = bench();
   EXPECT_EQ(summary.measured, 2U);
   ASSERT_EQ(summary.stages.size(), 2U);
   EXPECT_EQ(summary.stages[0].agents, 2U);
@@ -197,22 +197,22 @@ TEST_F(SweepGl, AnImpostorHasRowsRatiosScoresAndPicturesOfItsOwn) {
   }
   EXPECT_EQ(pictures, (std::multiset<std::string>{"difference", "reference", "test"}));
   // The table has a line a row, with the ratio in flat's, and one an A/A pair.
-  const std::string table = sweep_table(all, all.runs[0]);
+  const std::string table = bench_table(all, all.runs[0]);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 7) << table;
   EXPECT_NE(table.find("15 %"), std::string::npos) << table;
 }
 
-TEST_F(SweepGl, WhatWasFinishedBeforeAnInterruptionIsKept) {
+TEST_F(BenchRunGl, WhatWasFinishedBeforeAnInterruptionIsKept) {
   stop_at_ = "4 agents at 15 %: round 2";  // within the second point, whatever number of frames the warm-up takes
-  EXPECT_THROW(sweep(), Interrupted);
+  EXPECT_THROW(bench(), Interrupted);
   EXPECT_EQ(read_store(file_).measurements.size(), 1U);
   stop_at_.clear();
-  const SweepSummary rest = sweep();
+  const BenchSummary rest = bench();
   EXPECT_EQ(rest.measured, 1U);
   EXPECT_EQ(rest.held, 1U);
 }
 
-TEST_F(SweepGl, RatioOfTheMeshToItselfIsAboutOne) {
+TEST_F(BenchRunGl, RatioOfTheMeshToItselfIsAboutOne) {
   RatioRequest request;
   request.scenario = request_.scenario;
   request.scenario.crowd.agents = 4;

@@ -69,6 +69,8 @@ TEST(Stability, CasesHaveNamesOfTheirOwnAndSayWhereTheirBoundsComeFrom) {
     EXPECT_FALSE(one.asked.empty() || one.unit.empty() || one.bound_from.empty()) << one.name;
     EXPECT_NE(one.measure, nullptr) << one.name;
   }
+  EXPECT_GT(names.size(), 20U);
+  EXPECT_GT(groups.size(), 5U);
   for (const std::string_view name : names) EXPECT_FALSE(groups.contains(name)) << name;
 }
 
@@ -134,7 +136,11 @@ TEST_F(StabilityGl, TheSmallFormHoldsForTheReference) {
   request.small = true;
   request.representations = {renderers::reference_spec()};
   gl::Context context;
-  for (const StabilityRow& row : run_stability(context, request, chosen_cases(request)))
+  const std::vector<StabilityCase> cases = chosen_cases(request);
+  const std::vector<StabilityRow> rows = run_stability(context, request, cases);
+  EXPECT_GE(rows.size(), cases.size());
+  EXPECT_GT(cases.size(), 20U);
+  for (const StabilityRow& row : rows)
     EXPECT_TRUE(row.pass()) << row.asked.name << ": " << row.found.measured << " over " << row.found.bound << ", "
                             << row.found.place << ' ' << row.found.got << ' ' << row.error;
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -165,7 +166,29 @@ TEST_F(SweepsGl, AFailedPointIsARowAndTheOthersGoOn) {
   EXPECT_NE(none.text.find("nobody.glb"), std::string::npos) << none.text;
 }
 
-TEST_F(SweepsGl, SigtermEndsAfterThePointInHandAndTheRestIsMeasuredLater) {
+// Its points are one condition, timed for minutes.
+TEST_F(SweepsGl, SigtermIsAnsweredWithinAConditionOfWhichNothingIsKept) {
+  std::string text = kTiny;
+  const std::string rounds = "rounds = 10\ntime_limit_s = 0.02\n";
+  text.replace(text.find(rounds), rounds.size(), "rounds = 100000\ntime_limit_s = 600\n");
+  write_file(work_ / "t.toml", text + "representation = [\"mesh:triangles=250\", \"mesh:triangles=200\"]\n");
+  for (const int signal_number : {SIGTERM, SIGINT}) {
+    support::RunningDriver driver({"sweep", "t.toml", "--out", "t.sqlite"}, work_, folder_.path());
+    ASSERT_TRUE(driver.wait_until_it_says("drawing on", 60)) << driver.said();
+    driver.wait_for_end(1.5);
+    ASSERT_LT(driver.status(), 0) << driver.said();
+    driver.send(signal_number);
+    EXPECT_LE(driver.wait_for_end(60), 3);
+    EXPECT_EQ(driver.status(), signal_number == SIGTERM ? 75 : 128 + SIGINT) << driver.said();
+    EXPECT_NE(driver.said().find("interrupted; "), std::string::npos) << driver.said();
+    if (fs::exists(work_ / "t.sqlite.partial")) {
+      EXPECT_TRUE(rows("t.sqlite.partial").sweep_points.empty());
+    }
+    EXPECT_FALSE(fs::exists(work_ / "t.sqlite"));
+  }
+}
+
+TEST_F(SweepsGl, WhatWasMeasuredBeforeSigtermIsKeptAndTheRestIsMeasuredLater) {
   plan("t.toml", "crowd.agents = [1, 2, 3, 4, 5, 6]\n[points]\nrepetitions = 8\n");
   {
     support::RunningDriver driver({"sweep", "t.toml", "--out", "t.sqlite"}, work_, folder_.path());
@@ -180,6 +203,7 @@ TEST_F(SweepsGl, SigtermEndsAfterThePointInHandAndTheRestIsMeasuredLater) {
   EXPECT_FALSE(fs::exists(work_ / "t.sqlite"));
   const size_t before = rows("t.sqlite.partial").runs.size();
   EXPECT_LT(before, 48U);
+  EXPECT_EQ(rows("t.sqlite.partial").sweep_points.size(), 2 * before) << "whole conditions: the point, and A/A";
   // What was begun is not measured anew, and not taken for another plan's.
   const std::string text = read_text(work_ / "t.toml");
   write_file(work_ / "u.toml", text.substr(0, text.find("[points]")));

@@ -39,6 +39,12 @@ TEST(NearestName, FindsSlipsAndNothingElse) {
   EXPECT_EQ(nearest_name("agnets", names), "agents");
   EXPECT_EQ(nearest_name("placment", names), "placement");
   EXPECT_EQ(nearest_name("colour", names), "");
+  const std::vector<std::string> clips = {"talk", "walk", "idle"};
+  EXPECT_EQ(nearest_name("wlak", clips), "walk") << "a swap is one slip: talk is two away";
+  EXPECT_EQ(nearest_name("Wlak", clips), "walk");
+  EXPECT_EQ(nearest_name("IDLE", clips), "idle");
+  EXPECT_EQ(nearest_name("ilde", {"side", "idle"}), "idle");
+  EXPECT_EQ(nearest_name("adcb", {"xxxx", "abcd"}), "abcd") << "not neighbours: two letters exchanged";
   EXPECT_EQ(nearest_name(std::string(10'000, 'a'), names), "");
   EXPECT_EQ(nearest_name("x", {}), "");
 }

@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-#include "core/term_waits.h"
+#include "core/term_status.h"
 
 namespace crowdbench {
 namespace {
@@ -118,38 +118,32 @@ TEST(DurationText, IsWhatAPersonWouldSay) {
 
 // ---- signals
 
-// What one is told is a process's own: the test ends in a process of its own.
-TEST(TermWaitsDeathTest, TheFirstSigtermWaitsAndTheSecondStops) {
-  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
-  const auto show = [] {
-    install_interrupt_handler();
-    {
-      const TermWaits waits;
-      if (waits.came() || interrupted()) std::_Exit(1);
-      std::raise(SIGTERM);
-      if (!waits.came() || interrupted()) std::_Exit(2);
-    }
-    {
-      const TermWaits waits;  // the next piece of work: nothing has come yet
-      if (waits.came()) std::_Exit(3);
-      std::raise(SIGTERM);
-      std::raise(SIGTERM);
-      if (!waits.came() || !interrupted()) std::_Exit(4);
-    }
-    std::_Exit(interrupt_status());
-  };
-  EXPECT_EXIT(show(), ::testing::ExitedWithCode(128 + SIGTERM), "");
+// Each in a process of its own, which the signal ends.
+int status_after(int signal_number, int term_status) {
+  install_interrupt_handler();
+  if (interrupt_status() != 0) return 1;
+  say_when_interrupted("three of five are in x");
+  set_term_status(term_status);
+  std::raise(signal_number);
+  if (!interrupted() || interrupt_line() != "crowdbench: interrupted; three of five are in x\n") return 2;
+  return interrupt_status();
 }
 
-TEST(TermWaitsDeathTest, WithoutOneTheFirstStops) {
+TEST(SignalsDeathTest, SigtermHasTheStatusThatASchedulerShallSee) {
   ::testing::FLAGS_gtest_death_test_style = "threadsafe";
-  const auto show = [] {
-    install_interrupt_handler();
-    { const TermWaits over; }
-    std::raise(SIGTERM);
-    std::_Exit(interrupted() ? 0 : 1);
-  };
-  EXPECT_EXIT(show(), ::testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(std::_Exit(status_after(SIGTERM, 75)), ::testing::ExitedWithCode(75), "");
+  EXPECT_EXIT(std::_Exit(status_after(SIGINT, 75)), ::testing::ExitedWithCode(128 + SIGINT), "");
+  EXPECT_EXIT(std::_Exit(status_after(SIGTERM, 0)), ::testing::ExitedWithCode(128 + SIGTERM), "");
+}
+
+TEST(SignalsDeathTest, TheSecondKillsAtOnce) {
+  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(
+      {
+        status_after(SIGTERM, 75);
+        std::raise(SIGTERM);
+      },
+      ::testing::KilledBySignal(SIGTERM), "");
 }
 
 }  // namespace

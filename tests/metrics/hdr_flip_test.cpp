@@ -169,6 +169,8 @@ TEST(HdrFlip, HugeValuesDoNotOverflow) {
     EXPECT_GE(v, 0);
     EXPECT_LE(v, 1);
   }
+  EXPECT_GT(errors.map.data[0], 0.5F) << "where the pictures differ by all that there is";
+  EXPECT_LT(errors.map.data[63], errors.map.data[0]) << "and the corner opposite less";
 }
 
 // ---- not a number, infinite ----

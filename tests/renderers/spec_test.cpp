@@ -202,6 +202,27 @@ TEST(Spec, DebugViewsAreAnOptionOfTheRepresentation) {
   EXPECT_NE(said("relief", "wire").find("it has boxes, steps, hit-face, misses"), std::string::npos);
   EXPECT_NE(said("polypostor", "steps").find("wire, lines, parts, stretch"), std::string::npos);
   EXPECT_NE(said("mesh", "steps").find("'mesh' has no debug views"), std::string::npos);
+  EXPECT_NE(said("relief", "stps").find("did you mean 'steps'?"), std::string::npos);
+}
+
+// Before anything is opened; what the table does not say in full is left to the representation.
+TEST(ParseSpec, ValuesAreHeldToTheTableOfOptions) {
+  const auto said = [](const std::string& text) -> std::string {
+    try {
+      parse_spec(text);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "nothing";
+  };
+  EXPECT_EQ(said("flat:texels=3"), "representation 'flat': option texels=3 is not a number from 16 to 1024");
+  EXPECT_EQ(said("flat:texels=many"), "representation 'flat': option texels=many is not a number from 16 to 1024");
+  EXPECT_EQ(said("relief:search=cnoe"),
+            "representation 'relief': option search=cnoe is not one of adaptive, linear, cone; did you mean 'cone'?");
+  EXPECT_NE(said("hybrid(mesh,(flat:blend=2))").find("option blend=2 is not one of 1, 3"), std::string::npos);
+  for (const char* fine : {"flat:texels=16", "relief:bias=-4", "relief:rule=threshold1.5", "relief:capture=walk@0.5",
+                           "relief:merge=0.1", "relief:search=cone"})
+    EXPECT_EQ(said(fine), "nothing") << fine;
 }
 
 TEST(ParseSpecs, CommasSeparateRepresentationsAndOptionsAlike) {

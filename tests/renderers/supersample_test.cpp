@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
+#include "renderers/representation.h"
 #include "tests/renderers/gl_test_support.h"
 #include "tests/support/sanitized.h"
 
@@ -89,14 +91,41 @@ TEST_P(SupersampleGl, TheMiddleSamplesAreThePictureWithoutSupersampling) {
   EXPECT_GT(differing(plain, larger), 0.10);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Choosers, SupersampleGl,
-    ::testing::Values(Chooser{"flat", "flat:views=sphere-8x2,frames=4,texels=128"},
-                      Chooser{"polypostor", "polypostor:views=sphere-8x2,frames=4,texels=128"},
-                      Chooser{"relief", "relief:map=64"}, Chooser{"relief_levels", "relief:map=64,merge=0"},
-                      Chooser{"height", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=128),height=50)"},
-                      Chooser{"ratio", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=64),ratio=1)"}),
-    [](const auto& chooser) { return std::string(chooser.param.name); });
+const std::vector<Chooser>& choosers() {
+  static const std::vector<Chooser> all = {
+      {"flat", "flat:views=sphere-8x2,frames=4,texels=128"},
+      {"polypostor", "polypostor:views=sphere-8x2,frames=4,texels=128"},
+      {"relief", "relief:map=64"},
+      {"relief_levels", "relief:map=64,merge=0"},
+      {"surfel", "surfel:points=4096,size=2"},
+      {"height", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=128),height=50)"},
+      {"ratio", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=64),ratio=1)"},
+  };
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Choosers, SupersampleGl, ::testing::ValuesIn(choosers()),
+                         [](const auto& chooser) { return std::string(chooser.param.name); });
+
+// Who chooses nothing by pixels draws the same samples whether they are those of a larger picture or several of each
+// pixel of this one; who draws others belongs above.
+TEST(SupersampleChoosersGl, AreAllThatDrawOtherwiseInALargerPicture) {
+  Renderer renderer(context(), walker());
+  const auto is_above = [](const RepresentationType& type) {
+    return std::any_of(choosers().begin(), choosers().end(),
+                       [&](const Chooser& chooser) { return parse_spec(chooser.spec).name == type.name; });
+  };
+  size_t asked = 0;
+  for (const RepresentationType& type : representation_types()) {
+    if (is_above(type)) continue;
+    ++asked;
+    const auto representation = make(walker(), example_spec(type));
+    const Capture samples = draw(renderer, frame_of(kSide), *representation, kSamples);
+    const Capture larger = draw(renderer, frame_of(kSide * kSamples), *representation, 1);
+    EXPECT_EQ(differing(samples, larger), 0) << type.name << " chooses by pixels: name it among the choosers";
+  }
+  EXPECT_GT(asked, 0U) << "the reference at least";
+}
 
 }  // namespace
 }  // namespace crowdbench::renderers

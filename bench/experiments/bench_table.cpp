@@ -1,4 +1,4 @@
-#include "bench/experiments/sweep_table.h"
+#include "bench/experiments/bench_table.h"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ std::string controls_text(const StoreContents& contents, const RunRow& run, size
 
 }  // namespace
 
-std::string sweep_table(const StoreContents& contents, const RunRow& run) {
+std::string bench_table(const StoreContents& contents, const RunRow& run) {
   std::map<int64_t, const RunRow*> runs;
   for (const RunRow& row : contents.runs) runs[row.id] = &row;
   std::map<std::tuple<double, std::string, uint32_t>, const MeasurementRow*> rows;

@@ -1,4 +1,4 @@
-// A sweep as a table for a terminal.
+// What `bench` measured as a table for a terminal.
 #pragma once
 #include <string>
 
@@ -7,6 +7,6 @@
 namespace crowdbench::bench {
 
 // The latest rows of this run's scenario, curve by curve.
-std::string sweep_table(const StoreContents& contents, const RunRow& run);
+std::string bench_table(const StoreContents& contents, const RunRow& run);
 
 }  // namespace crowdbench::bench
