@@ -397,8 +397,7 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
     for (const auto& [name, option] : by_command[command]) texts[name][option.text].insert(command);
   }
   ASSERT_GE(by_command.size(), 16U);
-  for (const char* shared :
-       {"device", "size", "bake-budget", "no-cache", "samples", "supersample", "no-ground"}) {
+  for (const char* shared : {"device", "size", "bake-budget", "no-cache", "samples", "supersample", "no-ground"}) {
     EXPECT_EQ(texts[shared].size(), 1U) << shared;
     for (const auto& [text, commands] : texts[shared]) EXPECT_GE(commands.size(), 2U) << shared << ": " << text;
   }
