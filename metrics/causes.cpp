@@ -159,7 +159,7 @@ std::string causes_markdown() {
       "but not by the same everywhere and with the size that goes with it: it shows another surface then, and no "
       "other place is known |\n"
       "| `surface_m` | metres | of `compare` with depths: how much farther the surface is that is drawn for it, at the "
-      "same points, the median over its pixels; a flat card's is its plane's |\n"
+      "same points, the median over its pixels; of a card its plane's |\n"
       "| `thickness_m` | metres | of `compare` with depths: from the nearest to the farthest of the body that the "
       "reference shows, 5 % of either end left out |\n"
       "| `late` | | of `compare --pose-ref`: whether the agent shows that picture's pose, whatever its colours |\n"

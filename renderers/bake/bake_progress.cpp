@@ -11,7 +11,9 @@ BakeSteps::BakeSteps(BakeProgress progress, const std::vector<double>& weights) 
     begins_.push_back(sum);
     sum += weight;
   }
-  for (double& begin : begins_) begin = sum > 0 ? begin / sum : 0;
+  // Steps that all weigh nothing share evenly.
+  for (size_t i = 0; i < begins_.size(); ++i)
+    begins_[i] = sum > 0 ? begins_[i] / sum : static_cast<double>(i) / static_cast<double>(begins_.size());
   begins_.push_back(1);
   report(0);
 }

@@ -214,9 +214,9 @@ ViewSampling sample_polypostors(const scene::Character& character, const std::sh
             bytes += static_cast<double>(image_bytes(plan, tier, rect.width, rect.height)) / clip.frames;
           }
     }
-  // As many keys as it takes are two of a part where little twists.
-  const bool several = options.key == KeyChoice::two_keys || options.key == KeyChoice::enough;
-  out.texture_bytes = static_cast<uint64_t>(bytes) * (several ? 2 : 1);
+  // As many keys as it takes were two of a part on the mannequin and three on characters with capes and jackets.
+  const double keys = options.key == KeyChoice::enough ? 2.5 : options.key == KeyChoice::two_keys ? 2 : 1;
+  out.texture_bytes = static_cast<uint64_t>(bytes * keys);
   return out;
 }
 

@@ -466,7 +466,7 @@ TEST_F(MannersGl, BenchForecastsKeepsToItsTimeAndSaysWhatItWrote) {
   const std::string small = " --representation mesh --size 32x32 --character mannequin:triangles=500 --occupancy 0";
   const Outcome first = run("bench --agents 1,2 --rounds 10 --time-limit 0.1" + small);
   EXPECT_EQ(first.status, 0) << first.text;
-  EXPECT_NE(first.text.find("bench: 2 points of 1 representations and the mesh, about "), std::string::npos)
+  EXPECT_NE(first.text.find("bench: 2 points of 1 representation and the mesh, about "), std::string::npos)
       << first.text;
   EXPECT_NE(first.text.find("2 points measured, 0 taken from the file; results.sqlite"), std::string::npos)
       << first.text;

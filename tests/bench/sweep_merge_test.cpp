@@ -119,12 +119,12 @@ TEST_F(SweepMerge, AShardThatLacksAConditionIsNotWhole) {
     merge_shards(lacking);
     FAIL() << "it was merged";
   } catch (const MissingShards& missing) {
-    EXPECT_EQ(missing.what, "2 conditions are missing in the shards named");
+    EXPECT_EQ(missing.what, "missing in the shards named: 2 conditions");
   }
   EXPECT_FALSE(std::filesystem::exists(request.out));
   lacking.allow_missing = true;
   const MergeOutcome outcome = merge_shards(lacking);
-  EXPECT_EQ(outcome.remarks, (std::vector<std::string>{"2 conditions are missing in the shards named"}));
+  EXPECT_EQ(outcome.remarks, (std::vector<std::string>{"missing in the shards named: 2 conditions"}));
   EXPECT_EQ(outcome.contents.sweep_points.size(), 10U);
 }
 

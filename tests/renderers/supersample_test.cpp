@@ -95,6 +95,8 @@ const std::vector<Chooser>& choosers() {
   static const std::vector<Chooser> all = {
       {"flat", "flat:views=sphere-8x2,frames=4,texels=128"},
       {"polypostor", "polypostor:views=sphere-8x2,frames=4,texels=128"},
+      {"layered", "layered:views=sphere-8x2,frames=4,texels=128"},
+      {"dynamic", "dynamic"},
       {"relief", "relief:map=64"},
       {"relief_levels", "relief:map=64,merge=0"},
       {"surfel", "surfel:points=4096,size=2"},
