@@ -15,6 +15,7 @@
 #include "store/store.h"
 #include "studies/analysis/analysis.h"
 #include "studies/analysis/answers.h"
+#include "studies/analysis/verdict_sentences.h"
 #include "studies/server/answers_export.h"
 #include "studies/server/serve.h"
 #include "studies/server/study_folder.h"
@@ -373,6 +374,10 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(ranked.rows[0].yes, 1U) << "the flat one stood above and was chosen";
   EXPECT_EQ(ranked.rows[1].shown_first_is_a, false);
   EXPECT_EQ(ranked.rows[1].no, 1U);
+  EXPECT_TRUE(ranked.conditions.empty()) << "the items are all that varies, whatever condition the first is of";
+  const Analysis compared = analyse(ranked, {.resamples = 0});
+  EXPECT_EQ(compared.tasks.at(0).conditions.at(0).name, "flat, near over mesh");
+  EXPECT_EQ(verdict_sentences(compared.tasks[0], compared.settings).at(0).find("switch_m"), std::string::npos);
   const nlohmann::json records = nlohmann::json::parse(jspsych_json(answers));
   ASSERT_EQ(records.size(), 5U);
   EXPECT_EQ(records[1].at("participant"), participant(1));

@@ -13,6 +13,7 @@
 #include "studies/plan/design.h"
 #include "studies/plan/export.h"
 #include "studies/plan/frozen.h"
+#include "studies/plan/page_files.h"
 #include "test_paths.h"
 
 namespace crowdbench::studies {
@@ -224,6 +225,11 @@ TEST(StudyDesign, PilotsHaveEverythingThatMayBeChosen) {
   for (const Stimulus& stimulus : design.stimuli)
     if (stimulus.kind == StimulusKind::pair) met.insert({stimulus.item_upper, stimulus.item_lower});
   EXPECT_EQ(met.size(), 12U);  // four items, either way up
+  // No condition is said of a pair, whose items are of two; of the other stimuli it is.
+  for (const Stimulus& stimulus : design.stimuli) {
+    const Json said = stimulus_json(pairs, design, stimulus);
+    EXPECT_EQ(said.at("condition_name").text().empty(), stimulus.kind == StimulusKind::pair) << stimulus.id;
+  }
   std::map<std::pair<std::string, std::string>, int> shown;
   for (const auto& list : design.lists)
     for (const Trial& trial : list)
