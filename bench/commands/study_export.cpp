@@ -13,6 +13,7 @@
 #include "renderers/gl/context.h"
 #include "studies/plan/design.h"
 #include "studies/plan/export.h"
+#include "studies/plan/plan_cast.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -91,6 +92,7 @@ int run_export(const Options& options) {
     throw Error("--browsers", fmt::format("there is no '{}'", printable(options.browsers, 60)),
                 "choose chromium or all");
   const StudyPlan plan = read_study_plan(options.plan);
+  require_cast(options.plan, plan);
   if (options.dry_run) return print_dry_run(options, plan);
   if (options.out.empty()) throw Error("OUT", "is missing", "name a folder, or look with --dry-run");
   const FrozenPlan frozen = require_frozen(options.plan, plan);
