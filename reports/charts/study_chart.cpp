@@ -11,7 +11,7 @@ namespace crowdbench::reports {
 namespace {
 
 constexpr int kRowHeight = 30;
-constexpr int kLineHeight = 14;
+constexpr int kLineHeight = 13;
 constexpr size_t kMostLineBytes = 24;
 
 Json end_of(const std::optional<double>& end) { return end ? Json(*end) : Json(nullptr); }
@@ -54,7 +54,7 @@ struct NameRows {
     most_lines = std::max(most_lines, lines.size());
     return out;
   }
-  int row_height() const { return std::max(kRowHeight, kLineHeight * static_cast<int>(most_lines) + 8); }
+  int row_height() const { return std::max(kRowHeight, kLineHeight * static_cast<int>(most_lines) + 20); }
   // What the renderer measures is a fifth narrower than the page's font.
   Json axis() const {
     return {{"field", "name"},

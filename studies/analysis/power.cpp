@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "core/probability.h"
+#include "core/progress.h"
 #include "core/random.h"
 #include "core/statistics.h"
 #include "studies/analysis/analysis_parts.h"
@@ -67,7 +68,10 @@ ThresholdPower simulate_threshold_power(const ThresholdPowerSettings& s) {
   assert(s.analysis.random != RandomEffects::none);
   const double truth = true_threshold(s);
   std::vector<std::optional<MixedThreshold>> all(s.simulations);
-  parallel_for(s.simulations, s.threads, [&](size_t i) { all[i] = threshold_of(s, random_bits(s.seed, i, 0)); });
+  parallel_for(s.simulations, s.threads, [&](size_t i) {
+    throw_if_interrupted();
+    all[i] = threshold_of(s, random_bits(s.seed, i, 0));
+  });
   ThresholdPower out;
   std::vector<double> estimates;
   std::vector<double> widths;
@@ -104,6 +108,7 @@ EquivalencePower simulate_equivalence_power(const EquivalencePowerSettings& s) {
   std::vector<uint8_t> equal(s.simulations);
   std::vector<uint8_t> apart(s.simulations);
   parallel_for(s.simulations, s.threads, [&](size_t i) {
+    throw_if_interrupted();
     const uint64_t seed = random_bits(s.seed, i, 1);
     equal[i] = is_called_equivalent(s, s.equivalence.chance, seed) ? 1 : 0;
     apart[i] = is_called_equivalent(s, s.equivalence.chance + s.equivalence.margin, seed) ? 1 : 0;
@@ -131,6 +136,7 @@ Power simulate_power(const PowerSettings& s) {
   const MixedSettings model{
       .clips = s.clip_sd > 0, .integration = Integration::laplace, .full_errors = false, .thorough = false};
   parallel_for(s.simulations, s.threads, [&](size_t i) {
+    throw_if_interrupted();
     const MixedFit fit = fit_mixed(rows_of(s, random_bits(s.seed, i, 0)), model);
     all[i].state = fit.state;
     if (fit.fixed.size() == 2) all[i].effect = fit.fixed[1];

@@ -287,7 +287,8 @@ class FactorsReader {
     try {
       renderers::parse_spec(text);
     } catch (const Error& error) {
-      throw Error(node.place(where_), fmt::format("`{}.{}`: {}", type.name, option, error.wrong), error.advice);
+      throw Error(node.place(where_), fmt::format("`{}.{}`: {}", type.name, option, error.wrong),
+                  error.advice.empty() ? "see `crowdbench info --representations`" : error.advice);
     }
   }
 

@@ -300,7 +300,7 @@ TEST(StudyPlan, ShippedOnesAreWhole) {
     EXPECT_LT(estimate.minutes_a_participant, 60) << plan.name;
     EXPECT_LT(estimate.page_bytes, 4e9) << plan.name;
   }
-  EXPECT_EQ(plans, 5U);
+  EXPECT_EQ(plans, 6U);
 }
 
 class FrozenPlans : public testing::Test {

@@ -39,10 +39,6 @@ TEST(ThresholdPower, IntervalsHoldTheTruthAndNarrowWithParticipants) {
   s.design.participants = 40;
   const ThresholdPower many = simulate_threshold_power(s);
   EXPECT_NEAR(many.median_width / few.median_width, 0.5, 0.15) << "four times as many";
-  // The planned guess is part of it: one that is not the observers' misses their threshold.
-  s.observers.guess = 0.2;
-  s.analysis.curve.guess = 0.5;
-  EXPECT_LT(simulate_threshold_power(s).held, 0.7);
 }
 
 TEST(EquivalencePower, IsSaidOfEqualsAndSeldomAtTheMargin) {
