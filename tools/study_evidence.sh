@@ -1,10 +1,11 @@
 #!/bin/sh
 # Makes docs/study-evidence.md: how often the analysis of simulated answers is right. The rows are what the tests of
-# tests/studies/recovery_test.cpp print, over more seeds than they take in the normal run.
+# tests/studies/recovery_test.cpp and, from an export's folder on, tests/bench/study_simulation_test.cpp print, over more seeds than
+# they take in the normal run.
 # Usage: study_evidence.sh BUILD OUT.md [--seeds N] [--kills N]
 #
-# BUILD: a build directory with bin/test_studies and bin/crowdbench. --seeds: simulated studies a row (500). --kills: of the
-# study's server while simulated clients answer (1000).
+# BUILD: a build directory with bin/test_studies, bin/test_bench and bin/crowdbench. --seeds: simulated studies a row (500).
+# --kills: of the study's server while simulated clients answer (1000).
 set -eu
 
 fail() {
@@ -25,14 +26,17 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-tests=$build/bin/test_studies
-[ -x "$tests" ] || fail "$tests is not there"
+for tests in studies bench; do
+  [ -x "$build/bin/test_$tests" ] || fail "$build/bin/test_$tests is not there"
+done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# The rows that tests print. A test that fails is said in the page: its rows stand there for what they are.
+# The rows that tests of a program, studies or bench, print. A test that fails is said in the page: its rows stand there for what
+# they are.
 rows() {
-  CROWDBENCH_SEEDS=$seeds "$tests" --gtest_filter="$1" >"$work/test" 2>&1 || grep 'FAILED  \] Rec' "$work/test" | sort -u >>"$work/failed"
+  CROWDBENCH_SEEDS=$seeds "$build/bin/test_$1" --gtest_filter="$2" >"$work/test" 2>&1 ||
+    grep 'FAILED  \] Rec' "$work/test" | sort -u >>"$work/failed"
   grep '^|' "$work/test"
 }
 
@@ -43,13 +47,14 @@ rows() {
   printf '\n## Intervals and verdicts\n\nHow often 95 %% intervals hold the truth, and what is called equivalent. "Limits": between which a\n'
   printf 'count lies 95 times of 100 where the nominal share is true.\n\n'
   printf '| what | found | share | nominal | limits |\n|---|--:|--:|--:|--:|\n'
-  rows 'Recovery.ThresholdOf*:Recovery.Differences*:Recovery.Equivalent*'
+  rows studies 'Recovery.ThresholdOf*:Recovery.Differences*:Recovery.Equivalent*'
+  rows bench 'RecoveredStudyTest.*'
   printf '\n## QUEST+ against constant stimuli\n\nThresholds drawn anew for each study; both read as means of the same posterior.\n\n'
   printf '| method | trials | median error of the threshold |\n|---|--:|--:|\n'
-  rows 'Recovery.QuestPlus*'
+  rows studies 'Recovery.QuestPlus*'
   printf '\n## Power of the mixed model\n\nBeside the same simulation by lme4 (1,000 studies a row).\n\n'
   printf '| design | observers | power | lme4 |\n|---|--:|--:|--:|\n'
-  rows 'Recovery.Power*'
+  rows studies 'Recovery.Power*'
   printf '\n## A server that is killed\n\nBy SIGKILL at random moments, started again each time: `tools/study_kill.mjs`.\n\n'
   node "$(dirname "$0")/study_kill.mjs" "$build/bin/crowdbench" "$work/kills" --kills "$kills" >"$work/killed" ||
     echo '[ ] A server that is killed' >>"$work/failed"

@@ -13,6 +13,7 @@
 #include "renderers/gl/context.h"
 #include "studies/plan/design.h"
 #include "studies/plan/export.h"
+#include "studies/plan/plan_cast.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -27,6 +28,11 @@ struct Options {
   bool json = false;
 };
 
+// Of two that are ranked, each may be of another one.
+std::string condition_of(const StudyPlan& plan, const Stimulus& stimulus) {
+  return stimulus.kind == StimulusKind::pair ? "" : plan.conditions[stimulus.condition].id;
+}
+
 Json estimate_json(const StudyPlan& plan, const StudyDesign& design, const ExportEstimate& estimate) {
   Json conditions = Json::array();
   for (const StudyCondition& condition : plan.conditions)
@@ -40,7 +46,7 @@ Json estimate_json(const StudyPlan& plan, const StudyDesign& design, const Expor
   for (const Stimulus& stimulus : design.stimuli)
     stimuli.push_back({{"id", stimulus.id},
                        {"kind", stimulus_word(stimulus.kind)},
-                       {"condition", plan.conditions[stimulus.condition].id},
+                       {"condition", condition_of(plan, stimulus)},
                        {"upper", stimulus.item_upper},
                        {"lower", stimulus.item_lower}});
   return {{"hash", plan.hash()},
@@ -71,8 +77,8 @@ int print_dry_run(const Options& options, const StudyPlan& plan) {
     fmt::print("  {}  {:<40} seed {}\n", plan.conditions[half.condition].id, half.spec.text(), half.scenario.seed);
   fmt::print("stimuli: {}\n", estimate.stimuli);
   for (const Stimulus& stimulus : design.stimuli)
-    fmt::print("  {}  {:<9} {}  {} / {}\n", stimulus.id, stimulus_word(stimulus.kind),
-               plan.conditions[stimulus.condition].id, stimulus.item_upper, stimulus.item_lower);
+    fmt::print("  {}  {:<9} {:<3}  {} / {}\n", stimulus.id, stimulus_word(stimulus.kind), condition_of(plan, stimulus),
+               stimulus.item_upper, stimulus.item_lower);
   fmt::print("{}, {}, {} each: about {:.0f} min\n", counted(estimate.lists, "list", "lists"),
              counted(plan.participants.planned, "participant", "participants"),
              counted(estimate.trials, "trial", "trials"), estimate.minutes_a_participant);
@@ -86,6 +92,7 @@ int run_export(const Options& options) {
     throw Error("--browsers", fmt::format("there is no '{}'", printable(options.browsers, 60)),
                 "choose chromium or all");
   const StudyPlan plan = read_study_plan(options.plan);
+  require_cast(options.plan, plan);
   if (options.dry_run) return print_dry_run(options, plan);
   if (options.out.empty()) throw Error("OUT", "is missing", "name a folder, or look with --dry-run");
   const FrozenPlan frozen = require_frozen(options.plan, plan);

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/json.h"
 #include "studies/plan/frozen.h"
+#include "studies/plan/plan_cast.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -21,6 +22,7 @@ struct Options {
 
 int run_freeze(const Options& options) {
   const studies::StudyPlan plan = studies::read_study_plan(options.plan);
+  studies::require_cast(options.plan, plan);
   const studies::FrozenPlan frozen = studies::freeze(options.plan, plan, options.deviation, options.anew);
   const bool adaptive = plan.method.method != studies::Method::constant;
   if (options.json) {

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
+#include <set>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
@@ -18,29 +20,36 @@ struct Options {
   std::string plan;
   std::vector<uint32_t> participants;
   studies::PowerSettings settings;
+  std::optional<double> effect, intercept;
   std::optional<uint32_t> clips, repeats;  // the plan's, or the default, where they are not given
   std::optional<double> alpha;
+  std::optional<double> threshold, slope, guess;
   uint64_t simulations = 1000;
   bool json = false;
 };
 
 // What is not given is the plan's: how many take part, the crowds and repeats of a condition, the level of its tests.
-void take_plan(Options& o) {
-  const studies::StudyPlan plan = studies::read_study_plan(o.plan);
-  if (plan.method.method != studies::Method::constant)
-    throw Error(o.plan, "chooses its trials by the answers", "plan the study that its pilot is for: constant stimuli");
+void take_plan(Options& o, const studies::StudyPlan& plan) {
   if (o.participants.empty() && plan.participants.planned >= 2) o.participants = {plan.participants.planned};
   if (!o.clips) o.clips = plan.stimulus.crowds;
   if (!o.repeats) o.repeats = plan.method.repeats;
   if (!o.alpha) o.alpha = plan.analysis.settings.alpha;
 }
 
-int run_power(Options options) {
-  if (!options.plan.empty()) take_plan(options);
-  if (options.participants.empty()) options.participants = {8, 16, 24, 32};
-  options.settings.clips = options.clips.value_or(options.settings.clips);
-  options.settings.repeats = options.repeats.value_or(options.settings.repeats);
-  options.settings.alpha = options.alpha.value_or(options.settings.alpha);
+void take_defaults(Options& o) {
+  if (o.participants.empty()) o.participants = {8, 16, 24, 32};
+  studies::PowerSettings& s = o.settings;
+  s.clips = o.clips.value_or(s.clips);
+  s.repeats = o.repeats.value_or(s.repeats);
+  s.alpha = o.alpha.value_or(s.alpha);
+  s.effect = o.effect.value_or(s.effect);
+  s.intercept = o.intercept.value_or(s.intercept);
+  s.simulations = o.simulations;
+}
+
+// ---- two conditions
+
+int print_two_conditions(const Options& options) {
   Json rows = Json::array();
   if (!options.json)
     fmt::print(
@@ -52,7 +61,6 @@ int run_power(Options options) {
   for (const uint32_t participants : options.participants) {
     studies::PowerSettings s = options.settings;
     s.participants = participants;
-    s.simulations = options.simulations;
     const studies::Power got = studies::simulate_power(s);
     const uint64_t trials = uint64_t{2} * s.clips * s.repeats;
     rows.push_back({{"participants", participants},
@@ -82,17 +90,168 @@ int run_power(Options options) {
   return 0;
 }
 
+// ---- a plan's own threshold
+
+// 0.1 of same-different, as `study simulate` has it; else what the analysis holds, or chance.
+double guess_of(const Options& o, const studies::StudyPlan& plan) {
+  return o.guess.value_or(plan.task == studies::Task::same_different ? 0.1 : plan.analysis.settings.curve.guess);
+}
+
+studies::ThresholdPowerSettings threshold_settings(const Options& o, const studies::StudyPlan& plan) {
+  studies::ThresholdPowerSettings out;
+  out.analysis = plan.analysis.settings;
+  out.analysis.alpha = o.settings.alpha;
+  if (out.analysis.random == studies::RandomEffects::none)
+    throw Error(plan.where, "plans no mixed model ([analysis] random = \"none\")", "say `random = \"intercept\"`");
+  std::set<double> levels;
+  for (const studies::StudyCondition& condition : plan.conditions)
+    if (condition.level) levels.insert(*condition.level);
+  out.design = {.participants = 2,
+                .levels = {levels.begin(), levels.end()},
+                .clips = o.settings.clips,
+                .repeats = o.settings.repeats};
+  const double low = *levels.begin();
+  const double high = *levels.rbegin();
+  studies::SimulatedObservers& who = out.observers;
+  // From 1 in 20 seen at one end of the levels to 19 in 20 at the other.
+  const double spanning = 2 * std::log(19.0) / (high - low) * (out.analysis.curve.falling ? -1 : 1);
+  who.slope = o.slope.value_or(spanning);
+  who.guess = guess_of(o, plan);
+  const double reach = (out.analysis.curve.level - who.guess) / (1 - who.guess);
+  if (!(reach > 0 && reach < 1))
+    throw Error(
+        "--guess",
+        fmt::format("{:g} is above the level {:g} that the threshold is at", who.guess, out.analysis.curve.level),
+        "give a smaller one");
+  if (who.slope == 0) throw Error("--slope", "is 0: there is no threshold", "give another one");
+  who.threshold = o.threshold.value_or((low + high) / 2) - std::log(reach / (1 - reach)) / who.slope;
+  who.threshold_sd = o.settings.participant_sd / std::abs(who.slope);
+  who.clip_sd = o.settings.clip_sd;
+  out.simulations = o.simulations;
+  out.seed = o.settings.seed;
+  return out;
+}
+
+Json json_of(const studies::ThresholdPower& p) {
+  return {{"mean_estimate", p.mean_estimate},
+          {"sd_estimate", p.sd_estimate},
+          {"median_width", p.closed > 0 ? Json(p.median_width) : Json()},
+          {"held", p.closed > 0 ? Json(p.held) : Json()},
+          {"held_se", p.closed > 0 ? Json(p.held_se) : Json()},
+          {"closed", p.closed},
+          {"open", p.open},
+          {"failed", p.failed}};
+}
+
+Json json_of(const studies::EquivalencePower& p) {
+  return {{"power", p.power}, {"power_se", p.power_se}, {"at_margin", p.at_margin}, {"at_margin_se", p.at_margin_se}};
+}
+
+studies::EquivalencePowerSettings equivalence_settings(const Options& o, const studies::StudyPlan& plan) {
+  const studies::AnalysisSettings& s = plan.analysis.settings;
+  return {.participants = 2,
+          .trials = o.settings.clips * o.settings.repeats,
+          .equivalence = {.chance = s.chance, .margin = *s.margin, .alpha = o.settings.alpha, .power = s.power},
+          .simulations = o.simulations,
+          .seed = o.settings.seed};
+}
+
+Json threshold_rows(const Options& o, studies::ThresholdPowerSettings s) {
+  const double truth = studies::true_threshold(s);
+  Json rows = Json::array();
+  if (!o.json)
+    fmt::print(
+        "simulated: threshold {:g} (at {:g}), slope {:g}, guess {:g}; {} x {} x {}; the planned mixed model, {} a row\n"
+        "{:>12} {:>8} {:>14} {:>7} {:>7} {:>7} {:>7}\n",
+        truth, s.analysis.curve.level, s.observers.slope, s.observers.guess,
+        counted(s.design.levels.size(), "level", "levels"), counted(s.design.clips, "clip", "clips"),
+        counted(s.design.repeats, "repeat", "repeats"), counted(o.simulations, "study", "studies"), "participants",
+        "trials", fmt::format("{:g} % CI width", 100 * s.analysis.confidence), "held", "+-", "open", "failed");
+  for (const uint32_t participants : o.participants) {
+    s.design.participants = participants;
+    const studies::ThresholdPower got = studies::simulate_threshold_power(s);
+    const uint64_t trials = s.design.levels.size() * s.design.clips * s.design.repeats;
+    Json row = {{"participants", participants}, {"trials_per_participant", trials}, {"simulations", s.simulations}};
+    row["threshold"] = json_of(got);
+    rows.push_back(std::move(row));
+    if (!o.json)
+      fmt::print("{:>12} {:>8} {:>14.4g} {:>7.3f} {:>7.3f} {:>7} {:>7}\n", participants, trials, got.median_width,
+                 got.held, got.held_se, got.open, got.failed);
+  }
+  return {{"threshold", truth},           {"slope", s.observers.slope}, {"guess", s.observers.guess},
+          {"at", s.analysis.curve.level}, {"levels", s.design.levels},  {"confidence", s.analysis.confidence},
+          {"rows", std::move(rows)}};
+}
+
+Json equivalence_rows(const Options& o, studies::EquivalencePowerSettings s) {
+  const studies::EquivalenceSettings& e = s.equivalence;
+  Json rows = Json::array();
+  if (!o.json)
+    fmt::print(
+        "simulated: \"equivalent\" said of one condition, margin {:g} about {:g}, alpha {:g}, {} a row\n"
+        "{:>12} {:>8} {:>12} {:>7} {:>13} {:>7}\n",
+        e.margin, e.chance, e.alpha, counted(o.simulations, "study", "studies"), "participants", "trials",
+        "nothing seen", "+-", "at the margin", "+-");
+  for (const uint32_t participants : o.participants) {
+    s.participants = participants;
+    const studies::EquivalencePower got = studies::simulate_equivalence_power(s);
+    Json row = {{"participants", participants}, {"trials_per_participant", s.trials}, {"simulations", s.simulations}};
+    row["equivalent"] = json_of(got);
+    rows.push_back(std::move(row));
+    if (!o.json)
+      fmt::print("{:>12} {:>8} {:>12.3f} {:>7.3f} {:>13.3f} {:>7.3f}\n", participants, s.trials, got.power,
+                 got.power_se, got.at_margin, got.at_margin_se);
+  }
+  return {{"margin", e.margin}, {"chance", e.chance}, {"alpha", e.alpha}, {"rows", std::move(rows)}};
+}
+
+int print_planned(const Options& o, const studies::StudyPlan& plan) {
+  if (o.effect || o.intercept)
+    throw Error(o.effect ? "--effect" : "--intercept", "is of two conditions, and the plan has a level or a margin",
+                "say --threshold and --slope, or leave PLAN out");
+  Json out = {{"observers", "simulated"}, {"plan", o.plan}};
+  out["threshold"] = plan.analysis.level.empty() ? Json() : threshold_rows(o, threshold_settings(o, plan));
+  out["equivalence"] = plan.analysis.settings.margin ? equivalence_rows(o, equivalence_settings(o, plan)) : Json();
+  if (o.json) fmt::print("{}\n", out.dump(2));
+  return 0;
+}
+
+int run_power(Options options) {
+  std::optional<studies::StudyPlan> plan;
+  if (!options.plan.empty()) {
+    plan = studies::read_study_plan(options.plan);
+    if (plan->method.method != studies::Method::constant)
+      throw Error(options.plan, "chooses its trials by the answers",
+                  "plan the study that its pilot is for: constant stimuli");
+    take_plan(options, *plan);
+  }
+  take_defaults(options);
+  const bool level = plan && !plan->analysis.level.empty();
+  for (const auto& [option, given] :
+       {std::pair{"--threshold", options.threshold.has_value()}, std::pair{"--slope", options.slope.has_value()},
+        std::pair{"--guess", options.guess.has_value()}})
+    if (given && !level)
+      throw Error(option, "is of a psychometric function", "name a plan whose [analysis] has a `level`");
+  return level || (plan && plan->analysis.settings.margin) ? print_planned(options, *plan)
+                                                           : print_two_conditions(options);
+}
+
 }  // namespace
 
 void add_study_power(Command& study, Run& run) {
   Command* command = study.add_subcommand("power", "How many participants it takes, by simulated studies");
   command->footer(
-      "Two conditions within every participant; answers by a logistic model with participants (and clips, with "
-      "--clip-sd)\n"
-      "that differ; each simulated study is analysed by the mixed model that `study analyze` fits, Wald test of the "
-      "effect.\nWith PLAN, participants, clips, repeats and level are the plan's where they are not given.\n\n"
+      "Of a PLAN with a level: its own levels, crowds, repeats and analysis; how wide the threshold's interval is, and "
+      "how often it\nholds the truth. Of one with a margin: how often \"equivalent\" is said where nothing is seen, "
+      "and "
+      "at the margin.\n"
+      "Otherwise two conditions within every participant; answers by a logistic model with participants (and clips, "
+      "with\n--clip-sd) that differ; each simulated study is analysed by the mixed model that `study analyze` fits, "
+      "Wald "
+      "test of the effect.\nParticipants, clips, repeats and alpha are the plan's where they are not given.\n\n"
       "Examples:\n  crowdbench study power --effect 0.5 --participants 8,16,24\n"
-      "  crowdbench study power studies/plans/equivalence.toml --effect 0.4 --json\n"
+      "  crowdbench study power studies/plans/equivalence.toml --json\n"
+      "  crowdbench study power studies/plans/pilot.toml --threshold 150 --slope -0.03 --simulations 200\n"
       "  crowdbench study power --effect 0.4 --participant-sd 0.6 --clip-sd 0.5 --clips 12 --simulations 200 --json");
   auto options = std::make_shared<Options>();
   Options& o = *options;
@@ -100,12 +259,18 @@ void add_study_power(Command& study, Run& run) {
   command->add_option("--participants", o.participants, "numbers of participants to try (8, 16, 24, 32)")
       ->delimiter(',')
       ->whole_number(2, 10000);
-  command->add_option("--effect", o.settings.effect, "between the two conditions, in logits")
-      ->capture_default_str()
-      ->number(-20, 20);
-  command->add_option("--intercept", o.settings.intercept, "half way between them, in logits")
-      ->capture_default_str()
-      ->number(-20, 20);
+  command->add_option("--effect", o.effect, "between the two conditions, in logits (0.5)")->number(-20, 20);
+  command->add_option("--intercept", o.intercept, "half way between them, in logits (0)")->number(-20, 20);
+  command
+      ->add_option("--threshold", o.threshold,
+                   "of the typical observer, in units of the plan's level (the middle of its levels)")
+      ->number(-1e9, 1e9);
+  command
+      ->add_option("--slope", o.slope,
+                   "logits by unit of level, below 0 where it falls (1 to 19 of 20 seen over the plan's levels)")
+      ->number(-1e9, 1e9);
+  command->add_option("--guess", o.guess, "share right, or \"different\", of what is not seen (by the plan's task)")
+      ->number(0, 0.95);
   command->add_option("--participant-sd", o.settings.participant_sd, "between participants, in logits")
       ->capture_default_str()
       ->number(0, 20);

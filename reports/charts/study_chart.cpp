@@ -11,18 +11,65 @@ namespace crowdbench::reports {
 namespace {
 
 constexpr int kRowHeight = 30;
-constexpr size_t kMostNameRoom = 190;
+constexpr int kLineHeight = 13;
+constexpr size_t kMostLineBytes = 24;
 
 Json end_of(const std::optional<double>& end) { return end ? Json(*end) : Json(nullptr); }
 
-// The names of rows get room for themselves: what the renderer measures is a fifth narrower than the page's font.
-Json names_axis(size_t longest) {
-  const auto room = static_cast<int>(std::min<size_t>(kMostNameRoom, 12 + longest * 7));
-  return {{"field", "name"},
-          {"type", "nominal"},
-          {"sort", nullptr},
-          {"axis", {{"title", nullptr}, {"ticks", false}, {"minExtent", room}, {"labelLimit", room * 4 / 5}}}};
+// A name in lines that fit beside a chart on a narrow screen: broken at spaces, and where a word is too long, within
+// it. Nothing is cut off: names of conditions often differ at their ends alone.
+std::vector<std::string> lines_of(const std::string& name) {
+  std::vector<std::string> out = {""};
+  const auto take = [&](std::string word) {
+    if (!out.back().empty() && out.back().size() + 1 + word.size() > kMostLineBytes) out.emplace_back();
+    if (!out.back().empty()) out.back() += ' ';
+    while (word.size() > kMostLineBytes) {
+      size_t end = kMostLineBytes;
+      while (end > 1 && (static_cast<unsigned char>(word[end]) & 0xC0U) == 0x80U) --end;  // whole characters of UTF-8
+      out.back() = word.substr(0, end);
+      out.emplace_back();
+      word.erase(0, end);
+    }
+    out.back() += word;
+  };
+  for (size_t at = 0; at <= name.size();) {
+    const size_t end = std::min(name.find(' ', at), name.size());
+    if (end > at) take(name.substr(at, end - at));
+    at = end + 1;
+  }
+  return out;
 }
+
+// The rows' names as an axis, and how much room they take.
+struct NameRows {
+  size_t longest = 0, most_lines = 1;
+  // The name as the data holds it: its lines.
+  std::string add(const std::string& name) {
+    std::string out;
+    const std::vector<std::string> lines = lines_of(name);
+    for (const std::string& line : lines) {
+      longest = std::max(longest, line.size());
+      out += (out.empty() ? "" : "\n") + line;
+    }
+    most_lines = std::max(most_lines, lines.size());
+    return out;
+  }
+  int row_height() const { return std::max(kRowHeight, kLineHeight * static_cast<int>(most_lines) + 20); }
+  // What the renderer measures is a fifth narrower than the page's font.
+  Json axis() const {
+    return {{"field", "name"},
+            {"type", "nominal"},
+            {"sort", nullptr},
+            {"axis",
+             {{"title", nullptr},
+              {"ticks", false},
+              {"minExtent", static_cast<int>(12 + longest * 7)},
+              {"labelExpr", "split(datum.label, '\\n')"},
+              {"labelBaseline", "middle"},
+              {"labelLineHeight", kLineHeight},
+              {"labelLimit", 0}}}};
+  }
+};
 
 Json tooltip_of(const char* field, const char* title) {
   return {{"field", field}, {"type", "nominal"}, {"title", title}};
@@ -60,24 +107,24 @@ Json thresholds_of_curves(const StudyTask& task) {
 std::string study_shares_chart(const StudyTask& task) {
   if (task.shares.empty()) return {};
   Json values = Json::array();
-  size_t longest = 0;
+  NameRows names;
   for (const StudyShares& s : task.shares) {
-    longest = std::max(longest, s.name.size());
+    const std::string name = names.add(s.name);
     const double all = s.yes + s.ties + s.no;
     const std::pair<const char*, double> answers[] = {{"yes", s.yes}, {"cannot tell", s.ties}, {"no", s.no}};
     int order = 0;
     for (const auto& [answer, count] : answers)
-      values.push_back({{"name", s.name},
+      values.push_back({{"name", name},
                         {"answer", answer},
                         {"order", order++},
                         {"share", all > 0 ? 100 * count / all : 0},
                         {"text", fmt::format("{:g} of {:g}", count, all)}});
   }
-  Json spec = chart_frame(kRowHeight * static_cast<int>(task.shares.size()) + 20);
+  Json spec = chart_frame(names.row_height() * static_cast<int>(task.shares.size()) + 20);
   spec["data"] = {{"values", std::move(values)}};
   spec["mark"] = {{"type", "bar"}, {"height", {{"band", 0.7}}}};
   spec["encoding"] = {
-      {"y", names_axis(longest)},
+      {"y", names.axis()},
       {"x",
        {{"field", "share"},
         {"type", "quantitative"},
@@ -154,10 +201,9 @@ std::string study_curves_chart(const StudyTask& task) {
 std::string study_rows_chart(const std::vector<StudyPoint>& rows, const std::string& axis) {
   if (rows.empty()) return {};
   Json values = Json::array();
-  size_t longest = 0;
+  NameRows names;
   for (const StudyPoint& row : rows) {
-    longest = std::max(longest, row.name.size());
-    values.push_back({{"name", row.name},
+    values.push_back({{"name", names.add(row.name)},
                       {"value", row.value},
                       {"low", end_of(row.low)},
                       {"high", end_of(row.high)},
@@ -169,14 +215,14 @@ std::string study_rows_chart(const std::vector<StudyPoint>& rows, const std::str
                 {"scale", {{"zero", false}, {"nice", true}}},
                 {"axis", {{"title", axis}, {"tickCount", 4}}}};
   };
-  Json spec = chart_frame(kRowHeight * static_cast<int>(rows.size()) + 20);
+  Json spec = chart_frame(names.row_height() * static_cast<int>(rows.size()) + 20);
   spec["data"] = {{"values", std::move(values)}};
   spec["layer"] =
       Json::array({{{"mark", {{"type", "rule"}, {"strokeWidth", 2}, {"color", "#0072b2"}, {"opacity", 0.6}}},
-                    {"encoding", {{"y", names_axis(longest)}, {"x", x("low")}, {"x2", {{"field", "high"}}}}}},
+                    {"encoding", {{"y", names.axis()}, {"x", x("low")}, {"x2", {{"field", "high"}}}}}},
                    {{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}, {"color", "#0072b2"}}},
                     {"encoding",
-                     {{"y", names_axis(longest)},
+                     {{"y", names.axis()},
                       {"x", x("value")},
                       {"tooltip", Json::array({tooltip_of("name", "name"), tooltip_of("text", "value")})}}}}});
   return spec.dump();

@@ -1,11 +1,16 @@
 #include "studies/analysis/power.h"
 
+#include <cassert>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "core/parallel.h"
 #include "core/probability.h"
+#include "core/progress.h"
 #include "core/random.h"
+#include "core/statistics.h"
+#include "studies/analysis/analysis_parts.h"
 #include "studies/analysis/mixed_model.h"
 #include "studies/analysis/simulated.h"
 
@@ -30,7 +35,96 @@ std::vector<MixedRow> rows_of(const PowerSettings& s, uint64_t seed) {
   return out;
 }
 
+double share_se(double share, double n) { return n > 0 ? std::sqrt(share * (1 - share) / n) : 0; }
+
+// The planned mixed model of one simulated study.
+std::optional<MixedThreshold> threshold_of(const ThresholdPowerSettings& s, uint64_t seed) {
+  const Answers answers = simulate_answers(s.observers, s.design, seed);
+  parts::Rows rows;
+  for (const Answer& row : answers.rows) rows.push_back(&row);
+  const auto models = parts::mixed_models(answers, rows, parts::groups_of(answers, rows, false), s.analysis);
+  return models.at(0).threshold;
+}
+
+bool is_called_equivalent(const EquivalencePowerSettings& s, double chance, uint64_t seed) {
+  std::vector<Share> shares;
+  for (uint32_t p = 0; p < s.participants; ++p) {
+    Share share{0, s.trials};
+    for (uint32_t t = 0; t < s.trials; ++t) share.chosen += random_unit(seed, t, p) < chance ? 1 : 0;
+    shares.push_back(share);
+  }
+  return judge_equivalence(shares, s.equivalence).verdict == Verdict::equivalent;
+}
+
 }  // namespace
+
+double true_threshold(const ThresholdPowerSettings& s) {
+  const double reach = (s.analysis.curve.level - s.observers.guess) / (1 - s.observers.guess);
+  assert(s.observers.lapse == 0 && reach > 0 && reach < 1);
+  return s.observers.threshold + std::log(reach / (1 - reach)) / s.observers.slope;
+}
+
+ThresholdPower simulate_threshold_power(const ThresholdPowerSettings& s) {
+  assert(s.analysis.random != RandomEffects::none);
+  const double truth = true_threshold(s);
+  std::vector<std::optional<MixedThreshold>> all(s.simulations);
+  parallel_for(s.simulations, s.threads, [&](size_t i) {
+    throw_if_interrupted();
+    all[i] = threshold_of(s, random_bits(s.seed, i, 0));
+  });
+  ThresholdPower out;
+  std::vector<double> estimates;
+  std::vector<double> widths;
+  for (const auto& one : all) {
+    if (!one) {
+      ++out.failed;
+      continue;
+    }
+    estimates.push_back(one->at);
+    if (!one->interval) {
+      ++out.open;
+      continue;
+    }
+    ++out.closed;
+    widths.push_back(one->interval->high - one->interval->low);
+    out.held += one->interval->low <= truth && truth <= one->interval->high ? 1 : 0;
+  }
+  if (!estimates.empty()) {
+    const auto n = static_cast<double>(estimates.size());
+    double squares = 0;
+    for (const double each : estimates) out.mean_estimate += each / n;
+    for (const double each : estimates) squares += (each - out.mean_estimate) * (each - out.mean_estimate);
+    out.sd_estimate = n > 1 ? std::sqrt(squares / (n - 1)) : 0;
+  }
+  if (widths.empty()) return out;
+  const auto closed = static_cast<double>(out.closed);
+  out.held /= closed;
+  out.held_se = share_se(out.held, closed);
+  out.median_width = median(widths);
+  return out;
+}
+
+EquivalencePower simulate_equivalence_power(const EquivalencePowerSettings& s) {
+  std::vector<uint8_t> equal(s.simulations);
+  std::vector<uint8_t> apart(s.simulations);
+  parallel_for(s.simulations, s.threads, [&](size_t i) {
+    throw_if_interrupted();
+    const uint64_t seed = random_bits(s.seed, i, 1);
+    equal[i] = is_called_equivalent(s, s.equivalence.chance, seed) ? 1 : 0;
+    apart[i] = is_called_equivalent(s, s.equivalence.chance + s.equivalence.margin, seed) ? 1 : 0;
+  });
+  EquivalencePower out;
+  for (size_t i = 0; i < s.simulations; ++i) {
+    out.power += equal[i];
+    out.at_margin += apart[i];
+  }
+  const auto n = static_cast<double>(s.simulations);
+  out.power /= n;
+  out.at_margin /= n;
+  out.power_se = share_se(out.power, n);
+  out.at_margin_se = share_se(out.at_margin, n);
+  return out;
+}
 
 Power simulate_power(const PowerSettings& s) {
   struct One {
@@ -42,6 +136,7 @@ Power simulate_power(const PowerSettings& s) {
   const MixedSettings model{
       .clips = s.clip_sd > 0, .integration = Integration::laplace, .full_errors = false, .thorough = false};
   parallel_for(s.simulations, s.threads, [&](size_t i) {
+    throw_if_interrupted();
     const MixedFit fit = fit_mixed(rows_of(s, random_bits(s.seed, i, 0)), model);
     all[i].state = fit.state;
     if (fit.fixed.size() == 2) all[i].effect = fit.fixed[1];

@@ -19,14 +19,17 @@ using text::percent;
 
 std::string p_is(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.3f}", p); }
 
-// What a sentence begins with: of pairs the condition alone, since both items follow.
-std::string subject(const ConditionResult& c) { return named(c.first.empty() ? c.name : c.condition); }
+// What a sentence begins with: of pairs the condition alone, where there is one, since both items follow.
+std::string subject(const ConditionResult& c) {
+  if (c.first.empty()) return named(c.name) + ": ";
+  return c.condition.empty() ? "" : named(c.condition) + ": ";
+}
 
 // In the form in which such studies are printed: all answers, then those of who chose.
 std::string shares_sentence(const ConditionResult& c) {
   const uint64_t all = c.yes + c.ties + c.no;
-  std::string out = subject(c) + ": ";
-  if (all == 0) return out + "no answers.";
+  std::string out = subject(c);
+  if (all == 0) return named(c.name) + ": no answers.";
   if (c.ties > 0) out += fmt::format("{} cannot tell, ", percent(c.ties, all));
   if (c.first.empty())
     out += fmt::format("{} yes, {} no", percent(c.yes, all), percent(c.no, all));

@@ -91,7 +91,9 @@
     if (spots.length < 2) return out
     const spot = Study.standardError(spots) / Study.mean(spots)
     const eyes = (kBlindSpotSdDeg * rad) / (Math.sin(angle) * Math.cos(angle))
-    out.pixels_per_degree = 2 * Math.tan(0.5 * rad) * Study.mean(spots) / Math.tan(angle)
+    const perDegree = 2 * Math.tan(0.5 * rad) * Study.mean(spots) / Math.tan(angle)
+    if (!(perDegree >= 5 && perDegree <= 500)) return out  // a key held down, and no blind spot
+    out.pixels_per_degree = perDegree
     out.pixels_per_degree_se = out.pixels_per_degree * Math.hypot(spot, eyes)
     if (card !== null) {
       out.distance_mm = Study.mean(spots) / out.px_per_mm / Math.tan(angle)

@@ -20,6 +20,7 @@ using scene::TomlNode;
 
 constexpr size_t kMostLevels = 32;
 constexpr size_t kMostFactors = 8;
+constexpr int kLastTurn = 3;
 constexpr char kDistance[] = "distance";  // the option of what switches by distance
 
 std::string key_name(const Key& key) { return key.table.empty() ? key.name : key.table + "." + key.name; }
@@ -50,6 +51,16 @@ bool put_option(renderers::Spec& spec, const std::string& name, const std::strin
   }
   for (renderers::Spec& component : spec.components) any = put_option(component, name, option, value) || any;
   return any;
+}
+
+// Whether any of its options is about texels, or the points that stand for them: who has none of either shows geometry.
+// What the far one of two has counts.
+bool may_have_texels(const renderers::Spec& spec) {
+  if (!spec.components.empty()) return may_have_texels(spec.components.back());
+  const auto docs = renderers::option_docs(renderers::representation_type(spec.name));
+  return std::any_of(docs.begin(), docs.end(), [](const renderers::OptionDoc& doc) {
+    return doc.key == "points" || doc.meaning.find("texel") != std::string::npos;
+  });
 }
 
 // Reads [factors], factor by factor.
@@ -194,10 +205,14 @@ class FactorsReader {
     const bool height = made.factor.name == "height_px";
     const double value = height ? number_of(made, node, 4, 4096) : number_of(made, node, 0.05, 20);
     made.factor.levels.push_back({fmt::format("{}", value), value});
+    made.turn = kLastTurn;
     made.changes.emplace_back([height, value, place = node.place(where_)](StudyCondition& condition) {
       (height ? condition.height_px : condition.pixels_per_texel) = value;
       if (condition.height_px && condition.pixels_per_texel)
         throw Error(place, "`height_px` and `pixels_per_texel` both move the camera", "keep one of them");
+      if (!height && !may_have_texels(condition.test))
+        throw Error(place, fmt::format("'{}' has no texels that pixels could be counted by", condition.test.text()),
+                    "use `height_px`");
       if (condition.scenario.camera.keys.size() > 1)
         throw Error(place, "this moves the camera, which follows a path", "give [scenario] one camera");
     });
@@ -253,6 +268,7 @@ class FactorsReader {
     if (value.empty() || value.find_first_of(",:()= \t\n") != std::string::npos)
       throw Error(node.place(where_), fmt::format("`{}.{}` holds what is no option's value", name, option),
                   "give texts without commas, colons and brackets, or numbers");
+    require_value(type, option, value, node);
     made.turn = 1;
     made.factor.levels.push_back({value, node.is_number() ? std::optional(node.as_number()) : std::nullopt});
     made.changes.emplace_back([name, option, value, place = made.place](StudyCondition& condition) {
@@ -260,6 +276,20 @@ class FactorsReader {
         throw Error(place, fmt::format("`{}.{}`: '{}' is not drawn by it", name, option, condition.test.text()),
                     "let [conditions] `test` or the factor `representation` name it");
     });
+  }
+
+  // What the table of options says of its values is known before anything is drawn.
+  void require_value(const renderers::RepresentationType& type, const std::string& option, const std::string& value,
+                     const TomlNode& node) const {
+    std::string text = type.name + (type.components > 0 ? "(" : ":");
+    for (size_t i = 0; i < type.components; ++i) text += renderers::reference_spec().text() + ",";
+    text += fmt::format("{}={}{}", option, value, type.components > 0 ? ")" : "");
+    try {
+      renderers::parse_spec(text);
+    } catch (const Error& error) {
+      throw Error(node.place(where_), fmt::format("`{}.{}`: {}", type.name, option, error.wrong),
+                  error.advice.empty() ? "see `crowdbench info --representations`" : error.advice);
+    }
   }
 
   void add_key(ReadFactor& made, const TomlNode& node, const Key& key) {
@@ -313,7 +343,7 @@ std::vector<StudyCondition> combine_factors(const std::vector<ReadFactor>& facto
       condition.levels.push_back(level);
       condition.name += fmt::format("{}{}={}", f == 0 ? "" : " ", factors[f].factor.name, level.text);
     }
-    for (int turn = 0; turn <= 2; ++turn)
+    for (int turn = 0; turn <= kLastTurn; ++turn)
       for (size_t f = 0; f < factors.size(); ++f)
         if (factors[f].turn == turn) factors[f].changes[chosen[f]](condition);
     out.push_back(std::move(condition));

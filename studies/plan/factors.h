@@ -15,7 +15,7 @@ namespace crowdbench::studies {
 struct ReadFactor {
   Factor factor;
   std::string place;  // FILE:LINE
-  int turn = 0;       // what draws is chosen before its options, and these before its switch
+  int turn = 0;       // what draws is chosen before its options, these before its switch, and that before the camera
   std::vector<std::function<void(StudyCondition&)>> changes;
 };
 

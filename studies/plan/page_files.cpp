@@ -66,9 +66,11 @@ Json stimulus_json(const StudyPlan& plan, const StudyDesign& design, const Stimu
   Json out;
   out["id"] = stimulus.id;
   out["kind"] = stimulus_word(stimulus.kind);
-  out["condition"] = condition.id;
-  out["condition_name"] = condition.name;
-  out["series"] = series_name(plan, condition);
+  // Of two that are ranked, each may be of another condition: all that a plan lets vary there makes the items.
+  const bool ranked = stimulus.kind == StimulusKind::pair;
+  out["condition"] = ranked ? Json() : Json(condition.id);
+  out["condition_name"] = ranked ? std::string() : condition.name;
+  out["series"] = ranked ? std::string() : series_name(plan, condition);
   out["level"] = condition.level ? Json(*condition.level) : Json();
   out["crowd"] = stimulus.crowd;
   out["upper"] = side(stimulus.upper, stimulus.item_upper);

@@ -179,6 +179,12 @@ std::string dropped_frames(const CsvRow& r) {
   if (!total || *total <= 0 || !frames) return {};
   return fmt::format("{}", std::llround(std::min(1.0, *r.answer.frames_dropped / *total) * *frames));
 }
+// Items that are ranked are all that varies: no condition stands beside them, whatever an export says of the first.
+std::string condition_of(const CsvRow& r) {
+  if (r.ranked) return {};
+  return r.has_axis ? r.shown.series : r.shown.condition;
+}
+
 std::string level_of(const CsvRow& r) {
   // Catch trials are judged and then taken out; where their clips have no level, a number stands there all the same.
   return r.shown.level.empty() && r.answer.kind == "catch" ? "0" : r.shown.level;
@@ -199,7 +205,7 @@ const std::vector<CsvColumn>& csv_columns() {
       {"study", [](R r) { return r.study; }},
       {"participant", [](R r) { return r.who.participant; }},
       {"trial", [](R r) { return r.answer.item; }},
-      {"condition", [](R r) { return r.has_axis ? r.shown.series : r.shown.condition; }, false},
+      {"condition", condition_of, false},
       {"clip", [](R r) { return r.shown.clip; }, false},
       {"level", level_of, false},
       {"signal", signal_of, false},

@@ -65,6 +65,27 @@ std::optional<uint32_t> count_of(const json& of, const char* name) {
   return found->get<uint32_t>();
 }
 
+// Pixels a degree as people sit before screens, and far beyond.
+constexpr double kLeastPixelsPerDegree = 5;
+constexpr double kMostPixelsPerDegree = 500;
+
+bool is_calibration(const std::string& page) { return page.starts_with("calibration"); }
+
+// What a calibration found, or that it found nothing; empty where that can be.
+std::string fault_of_calibration(const json& record) {
+  const auto pixels = record.find("pixels_per_degree");
+  const auto spread = record.find("pixels_per_degree_se");
+  const auto none = [&](const auto& found) { return found == record.end() || found->is_null(); };
+  if (none(pixels) && none(spread)) return {};
+  const auto p = number_of(record, "pixels_per_degree");
+  const auto se = number_of(record, "pixels_per_degree_se");
+  const bool plausible =
+      p && se && *p >= kLeastPixelsPerDegree && *p <= kMostPixelsPerDegree && *se >= 0 && *se <= kMostPixelsPerDegree;
+  return plausible
+             ? ""
+             : fmt::format("no calibration: {} to {} pixels a degree", kLeastPixelsPerDegree, kMostPixelsPerDegree);
+}
+
 // What a record of a trial says; empty where all is right.
 std::string fill_trial(const StudyFolder& folder, const std::string& list, const json& record, StudyAnswerRow& row) {
   const auto& trials = folder.trials.at(list);
@@ -105,7 +126,8 @@ std::optional<HttpReply> StudyService::refuse(const HttpRequest& r) const {
   // A type that forms of other sites cannot send without asking first, which is never granted.
   if (r.content_type.substr(0, r.content_type.find(';')) != "application/json")
     return error(415, "only application/json is taken");
-  if (!r.transfer_encoding.empty()) return error(411, "the length must be said beforehand");
+  // What has no length would be waited for; nothing that is taken is empty.
+  if (!r.transfer_encoding.empty() || r.announced == 0) return error(411, "the length must be said beforehand");
   if (r.announced > kMostRecordBytes) return error(413, "too long");
   return std::nullopt;
 }
@@ -173,6 +195,8 @@ HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& 
   row.data = r.body;
   if (row.kind == "page") {
     if (!is_page(row.item)) return error(400, "there is no such page");
+    if (is_calibration(row.item))
+      if (const std::string wrong = fault_of_calibration(record); !wrong.empty()) return error(400, wrong);
   } else if (const std::string wrong = fill_trial(folder_, who.list, record, row); !wrong.empty()) {
     return error(400, wrong);
   }
@@ -184,8 +208,7 @@ HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& 
   }
   const auto pixels = number_of(record, "pixels_per_degree");
   const auto spread = number_of(record, "pixels_per_degree_se");
-  if (row.item.starts_with("calibration") && pixels && spread && *pixels > 0 && *spread >= 0)
-    store_.calibrate(who.id, *pixels, *spread);
+  if (row.kind == "page" && is_calibration(row.item) && pixels && spread) store_.calibrate(who.id, *pixels, *spread);
   return reply({{"kept", true}});
 }
 

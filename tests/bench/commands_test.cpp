@@ -471,6 +471,12 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
                     "[stimulus]\nseconds = 0.1\nlead_in_seconds = 0\ncrowds = 1\nseeds = \"same\"\n"
                     "[catch]\nidentical = 0\nbroken = 0\n[method]\nrepeats = 1\n");
          EXPECT_NE(run("study export study.toml out").text.find("is not frozen"), std::string::npos);
+         write_file(work_ / "wrong.toml", text("study.toml") + "[factors]\nclip = [\"fly\"]\n");
+         for (const char* command : {"study freeze wrong.toml", "study export wrong.toml --dry-run"}) {
+           const Outcome wrong = run(command);
+           EXPECT_EQ(wrong.status, 2) << command;
+           EXPECT_NE(wrong.text.find("wrong.toml:20: "), std::string::npos) << wrong.text;
+         }
          EXPECT_EQ(facts("study freeze study.toml --json").at("hash").get<std::string>().size(), 64U);
        }},
       {"study export",
@@ -565,6 +571,22 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_EQ(facts("study power study.toml --simulations 5 --json").at("plan"), "study.toml");
          EXPECT_NE(run("study power --participants 6 --simulations 5").text.find("simulated: 0.5 logits"),
                    std::string::npos);
+         // A plan's own design: its threshold, and its margin.
+         write_file(work_ / "planned.toml",
+                    text("study.toml") +
+                        "[question]\ntask = \"forced-choice\"\nask = \"differs\"\n[factors]\nmesh.triangles = "
+                        "[40, 80, 160, 320]\n[analysis]\nlevel = \"mesh.triangles\"\nfalling = true\nmargin = 0.2\n");
+         const std::string power = "study power planned.toml --participants 8 --repeats 3 --simulations 5";
+         const json own = facts(power + " --threshold 150 --slope -0.03 --json");
+         EXPECT_EQ(own.at("threshold").at("threshold"), 150);
+         EXPECT_EQ(own.at("threshold").at("levels"), (json{40, 80, 160, 320}));
+         EXPECT_EQ(own.at("threshold").at("guess"), 0.5);
+         EXPECT_EQ(own.at("threshold").at("rows")[0].at("trials_per_participant"), 12);
+         EXPECT_EQ(own.at("equivalence").at("rows")[0].at("trials_per_participant"), 3);
+         EXPECT_LT(facts(power + " --json").at("threshold").at("slope").get<double>(), 0) << "it falls";
+         EXPECT_NE(run(power).text.find("95 % CI width"), std::string::npos);
+         EXPECT_EQ(run(power + " --effect 1").status, 2) << "there are no two conditions";
+         EXPECT_EQ(run("study power --threshold 3").status, 2) << "of no plan";
        }},
       {"report",
        [&] {

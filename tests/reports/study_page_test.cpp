@@ -52,6 +52,28 @@ TEST(StudyCharts, HoldAnswersCurvesAndOpenEnds) {
   EXPECT_EQ(study_rows_chart(task.prediction, "AUC"), "");
 }
 
+// Names that differ at their ends alone are told apart: they are broken into lines, and none is cut.
+TEST(StudyCharts, NamesAreNeverCut) {
+  StudyTask task;
+  const std::vector<std::string> names = {"mesh:triangles=200 over mesh:triangles=40",
+                                          "mesh:triangles=200 over mesh:triangles=80", std::string(60, 'a') + "b",
+                                          std::string(11, '-') + "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9"};
+  for (const std::string& name : names) task.shares.push_back({name, 1, 0, 1});
+  const json chart = json::parse(study_shares_chart(task));
+  const json& axis = chart.at("encoding").at("y").at("axis");
+  EXPECT_EQ(axis.at("labelLimit"), 0);
+  EXPECT_EQ(axis.at("labelExpr"), "split(datum.label, '\\n')");
+  const json& values = chart.at("data").at("values");
+  ASSERT_EQ(values.size(), 12U);
+  EXPECT_EQ(values[0].at("name"), "mesh:triangles=200 over\nmesh:triangles=40");
+  EXPECT_EQ(values[3].at("name"), "mesh:triangles=200 over\nmesh:triangles=80");
+  EXPECT_EQ(values[6].at("name"),
+            std::string(24, 'a') + "\n" + std::string(24, 'a') + "\n" + std::string(12, 'a') + "b");
+  EXPECT_EQ(values[9].at("name"), std::string(11, '-') + "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\n\u00e9\u00e9");
+  EXPECT_LE(axis.at("minExtent").get<int>(), 190);
+  EXPECT_GE(chart.at("height").get<int>(), 4 * 3 * 13) << "three lines a row";
+}
+
 TEST(StudyPage, IsWholeAndHarmless) {
   try {
     chart_libraries();

@@ -15,6 +15,7 @@
 #include "store/store.h"
 #include "studies/analysis/analysis.h"
 #include "studies/analysis/answers.h"
+#include "studies/analysis/verdict_sentences.h"
 #include "studies/server/answers_export.h"
 #include "studies/server/serve.h"
 #include "studies/server/study_folder.h"
@@ -130,6 +131,8 @@ TEST_F(StudyServer, RefusesWhatIsNotOfItsPage) {
   EXPECT_EQ(status(type + "Content-Length: 99999999999999999999\r\n", good), 413);
   EXPECT_EQ(status(type + "Content-Length: -1\r\n", good), 413);
   EXPECT_EQ(status(type + "Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411);
+  EXPECT_EQ(status(type, ""), 411) << "no length, and nothing to wait for";
+  EXPECT_EQ(status(type + "Content-Length: 0\r\n", ""), 411);
   // What is no start.
   for (const char* body : {"{", "[]", "\"\"", "{}", "\xff", R"({"study": "b"})", R"({"study": 1, "participant": 2})"})
     EXPECT_EQ(status(type, body), 400) << body;
@@ -144,6 +147,17 @@ TEST_F(StudyServer, RefusesWhatIsNotOfItsPage) {
   EXPECT_EQ(
       status(type + "Sec-Fetch-Site: same-origin\r\nOrigin: http://127.0.0.1:" + std::to_string(port_) + "\r\n", good),
       200);
+}
+
+// Connections that begin a request and say no more hold a thread each until their time is up: of so many as one page's
+// attacker opens with ease, nobody else takes notice.
+TEST_F(StudyServer, AnswersBesideConnectionsThatAreLeftHalfSaid) {
+  serve();
+  std::vector<support::OpenConnection> half(80);
+  for (support::OpenConnection& each : half) ASSERT_TRUE(each.open(port_, "GET / HT"));
+  const auto from = std::chrono::steady_clock::now();
+  EXPECT_EQ(http_request(port_, "GET", "/").status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(2)) << "it waited for theirs to end";
 }
 
 TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
@@ -163,6 +177,14 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
     changed[name] = value;
     EXPECT_EQ(send(token, changed), 400) << name << " " << value;
   }
+  for (const auto& [pixels, spread] : std::vector<std::pair<nlohmann::json, nlohmann::json>>{
+           {1e300, 1}, {4.9, 1}, {501, 1}, {-40, 1}, {40, -1}, {40, 1e9}, {40, nullptr}, {nullptr, 3}, {"40", 3}})
+    EXPECT_EQ(send(token, {{"item", "calibration"},
+                           {"kind", "page"},
+                           {"pixels_per_degree", pixels},
+                           {"pixels_per_degree_se", spread}}),
+              400)
+        << pixels << " " << spread;
   for (const char* page : {"diary", "screen-", "screen-0", "screen-05", "screen-31", "screen-100", "screen-x"})
     EXPECT_EQ(send(token, {{"item", page}, {"kind", "page"}}), 400) << page;
   EXPECT_EQ(
@@ -373,6 +395,10 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(ranked.rows[0].yes, 1U) << "the flat one stood above and was chosen";
   EXPECT_EQ(ranked.rows[1].shown_first_is_a, false);
   EXPECT_EQ(ranked.rows[1].no, 1U);
+  EXPECT_TRUE(ranked.conditions.empty()) << "the items are all that varies, whatever condition the first is of";
+  const Analysis compared = analyse(ranked, {.resamples = 0});
+  EXPECT_EQ(compared.tasks.at(0).conditions.at(0).name, "flat, near over mesh");
+  EXPECT_EQ(verdict_sentences(compared.tasks[0], compared.settings).at(0).find("switch_m"), std::string::npos);
   const nlohmann::json records = nlohmann::json::parse(jspsych_json(answers));
   ASSERT_EQ(records.size(), 5U);
   EXPECT_EQ(records[1].at("participant"), participant(1));

@@ -13,7 +13,10 @@
 #include "studies/plan/design.h"
 #include "studies/plan/export.h"
 #include "studies/plan/frozen.h"
+#include "studies/plan/page_files.h"
+#include "studies/plan/plan_cast.h"
 #include "test_paths.h"
+#include "tests/support/scratch_folder.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -85,6 +88,17 @@ TEST(StudyPlan, FaultsAreSaidPrecisely) {
       {"[conditions]\ntest = \"flta\"\n", "study.toml:2: `test`"},
       {test + "[factors]\nflat.viws = [5]\n", "study.toml:4: flat has no option 'viws'; did you mean `views`?"},
       {test + "[factors]\nrelief.steps = [\"8+4\"]\n", "is not drawn by it"},
+      {"[conditions]\ntest = \"mesh\"\n[factors]\nmesh.triangles = [\"a\", 80]\n",
+       "study.toml:4: `mesh.triangles`: option triangles=a is not a"},
+      {"[conditions]\ntest = \"mesh\"\n[factors]\nmesh.triangles = [\n80,\n-3]\n",
+       "study.toml:6: `mesh.triangles`: option triangles=-3 is not a"},
+      {"[conditions]\ntest = \"mesh\"\n[factors]\nmesh.triangles = [40, \"inf\"]\n",
+       "study.toml:4: `mesh.triangles`: option triangles=inf is not a"},
+      {test + "[factors]\nhybrid.fade = [2, 900]\n", "study.toml:4: `hybrid.fade`: option fade=900 is not a"},
+      {test + "[factors]\nflat.blend = [2]\n", "study.toml:4: `flat.blend`: "},
+      {"[conditions]\ntest = \"mesh\"\n[factors]\npixels_per_texel = [1, 2]\n",
+       "study.toml:4: 'mesh' has no texels that pixels could be counted by; use `height_px`"},
+      {test + "[factors]\npixels_per_texel = [1]\nswitch_m = [5, \"inf\"]\n", "'mesh' has no texels"},
       {test + "[factors]\nheight_px = [40]\npixels_per_texel = [1]\n", "study.toml:5: `height_px` and"},
       {test + "[factors]\nheight_px = [300]\n", "are taller than `largest_px` = 120"},
       {test + "[factors]\nseed = [1, 2]\n", "study.toml:4: the factor `seed` has no meaning in a study"},
@@ -116,6 +130,34 @@ TEST(StudyPlan, FaultsAreSaidPrecisely) {
   };
   for (const auto& [toml, expected] : faults)
     EXPECT_NE(fault_of(toml).find(expected), std::string::npos) << toml << "\n" << fault_of(toml);
+}
+
+// What only loading finds is found before a plan is frozen, with its line.
+TEST(StudyPlan, CharactersAndClipsAreThere) {
+  const support::ScratchFolder folder;
+  const fs::path file = folder / "p.toml";
+  const auto fault = [&](const std::string& more) -> std::string {
+    write_file(file, "[conditions]\ntest = \"flat\"\n" + more);
+    try {
+      require_cast(file, read_study_plan(file));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(fault(""), "");
+  EXPECT_EQ(fault("[factors]\ncharacter = [\"mannequin\", \"mannequin:triangles=500\"]\n"), "");
+  const std::vector<std::array<std::string, 3>> faults = {
+      {"[factors]\ncharacter = [\n\"mannequin\",\n\"nobody.glb\"]\n", ":6: ", "nobody.glb"},
+      {"[factors]\ncharacter = [\"mannequin:triangles=x\"]\n", ":4: ", "triangles=x is not a whole number"},
+      {"[factors]\nclip = [\"walk\", \"fly\"]\n", ":4: ", "fly"},
+      {"[scenario]\n[[scenario.character]]\nsource = \"mannequin\"\nclips = [\"fly\"]\n", ":6: ", "fly"},
+      {"[scenario]\n[[scenario.character]]\nsource = \"nobody.glb\"\n", ":5: ", "nobody.glb"}};
+  for (const auto& [more, line, wrong] : faults) {
+    const std::string said = fault(more);
+    EXPECT_TRUE(said.starts_with(file.string() + line)) << more << said;
+    EXPECT_NE(said.find(wrong), std::string::npos) << more << said;
+  }
 }
 
 TEST(StudyPlan, HashIsOfTheMeaning) {
@@ -224,6 +266,11 @@ TEST(StudyDesign, PilotsHaveEverythingThatMayBeChosen) {
   for (const Stimulus& stimulus : design.stimuli)
     if (stimulus.kind == StimulusKind::pair) met.insert({stimulus.item_upper, stimulus.item_lower});
   EXPECT_EQ(met.size(), 12U);  // four items, either way up
+  // No condition is said of a pair, whose items are of two; of the other stimuli it is.
+  for (const Stimulus& stimulus : design.stimuli) {
+    const Json said = stimulus_json(pairs, design, stimulus);
+    EXPECT_EQ(said.at("condition_name").text().empty(), stimulus.kind == StimulusKind::pair) << stimulus.id;
+  }
   std::map<std::pair<std::string, std::string>, int> shown;
   for (const auto& list : design.lists)
     for (const Trial& trial : list)

@@ -15,6 +15,30 @@ struct HttpAnswer {
   std::string head, body;
 };
 
+// A connection to 127.0.0.1:port that stays open until it is destroyed.
+class OpenConnection {
+ public:
+  OpenConnection() = default;
+  OpenConnection(const OpenConnection&) = delete;
+  OpenConnection& operator=(const OpenConnection&) = delete;
+  ~OpenConnection() {
+    if (socket_ >= 0) ::close(socket_);
+  }
+  // Sends `bytes` and reads nothing. False: there is no connection.
+  bool open(int port, const std::string& bytes) {
+    socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<uint16_t>(port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    return ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 &&
+           ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
+  }
+
+ private:
+  int socket_ = -1;
+};
+
 // Sends `bytes` to 127.0.0.1:port and reads until the other side closes.
 inline HttpAnswer http_bytes(int port, const std::string& bytes) {
   HttpAnswer answer;

@@ -256,6 +256,7 @@ TEST_F(ScriptsGl, StudyEvidence) {
   ASSERT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_NE(text("evidence.md").find("2 simulated studies a row"), std::string::npos);
   EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("threshold of the mixed model[^\n]* of 2 \\|")));
+  EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("same-different, export to interval[^\n]* of 2 \\|")));
   EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("1 kills under 50 [^\n]* 0 lost")));
   EXPECT_EQ(run("study_evidence.sh", build_ + " evidence.md --frobnicate").status, 2);
   EXPECT_EQ(run("study_evidence.sh", "nowhere other.md").status, 2);

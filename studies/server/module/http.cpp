@@ -126,7 +126,9 @@ void set_up(Server& made) {
   // One request a connection: nothing that is left of a refused body is ever read as a request, and no idle browser
   // holds a thread.
   server.set_keep_alive_max_count(1);
-  server.set_read_timeout(10);
+  // Of each wait for more, not of the whole: a browser sends what it has at once.
+  server.set_keep_alive_timeout(3);  // for the first byte
+  server.set_read_timeout(4);
   server.set_write_timeout(30);
   server.set_payload_max_length(made.settings.most_body_bytes);
   server.set_tcp_nodelay(true);
