@@ -69,11 +69,9 @@ reports::StudyCurve curve_of(const Analysis& a, const TaskResult& t, const Curve
   }
   if (c.fit.state != CurveState::fitted && c.fit.state != CurveState::step) return out;
   out.threshold = c.fit.threshold;
-  out.threshold_low = c.fit.threshold_profile.low;
-  out.threshold_high = c.fit.threshold_profile.high;
-  if (c.bootstrap && !c.bootstrap->open) {
-    out.threshold_low = c.bootstrap->threshold.low;
-    out.threshold_high = c.bootstrap->threshold.high;
+  if (const auto interval = threshold_interval(c)) {
+    out.threshold_low = interval->low;
+    out.threshold_high = interval->high;
   }
   const double from = levels.front().x;
   const double to = levels.back().x;

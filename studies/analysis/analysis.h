@@ -77,9 +77,26 @@ struct CurveResult {
   bool by_participant = false;  // what the bootstrap draws
 };
 
+// The interval of a curve's threshold that is told and drawn: the bootstrap's where it has one, else the likelihood's.
+struct ThresholdInterval {
+  std::optional<double> low, high;  // nothing: open that way
+  std::string method;               // "bootstrap over participants", "parametric bootstrap", "profile likelihood"
+};
+// Nothing where there is no threshold, or its interval is open both ways.
+std::optional<ThresholdInterval> threshold_interval(const CurveResult& curve);
+
+// Where the rate of guesses that a mixed model holds comes from.
+enum class GuessSource {
+  no_level,  // no psychometric function: 0
+  settings,  // held in the curve, too
+  curve,     // the estimate of the curve of the same answers, whose error the mixed model does not count
+  none,      // the curve was to fit it and could not: 0
+};
+
 struct MixedResult {
   std::string condition;  // empty: all together, with contrasts between conditions
   MixedSettings settings;
+  GuessSource guess_from = GuessSource::no_level;
   MixedFit fit;
   std::vector<std::string> effects;                 // names of the fixed effects
   std::optional<LikelihoodRatio> ratio;             // of the level

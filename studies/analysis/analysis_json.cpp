@@ -136,11 +136,15 @@ Json json_of(const CurveResult& c, const CurveSettings& s) {
               {"location_profile", json_of(c.fit.location_profile)},
               {"threshold_profile", json_of(c.fit.threshold_profile)}});
   if (c.bootstrap)
-    out["threshold_bootstrap"] = {{"interval", c.bootstrap->open ? Json() : json_of(c.bootstrap->threshold)},
+    out["threshold_bootstrap"] = {{"interval", c.bootstrap->has_interval() ? json_of(c.bootstrap->threshold) : Json()},
                                   {"draws", c.by_participant ? "participants" : "answers from the fitted curve"},
                                   {"resamples", c.bootstrap->resamples},
                                   {"failed", c.bootstrap->failed},
-                                  {"widened", c.bootstrap->widened}};
+                                  {"widened", c.bootstrap->widened},
+                                  {"alike", c.bootstrap->alike}};
+  if (const auto told = threshold_interval(c))
+    out["threshold_interval"] = {{"interval", Json::array({json_of(told->low), json_of(told->high)})},
+                                 {"method", told->method}};
   return out;
 }
 
@@ -148,10 +152,14 @@ Json json_of(const MixedResult& m) {
   const char* integration = m.settings.integration == Integration::quadrature ? "adaptive Gauss-Hermite, 25 nodes"
                             : m.settings.integration == Integration::laplace  ? "Laplace, expected information"
                                                                               : "Laplace, observed information";
+  const Json guess_from = m.guess_from == GuessSource::settings ? Json("settings")
+                          : m.guess_from == GuessSource::curve  ? Json("curve")
+                                                                : Json();
   Json out = {{"condition", m.condition},
               {"state", std::string(state_text(m.fit.state))},
               {"link", m.settings.link == Link::logit ? "logit" : "probit"},
               {"guess", m.settings.guess},
+              {"guess_from", guess_from},
               {"integration", integration},
               {"answers", m.fit.answers},
               {"participants", m.fit.participants}};

@@ -14,6 +14,7 @@
 namespace crowdbench::studies::parts {
 namespace {
 
+constexpr double kLeastGuess = 1e-6;        // a rate below it is one at its bound, 0
 constexpr size_t kMostBootstrapItems = 20;  // of which every two were compared: a minute
 
 std::vector<Level> levels_of(const Rows& rows, TieRule rule) {
@@ -55,10 +56,17 @@ CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSe
   return out;
 }
 
-MixedSettings mixed_settings(const Rows& rows, const AnalysisSettings& s, bool with_level) {
+// The rate of guesses that a mixed model over the level holds. It fits none: it takes the curve's, where that has one.
+double held_guess(const AnalysisSettings& s, const CurveFit* curve) {
+  if (s.curve.guess_rate == Rate::fixed) return s.curve.guess;
+  if (curve == nullptr || curve->state != CurveState::fitted) return 0;
+  return curve->at.guess < kLeastGuess ? 0 : curve->at.guess;
+}
+
+MixedSettings mixed_settings(const Rows& rows, const AnalysisSettings& s, bool with_level, const CurveFit* curve) {
   MixedSettings out;
   out.link = s.link;
-  out.guess = with_level && s.curve.guess_rate == Rate::fixed ? s.curve.guess : 0;
+  out.guess = with_level ? held_guess(s, curve) : 0;
   out.slopes = with_level && (s.random == RandomEffects::slope || s.random == RandomEffects::independent_slope);
   out.correlated = s.random == RandomEffects::slope;
   std::set<uint32_t> clips;
@@ -72,13 +80,19 @@ MixedSettings mixed_settings(const Rows& rows, const AnalysisSettings& s, bool w
   return out;
 }
 
-// conditions: those that get a contrast to the first; none where they are fitted apart.
+GuessSource guess_source(const AnalysisSettings& s, const CurveFit* curve) {
+  if (s.curve.guess_rate == Rate::fixed) return GuessSource::settings;
+  return curve != nullptr && curve->state == CurveState::fitted ? GuessSource::curve : GuessSource::none;
+}
+
+// conditions: those that get a contrast to the first; none where they are fitted apart. curve: of the same answers.
 MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vector<uint32_t>& conditions,
-                     const Answers& answers, const AnalysisSettings& s) {
+                     const Answers& answers, const AnalysisSettings& s, const CurveFit* curve) {
   MixedResult out;
   out.condition = name;
   const bool with_level = rows.front()->level.has_value();
-  out.settings = mixed_settings(rows, s, with_level);
+  out.settings = mixed_settings(rows, s, with_level, curve);
+  if (with_level) out.guess_from = guess_source(s, curve);
   out.effects = {"intercept"};
   if (with_level) out.effects.emplace_back("level");
   for (size_t i = 1; i < conditions.size(); ++i) out.effects.push_back(answers.conditions[conditions[i]]);
@@ -108,6 +122,12 @@ MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vecto
     out.population = population_probability(out.fit, out.settings, {1});
   }
   return out;
+}
+
+const CurveFit* curve_named(const std::vector<CurveResult>& curves, const std::string& condition) {
+  for (const CurveResult& curve : curves)
+    if (curve.condition == condition) return &curve.fit;
+  return nullptr;
 }
 
 // Items of a task, by their place in Answers::items: those of others and of catch trials are not in its ranking.
@@ -143,20 +163,21 @@ std::vector<CurveResult> curves_of(const Groups& groups, const AnalysisSettings&
 }
 
 std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& all, const Groups& groups,
-                                      const AnalysisSettings& s) {
+                                      const std::vector<CurveResult>& curves, const AnalysisSettings& s) {
   std::vector<MixedResult> out;
   const Rows rows = with_signal(all);
   if (s.random == RandomEffects::none || rows.empty() || !rows.front()->participant) return out;
   if (rows.front()->level || !rows.front()->condition) {
     for (const auto& [name, theirs] : groups.all)
-      if (const Rows shown = with_signal(theirs); !shown.empty()) out.push_back(mixed_of(name, shown, {}, answers, s));
+      if (const Rows shown = with_signal(theirs); !shown.empty())
+        out.push_back(mixed_of(name, shown, {}, answers, s, curve_named(curves, name)));
     return out;
   }
   std::vector<uint32_t> conditions;
   for (const Answer* row : rows)
     if (std::find(conditions.begin(), conditions.end(), *row->condition) == conditions.end())
       conditions.push_back(*row->condition);
-  out.push_back(mixed_of("", rows, conditions, answers, s));
+  out.push_back(mixed_of("", rows, conditions, answers, s, nullptr));
   return out;
 }
 

@@ -45,7 +45,9 @@ Section shares(const TaskResult& t, const AnalysisSettings& s) {
 template <typename Result>
 std::string still_needed(const Result& e) {
   if (e.verdict != Verdict::not_enough_data) return "";
-  if (e.more_participants > 0) return counted(e.more_participants, "more participant", "more participants");
+  if (e.more_participants > 0)
+    return counted(e.more_participants, "more participant", "more participants") +
+           (e.more_trials > 0 ? fmt::format(" with {} trials or more", e.more_trials) : "");
   if (e.more_trials > 0) return counted(e.more_trials, "more trial", "more trials");
   return "enough for the power asked for; it did not come out";
 }
@@ -89,7 +91,7 @@ std::optional<Section> differences(const TaskResult& t, const AnalysisSettings& 
   for (const DifferenceResult& d : t.differences) {
     const DifferenceEquivalence& e = d.equivalence;
     std::string needed = still_needed(e);
-    if (e.more_participants == 0 && e.more_trials > 0) needed += " of either";
+    if (e.verdict == Verdict::not_enough_data && e.more_trials > 0) needed += " of either";
     out.table->rows.push_back(
         {fmt::format("{} - {}", named(t.conditions[d.first].name), named(t.conditions[d.second].name)),
          std::string(verdict_text(e.verdict)), fmt::format("{:+.3f}", e.difference), p_text(e.score.p),
@@ -119,8 +121,9 @@ std::vector<std::string> curve_row(const CurveResult& c) {
   }
   std::string bootstrap = "-";
   if (c.bootstrap)
-    bootstrap = c.bootstrap->open
-                    ? "open"
+    bootstrap = c.bootstrap->open ? "open"
+                : c.bootstrap->alike
+                    ? "none: draws alike"
                     : fmt::format("{:.4g} to {:.4g}", c.bootstrap->threshold.low, c.bootstrap->threshold.high);
   row.insert(row.end(),
              {ends_text(f.threshold_profile.low, f.threshold_profile.high), bootstrap,
@@ -142,12 +145,25 @@ std::optional<Section> curves(const TaskResult& t, const AnalysisSettings& s) {
   return out;
 }
 
+std::string guess_text(const MixedResult& m) {
+  switch (m.guess_from) {
+    case GuessSource::no_level: return "";
+    case GuessSource::settings: return fmt::format(" Guess held at {:.3g}.", m.settings.guess);
+    case GuessSource::curve:
+      return fmt::format(" Guess held at {:.3g}, the curve's estimate, whose error is not counted here.",
+                         m.settings.guess);
+    case GuessSource::none: break;
+  }
+  return " Guess held at 0, since the curve that was to estimate it is not fitted.";
+}
+
 Section mixed(const MixedResult& m) {
   Section out{Part::mixed, "Mixed model"};
   out.lead = fmt::format(
       "Mixed-effects {} regression{}: {}, {} of {}.", m.settings.link == Link::logit ? "logistic" : "probit",
       m.condition.empty() ? "" : ", " + named(m.condition), state_text(m.fit.state),
       counted(m.fit.answers, "answer", "answers"), counted(m.fit.participants, "participant", "participants"));
+  out.lead += guess_text(m);
   if (m.fit.fixed.empty()) return out;
   out.table = TextTable{{"effect", "estimate", "SE", "z", "p"}, 1, {}};
   for (size_t i = 0; i < m.effects.size(); ++i) {

@@ -26,6 +26,8 @@ answers <- read.csv("data/study_answers_data.csv", colClasses = "character", na.
 for (column in c("task", "condition")) if (is.null(answers[[column]])) answers[[column]] <- ""
 for (column in intersect(c("chosen", "decided", "level"), names(answers))) answers[[column]] <- suppressWarnings(as.numeric(answers[[column]]))
 answers <- answers[answers$decided > 0, ]
+# Trials with nothing to see are false alarms and no part of the models.
+if (!is.null(answers$signal)) answers <- answers[answers$signal != "0", ]
 ours <- read.csv("estimates.csv", colClasses = c("character", "character", "character", "numeric", "numeric"),
                  na.strings = character(0))
 furthest <- 0
@@ -91,10 +93,10 @@ std::string model(const TaskResult& t, const MixedResult& m, const Analysis& a) 
     out +=
         "# Laplace here has the observed information, lme4's the expected one: they differ a little where guesses are "
         "held.\n";
-  out += fmt::format(
-      "compare({}, {}, rows, cbind(2 * chosen, 2 * (decided - chosen)) ~ {} + {}, {:g}, \"{}\", {}, c({}))\n",
-      quoted(t.name, '\\'), quoted(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
-      m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
+  out +=
+      fmt::format("compare({}, {}, rows, cbind(2 * chosen, 2 * (decided - chosen)) ~ {} + {}, {}, \"{}\", {}, c({}))\n",
+                  quoted(t.name, '\\'), quoted(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
+                  m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
   return out + (a.tasks.size() > 1 ? "\n" : "");
 }
 
