@@ -118,6 +118,7 @@ std::vector<StudyPoint> prediction_of(const ScorePredictions& p) {
 reports::StudyTask task_of(const Analysis& a, const TaskResult& t, const TaskText& text) {
   reports::StudyTask out;
   out.name = text.name;
+  out.axis = axis_title(a.settings.axis);
   out.verdicts = text.verdicts;
   for (const Section& section : text.sections) out.sections.push_back(section_of(section));
   for (const ConditionResult& c : t.conditions)
@@ -149,6 +150,10 @@ Json study_report_json(const StudyReport& report) {
 
 std::string study_report_markdown(const StudyReport& report) {
   return analysis_markdown(report.analysis, standing_sentences(report));
+}
+
+std::string study_report_plain(const StudyReport& report) {
+  return analysis_plain(report.analysis, standing_sentences(report));
 }
 
 std::string study_report_page(const StudyReport& report) {

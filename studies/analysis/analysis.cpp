@@ -126,6 +126,19 @@ Counted counted(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule) {
   return {d.yes, d.of, 0};
 }
 
+LevelAxis axis_of_factor(const std::string& factor) { return {factor, factor.ends_with("_px")}; }
+
+std::string axis_unit(const LevelAxis& axis) {
+  if (axis.in_pixels) return "pixels";
+  return axis.name.ends_with("_m") ? "m" : "";
+}
+
+std::string axis_title(const LevelAxis& axis) {
+  const std::string unit = axis_unit(axis);
+  const std::string name = axis.name.empty() ? "level" : printable(axis.name, 60);
+  return unit.empty() ? name : fmt::format("{} ({})", name, unit);
+}
+
 std::optional<ThresholdInterval> threshold_interval(const CurveResult& c) {
   if (!c.fit.threshold) return std::nullopt;
   if (c.bootstrap && c.bootstrap->has_interval())

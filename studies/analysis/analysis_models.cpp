@@ -41,6 +41,23 @@ Rows with_signal(const Rows& rows) {
   return out;
 }
 
+// Of every participant whose screen was calibrated, in pixels of the clip as it was shown to them.
+std::vector<Calibration> calibrations_of(const Rows& rows) {
+  std::vector<Calibration> out;
+  for (const auto& [participant, theirs] : by_participant(rows)) {
+    Calibration mean;
+    double count = 0;
+    for (const Answer* row : theirs) {
+      if (!row->pixels_per_degree) continue;
+      mean.pixels_per_degree += *row->pixels_per_degree / row->css_px_per_clip_px;
+      mean.standard_error += *row->pixels_per_degree_se / row->css_px_per_clip_px;
+      ++count;
+    }
+    if (count > 0) out.push_back({mean.pixels_per_degree / count, mean.standard_error / count});
+  }
+  return out;
+}
+
 CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSettings& s) {
   CurveResult out;
   out.condition = name;
@@ -53,6 +70,11 @@ CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSe
   if (people.size() < 2) people.clear();
   out.by_participant = !people.empty();
   out.bootstrap = bootstrap_threshold(out.fit, levels, people, settings, s.seed, s.resamples);
+  out.participants = by_participant(rows).size();
+  if (s.axis.in_pixels && out.fit.threshold) {
+    const ThresholdInterval told = threshold_interval(out).value_or(ThresholdInterval{});
+    out.angle = threshold_in_degrees(*out.fit.threshold, told.low, told.high, calibrations_of(rows), s.confidence);
+  }
   return out;
 }
 
@@ -118,6 +140,12 @@ MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vecto
   if (with_level) {
     out.ratio = likelihood_ratio(data, out.settings, out.fit, 1);
     out.threshold = mixed_threshold(out.fit, out.settings, s.curve.level, s.confidence);
+    if (s.axis.in_pixels && out.threshold) {
+      const auto& told = out.threshold->interval;
+      out.angle =
+          threshold_in_degrees(out.threshold->at, told ? std::optional(told->low) : std::nullopt,
+                               told ? std::optional(told->high) : std::nullopt, calibrations_of(rows), s.confidence);
+    }
   } else if (out.effects.size() == 1) {
     out.population = population_probability(out.fit, out.settings, {1});
   }

@@ -135,13 +135,20 @@ std::vector<std::string> curve_row(const CurveResult& c) {
 std::optional<Section> curves(const TaskResult& t, const AnalysisSettings& s) {
   if (t.curves.empty()) return std::nullopt;
   Section out{Part::curves, "Thresholds"};
-  out.lead = fmt::format("Psychometric function: {}{}, threshold at {:g}.", curve_name(s.curve.curve),
-                         s.curve.falling ? ", falling" : "", s.curve.level);
+  out.lead = fmt::format("Psychometric function: {}{}, threshold at {:g}, over {}.", curve_name(s.curve.curve),
+                         s.curve.falling ? ", falling" : "", s.curve.level, axis_title(s.axis));
   out.table = TextTable{{"condition", "state", "threshold", "by likelihood", "by bootstrap", "location", "scale",
                          "guess", "lapse", "deviance"},
                         2,
                         {}};
-  for (const CurveResult& c : t.curves) out.table->rows.push_back(curve_row(c));
+  for (const CurveResult& c : t.curves) {
+    out.table->rows.push_back(curve_row(c));
+    if (c.angle)
+      out.list.push_back(fmt::format("{}: {}, of {} whose answers these are", named(c.condition),
+                                     text::angle_text(*c.angle, s.confidence), c.participants));
+    else if (s.axis.in_pixels && c.fit.threshold)
+      out.list.push_back(named(c.condition) + ": no visual angle, since nobody's screen was calibrated");
+  }
   return out;
 }
 
@@ -157,7 +164,7 @@ std::string guess_text(const MixedResult& m) {
   return " Guess held at 0, since the curve that was to estimate it is not fitted.";
 }
 
-Section mixed(const MixedResult& m) {
+Section mixed(const MixedResult& m, const AnalysisSettings& s) {
   Section out{Part::mixed, "Mixed model"};
   out.lead = fmt::format(
       "Mixed-effects {} regression{}: {}, {} of {}.", m.settings.link == Link::logit ? "logistic" : "probit",
@@ -179,6 +186,7 @@ Section mixed(const MixedResult& m) {
     out.note += fmt::format(
         " The typical participant's threshold: {:.4g} ({}).", m.threshold->at,
         m.threshold->interval ? ends_text(m.threshold->interval->low, m.threshold->interval->high) : "open");
+  if (m.angle) out.note += fmt::format(" That is {}.", text::angle_text(*m.angle, s.confidence));
   if (m.population)
     out.note += fmt::format(" Share of the typical participant {:.3f}, average {:.3f}.", m.population->typical,
                             m.population->average);
@@ -270,7 +278,7 @@ TaskText task_text_of(const TaskResult& t, const AnalysisSettings& s) {
   add(out.sections, differences(t, s));
   add(out.sections, detections(t));
   add(out.sections, curves(t, s));
-  for (const MixedResult& m : t.mixed) out.sections.push_back(mixed(m));
+  for (const MixedResult& m : t.mixed) out.sections.push_back(mixed(m, s));
   if (t.ranking) out.sections.push_back(ranking(*t.ranking));
   if (t.prediction) out.sections.push_back(prediction(*t.prediction, s));
   return out;

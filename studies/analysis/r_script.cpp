@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "studies/analysis/text_numbers.h"
+
 namespace crowdbench::studies {
 namespace {
 
@@ -18,6 +20,9 @@ std::string quoted(const std::string& text, char escape) {
   }
   return out + "\"";
 }
+
+// A name as the exported tables have it.
+std::string name(const std::string& text, char escape) { return quoted(text::spreadsheet_safe(text), escape); }
 
 constexpr const char* kHead =
     R"R(# The mixed models of `crowdbench study analyze`, by lme4. Run in this folder: Rscript analysis.R
@@ -73,21 +78,21 @@ std::string random_terms(const MixedSettings& s) {
 std::string model(const TaskResult& t, const MixedResult& m, const Analysis& a) {
   const bool level = m.effects.size() > 1 && m.effects[1] == "level";
   const size_t first_contrast = level ? 2 : 1;
-  std::string rows = fmt::format("rows <- subset(answers, task == {}", quoted(t.name, '\\'));
-  if (!m.condition.empty()) rows += fmt::format(" & condition == {}", quoted(m.condition, '\\'));
+  std::string rows = fmt::format("rows <- subset(answers, task == {}", name(t.name, '\\'));
+  if (!m.condition.empty()) rows += fmt::format(" & condition == {}", name(m.condition, '\\'));
   std::string out = rows + ")\n";
   std::string fixed = level ? "1 + level" : "1";
   if (m.effects.size() > first_contrast) {
     // The first condition is what the others are held against.
     std::string levels;
     for (const ConditionResult& c : t.conditions)
-      levels += fmt::format("{}{}", levels.empty() ? "" : ", ", quoted(c.name, '\\'));
+      levels += fmt::format("{}{}", levels.empty() ? "" : ", ", name(c.name, '\\'));
     out += fmt::format("rows$condition <- factor(rows$condition, levels = c({}))\n", levels);
     fixed += " + condition";
   }
   std::string effects;
   for (const std::string& effect : m.effects)
-    effects += fmt::format("{}{}", effects.empty() ? "" : ", ", quoted(effect, '\\'));
+    effects += fmt::format("{}{}", effects.empty() ? "" : ", ", name(effect, '\\'));
   const int nodes = m.settings.integration == Integration::quadrature ? 25 : 1;
   if (m.settings.integration == Integration::laplace_observed)
     out +=
@@ -95,7 +100,7 @@ std::string model(const TaskResult& t, const MixedResult& m, const Analysis& a) 
         "held.\n";
   out +=
       fmt::format("compare({}, {}, rows, cbind(2 * chosen, 2 * (decided - chosen)) ~ {} + {}, {}, \"{}\", {}, c({}))\n",
-                  quoted(t.name, '\\'), quoted(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
+                  name(t.name, '\\'), name(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
                   m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
   return out + (a.tasks.size() > 1 ? "\n" : "");
 }
@@ -117,7 +122,7 @@ std::string estimates_csv(const Analysis& a) {
   for (const TaskResult& t : a.tasks)
     for (const MixedResult& m : t.mixed)
       for (size_t i = 0; i < m.fit.fixed.size(); ++i)
-        out += fmt::format("{},{},{},{},{}\n", quoted(t.name, '"'), quoted(m.condition, '"'), quoted(m.effects[i], '"'),
+        out += fmt::format("{},{},{},{},{}\n", name(t.name, '"'), name(m.condition, '"'), name(m.effects[i], '"'),
                            m.fit.fixed[i].estimate, m.fit.fixed[i].se);
   return out;
 }

@@ -114,12 +114,17 @@ std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
         "{}There is no threshold: no slope. The curve is one that {} with the level; `falling` turns it.", who,
         s.curve.falling ? "falls" : "rises");
   if (!c.fit.threshold) return fmt::format("{}There is no threshold: {}.", who, state_text(c.fit.state));
-  const std::string threshold = fmt::format("{}The threshold at {:g} is {:.4g}", who, s.curve.level, *c.fit.threshold);
+  const std::string unit = axis_unit(s.axis);
+  const std::string threshold =
+      fmt::format("{}The threshold{} at {:g} is {:.4g}{}", who, s.axis.name.empty() ? "" : " of " + named(s.axis.name),
+                  s.curve.level, *c.fit.threshold, unit.empty() ? "" : " " + unit);
+  const std::string angle = c.angle ? " That is " + text::angle_text(*c.angle, s.confidence) + "." : "";
   const std::optional<ThresholdInterval> interval = threshold_interval(c);
-  if (!interval) return threshold + ", and these answers give it no interval.";
-  return fmt::format("{} ({:.0f} % interval {}, {}{}).", threshold, 100 * s.confidence,
+  if (!interval) return threshold + ", and these answers give it no interval." + angle;
+  return fmt::format("{} ({:.0f} % interval {}, {}{}).{}", threshold, 100 * s.confidence,
                      ends_text(interval->low, interval->high), interval->method,
-                     c.fit.state == CurveState::step ? "; the answers are a step, which may lie anywhere in it" : "");
+                     c.fit.state == CurveState::step ? "; the answers are a step, which may lie anywhere in it" : "",
+                     angle);
 }
 
 // Who stands highest was chosen by looking: the interval of the gap is one over all pairs (Bonferroni).
