@@ -213,7 +213,8 @@ TEST(Analysis, OneParticipantIsNotEnoughForEquivalence) {
 
 std::string said_of(const Analysis& a) {
   std::string out;
-  for (const std::string& sentence : analysis_text(a).tasks.at(0).verdicts) out += sentence + "\n";
+  const AnalysisText text = analysis_text(a);
+  for (const std::string& sentence : text.tasks.at(0).verdicts) out += sentence + "\n";
   return out;
 }
 
