@@ -27,11 +27,13 @@ struct Options {
   std::vector<std::string> files, where;
   std::string table, columns, plan, scores, study;
   std::string markdown, page, out, exports;
+  std::string axis;  // what `level` is
   std::string ties, curve, guess, lapse, random, link, integration;
   std::optional<double> chance, margin, between, alpha, power, confidence, level, catch_least, shortest_rt;
   std::optional<uint64_t> most_dropped, seed, resamples;
   bool falling = false;
   bool hidden = false;
+  bool in_pixels = false;
   bool json = false;
 };
 
@@ -111,6 +113,9 @@ void change_models(const Options& o, AnalysisSettings& s, Changes& to) {
   change_rate(to, s.curve.guess_rate, s.curve.guess, o.guess, "--guess", 0.95);
   change_rate(to, s.curve.lapse_rate, s.curve.lapse, o.lapse, "--lapse", 0.5);
   to.take(s.curve.level, o.level, "--level");
+  if (!o.axis.empty()) to.set(s.axis.name, o.axis, "--level-name", printable(o.axis, 60));
+  if (!o.axis.empty() || o.in_pixels)
+    to.set(s.axis.in_pixels, o.in_pixels || axis_of_factor(s.axis.name).in_pixels, "--level-in-pixels", "");
   to.choose(s.random, o.random, "--random",
             {{"none", RandomEffects::none},
              {"intercept", RandomEffects::intercept},
@@ -157,6 +162,7 @@ AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
     for (const Deviation& each : frozen->deviations) facts.deviations.push_back({each.hash, each.reason});
   }
   AnalysisSettings out = plan.analysis.settings;
+  out.axis = axis_of_factor(plan.analysis.level);
   out.catch_least = plan.exclude.catch_least;
   out.trials.shortest_rt_ms = plan.exclude.shortest_rt_ms;
   // 0.29 of 100 frames are 29, whatever is lost in the product.
@@ -232,7 +238,7 @@ int run_analyze(const Options& options) {
   if (!options.plan.empty()) report.standing = plan_standing(plan, answers, changed);
   report.analysis = analyse(std::move(answers), settings, scores);
   write_outputs(options, report);
-  fmt::print("{}", options.json ? study_report_json(report).dump(2) + "\n" : study_report_markdown(report));
+  fmt::print("{}", options.json ? study_report_json(report).dump(2) + "\n" : study_report_plain(report));
   return 0;
 }
 
@@ -251,6 +257,12 @@ void add_curve_options(Command& command, Options& o) {
   command.add_option("--level", o.level, "share of yes at which the threshold is (0.75)")
       ->type_name("SHARE")
       ->number(0.01, 0.99);
+  command
+      .add_option("--level-name", o.axis, "what the column `level` holds, for sentences and charts (a plan's factor)")
+      ->type_name("NAME");
+  command.add_flag("--level-in-pixels", o.in_pixels,
+                   "levels are sizes in pixels of the clip (names that end in _px are): thresholds are told in degrees "
+                   "of\nvisual angle, too, where the answers have `pixels_per_degree` and `pixels_per_degree_se`");
 }
 
 void add_mixed_options(Command& command, Options& o) {
@@ -365,11 +377,10 @@ void add_study_analyze(Command& study, Run& run) {
   command->footer(
       "Roles of columns: participant, trial, task, condition, clip, stimulus, level, signal, item_a, item_b, "
       "shown_first,\n"
-      "answer, expected, yes, no, ties, total, rt, frames_dropped, hidden, study (the plan's hash), catch. `answer`, "
-      "or "
-      "counts\n(`yes` and `no` or `total`), is needed; what else there\n"
-      "is decides what is analysed: `level` a psychometric function, `item_a` and `item_b` a ranking, `participant` a\n"
-      "mixed model.\n\nExamples:\n"
+      "answer, expected, yes, no, ties, total, rt, frames_dropped, hidden, study (the plan's hash), catch,\n"
+      "pixels_per_degree, pixels_per_degree_se, css_px_per_clip_px. `answer`, or counts\n"
+      "(`yes` and `no` or `total`), is needed; what else there is decides what is analysed: `level` a psychometric\n"
+      "function, `item_a` and `item_b` a ranking, `participant` a mixed model.\n\nExamples:\n"
       "  crowdbench study analyze answers.csv --margin 0.1 --markdown answers.md\n"
       "  crowdbench study analyze out/answers.sqlite --plan study.toml --json\n"
       "  crowdbench study analyze --table trials.csv --columns participant=who,level=distance_m,answer=seen --guess 0\n"

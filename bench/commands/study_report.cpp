@@ -69,11 +69,9 @@ reports::StudyCurve curve_of(const Analysis& a, const TaskResult& t, const Curve
   }
   if (c.fit.state != CurveState::fitted && c.fit.state != CurveState::step) return out;
   out.threshold = c.fit.threshold;
-  out.threshold_low = c.fit.threshold_profile.low;
-  out.threshold_high = c.fit.threshold_profile.high;
-  if (c.bootstrap && !c.bootstrap->open) {
-    out.threshold_low = c.bootstrap->threshold.low;
-    out.threshold_high = c.bootstrap->threshold.high;
+  if (const auto interval = threshold_interval(c)) {
+    out.threshold_low = interval->low;
+    out.threshold_high = interval->high;
   }
   const double from = levels.front().x;
   const double to = levels.back().x;
@@ -120,6 +118,7 @@ std::vector<StudyPoint> prediction_of(const ScorePredictions& p) {
 reports::StudyTask task_of(const Analysis& a, const TaskResult& t, const TaskText& text) {
   reports::StudyTask out;
   out.name = text.name;
+  out.axis = axis_title(a.settings.axis);
   out.verdicts = text.verdicts;
   for (const Section& section : text.sections) out.sections.push_back(section_of(section));
   for (const ConditionResult& c : t.conditions)
@@ -151,6 +150,10 @@ Json study_report_json(const StudyReport& report) {
 
 std::string study_report_markdown(const StudyReport& report) {
   return analysis_markdown(report.analysis, standing_sentences(report));
+}
+
+std::string study_report_plain(const StudyReport& report) {
+  return analysis_plain(report.analysis, standing_sentences(report));
 }
 
 std::string study_report_page(const StudyReport& report) {

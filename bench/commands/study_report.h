@@ -18,6 +18,7 @@ struct StudyReport {
 // analysis_json(), with "plan": {"standing", "sentences"}, or null.
 Json study_report_json(const StudyReport& report);
 std::string study_report_markdown(const StudyReport& report);
+std::string study_report_plain(const StudyReport& report);  // for a terminal
 // One self-contained page. Throws Error (reports::page_frame).
 std::string study_report_page(const StudyReport& report);
 

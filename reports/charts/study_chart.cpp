@@ -156,7 +156,7 @@ std::string study_curves_chart(const StudyTask& task) {
   const Json x = {{"field", "x"},
                   {"type", "quantitative"},
                   {"scale", {{"zero", false}, {"nice", true}}},
-                  {"axis", {{"title", "level"}, {"tickCount", 8}}}};
+                  {"axis", {{"title", task.axis}, {"tickCount", 8}}}};
   const auto y = [](const char* field) {
     return Json{{"field", field},
                 {"type", "quantitative"},
@@ -192,7 +192,7 @@ std::string study_curves_chart(const StudyTask& task) {
                      {{"x", x},
                       {"y", y("share")},
                       {"color", colour},
-                      {"tooltip", Json::array({tooltip_of("name", "condition"), tooltip_of("x", "level"),
+                      {"tooltip", Json::array({tooltip_of("name", "condition"), tooltip_of("x", task.axis.c_str()),
                                                tooltip_of("text", "share")})}}}});
   spec["layer"] = std::move(layers);
   return spec.dump();

@@ -53,6 +53,7 @@ struct StudyTask {
   std::vector<std::string> verdicts;
   std::vector<StudySection> sections;
   std::vector<StudyShares> shares;
+  std::string axis = "level";  // of the curves: "height_px (pixels)"
   std::vector<StudyCurve> curves;
   std::vector<StudyPoint> ranking, prediction;
 };

@@ -44,7 +44,8 @@ std::vector<TemplateValues> table_of(const StudyTable& table) {
 std::pair<std::string, std::string> chart_of(const StudyTask& task, StudyChart chart) {
   switch (chart) {
     case StudyChart::shares: return {study_shares_chart(task), "Answers by condition"};
-    case StudyChart::curves: return {study_curves_chart(task), "Share of yes by level, with the fitted functions"};
+    case StudyChart::curves:
+      return {study_curves_chart(task), "Share of yes by " + task.axis + ", with the fitted functions"};
     case StudyChart::ranking:
       return {study_rows_chart(task.ranking, "just-objectionable differences"), "Items on one scale"};
     case StudyChart::prediction: return {study_rows_chart(task.prediction, "AUC"), "Scores against the answers"};

@@ -29,7 +29,7 @@ TaskResult task_of(const Answers& answers, const std::string& name, const Rows& 
     return out;
   }
   if (rows.front()->level) out.curves = parts::curves_of(groups, s);
-  out.mixed = parts::mixed_models(answers, rows, groups, s);
+  out.mixed = parts::mixed_models(answers, rows, groups, out.curves, s);
   return out;
 }
 
@@ -124,6 +124,29 @@ Counted counted(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule) {
   if (rule == TieRule::split) return {yes, yes + ties + no, ties};
   const Decided d = decided(yes, ties, no, rule);
   return {d.yes, d.of, 0};
+}
+
+LevelAxis axis_of_factor(const std::string& factor) { return {factor, factor.ends_with("_px")}; }
+
+std::string axis_unit(const LevelAxis& axis) {
+  if (axis.in_pixels) return "pixels";
+  return axis.name.ends_with("_m") ? "m" : "";
+}
+
+std::string axis_title(const LevelAxis& axis) {
+  const std::string unit = axis_unit(axis);
+  const std::string name = axis.name.empty() ? "level" : printable(axis.name, 60);
+  return unit.empty() ? name : fmt::format("{} ({})", name, unit);
+}
+
+std::optional<ThresholdInterval> threshold_interval(const CurveResult& c) {
+  if (!c.fit.threshold) return std::nullopt;
+  if (c.bootstrap && c.bootstrap->has_interval())
+    return ThresholdInterval{c.bootstrap->threshold.low, c.bootstrap->threshold.high,
+                             c.by_participant ? "bootstrap over participants" : "parametric bootstrap"};
+  const CurveFit::Ends& ends = c.fit.threshold_profile;
+  if (!ends.low && !ends.high) return std::nullopt;
+  return ThresholdInterval{ends.low, ends.high, "profile likelihood"};
 }
 
 Analysis analyse(Answers answers, const AnalysisSettings& settings, const ScoreTable& scores) {

@@ -13,6 +13,7 @@
 #include "studies/analysis/proportions.h"
 #include "studies/analysis/psychometric.h"
 #include "studies/analysis/score_prediction.h"
+#include "studies/analysis/visual_angle.h"
 
 namespace crowdbench::studies {
 
@@ -27,6 +28,18 @@ enum class TieRule {
 // What is random in the mixed model, clips (where there are any) apart.
 enum class RandomEffects { none, intercept, slope, independent_slope };
 
+// What `level` is.
+struct LevelAxis {
+  std::string name;        // of the factor: "height_px"; empty: not known
+  bool in_pixels = false;  // sizes in pixels of the clip: thresholds are told in degrees of visual angle, too
+};
+// Of a plan's factor: "height_px" is in pixels.
+LevelAxis axis_of_factor(const std::string& factor);
+// "height_px (pixels)", "switch_m (m)"; "level" where no name is known.
+std::string axis_title(const LevelAxis& axis);
+// "pixels", "m"; empty: none is known.
+std::string axis_unit(const LevelAxis& axis);
+
 struct AnalysisSettings {
   double chance = 0.5;  // of a yes, where there is nothing to see
   double confidence = 0.95;
@@ -35,6 +48,7 @@ struct AnalysisSettings {
   std::optional<double> between;  // of equivalence of every two conditions' shares; nothing: not asked
   double alpha = 0.05;
   double power = 0.8;  // that "how many more" is for
+  LevelAxis axis;
   CurveSettings curve;
   RandomEffects random = RandomEffects::intercept;
   Link link = Link::logit;
@@ -75,15 +89,35 @@ struct CurveResult {
   CurveFit fit;
   std::optional<CurveBootstrap> bootstrap;
   bool by_participant = false;  // what the bootstrap draws
+  size_t participants = 0;
+  std::optional<AngleThreshold> angle;  // of threshold_interval(); levels in pixels and calibrated participants
+};
+
+// The interval of a curve's threshold that is told and drawn: the bootstrap's where it has one, else the likelihood's.
+struct ThresholdInterval {
+  std::optional<double> low, high;  // nothing: open that way
+  std::string method;               // "bootstrap over participants", "parametric bootstrap", "profile likelihood"
+};
+// Nothing where there is no threshold, or its interval is open both ways.
+std::optional<ThresholdInterval> threshold_interval(const CurveResult& curve);
+
+// Where the rate of guesses that a mixed model holds comes from.
+enum class GuessSource {
+  no_level,  // no psychometric function: 0
+  settings,  // held in the curve, too
+  curve,     // the estimate of the curve of the same answers, whose error the mixed model does not count
+  none,      // the curve was to fit it and could not: 0
 };
 
 struct MixedResult {
   std::string condition;  // empty: all together, with contrasts between conditions
   MixedSettings settings;
+  GuessSource guess_from = GuessSource::no_level;
   MixedFit fit;
   std::vector<std::string> effects;                 // names of the fixed effects
   std::optional<LikelihoodRatio> ratio;             // of the level
   std::optional<MixedThreshold> threshold;          // on the level
+  std::optional<AngleThreshold> angle;              // of the same, as of curves
   std::optional<PopulationProbability> population;  // where the intercept is the only fixed effect
 };
 

@@ -111,6 +111,13 @@ Json json_of(const ConditionResult& c) {
   return out;
 }
 
+Json json_of(const AngleThreshold& a) {
+  return {{"at", a.degrees},
+          {"interval", Json::array({json_of(a.low), json_of(a.high)})},
+          {"calibration_share", a.calibration_share},
+          {"participants_calibrated", a.calibrated}};
+}
+
 Json json_of(const CurveFit::Ends& e) { return Json::array({json_of(e.low), json_of(e.high)}); }
 
 Json json_of(const CurveResult& c, const CurveSettings& s) {
@@ -136,11 +143,16 @@ Json json_of(const CurveResult& c, const CurveSettings& s) {
               {"location_profile", json_of(c.fit.location_profile)},
               {"threshold_profile", json_of(c.fit.threshold_profile)}});
   if (c.bootstrap)
-    out["threshold_bootstrap"] = {{"interval", c.bootstrap->open ? Json() : json_of(c.bootstrap->threshold)},
+    out["threshold_bootstrap"] = {{"interval", c.bootstrap->has_interval() ? json_of(c.bootstrap->threshold) : Json()},
                                   {"draws", c.by_participant ? "participants" : "answers from the fitted curve"},
                                   {"resamples", c.bootstrap->resamples},
                                   {"failed", c.bootstrap->failed},
-                                  {"widened", c.bootstrap->widened}};
+                                  {"widened", c.bootstrap->widened},
+                                  {"alike", c.bootstrap->alike}};
+  if (const auto told = threshold_interval(c))
+    out["threshold_interval"] = {{"interval", Json::array({json_of(told->low), json_of(told->high)})},
+                                 {"method", told->method}};
+  if (c.angle) out["threshold_degrees"] = json_of(*c.angle);
   return out;
 }
 
@@ -148,10 +160,14 @@ Json json_of(const MixedResult& m) {
   const char* integration = m.settings.integration == Integration::quadrature ? "adaptive Gauss-Hermite, 25 nodes"
                             : m.settings.integration == Integration::laplace  ? "Laplace, expected information"
                                                                               : "Laplace, observed information";
+  const Json guess_from = m.guess_from == GuessSource::settings ? Json("settings")
+                          : m.guess_from == GuessSource::curve  ? Json("curve")
+                                                                : Json();
   Json out = {{"condition", m.condition},
               {"state", std::string(state_text(m.fit.state))},
               {"link", m.settings.link == Link::logit ? "logit" : "probit"},
               {"guess", m.settings.guess},
+              {"guess_from", guess_from},
               {"integration", integration},
               {"answers", m.fit.answers},
               {"participants", m.fit.participants}};
@@ -170,6 +186,7 @@ Json json_of(const MixedResult& m) {
               {"log_likelihood", m.fit.log_likelihood},
               {"level_likelihood_ratio", json_of(m.ratio)}});
   if (m.threshold) out["threshold"] = {{"at", m.threshold->at}, {"interval_95", json_of(m.threshold->interval)}};
+  if (m.angle) out["threshold_degrees"] = json_of(*m.angle);
   if (m.population) out["population"] = {{"typical", m.population->typical}, {"average", m.population->average}};
   return out;
 }
@@ -241,6 +258,8 @@ Json analysis_json(const Analysis& a) {
                      {"hidden_catch", a.left_out.hidden_catch}};
   out["settings"] = {{"chance", a.settings.chance},
                      {"confidence", a.settings.confidence},
+                     {"axis", a.settings.axis.name.empty() ? Json() : Json(a.settings.axis.name)},
+                     {"axis_unit", axis_unit(a.settings.axis)},
                      {"ties", std::string(tie_rule_text(a.settings.ties))},
                      {"margin", json_of(a.settings.margin)},
                      {"between", json_of(a.settings.between)},

@@ -14,6 +14,7 @@
 namespace crowdbench::studies::parts {
 namespace {
 
+constexpr double kLeastGuess = 1e-6;        // a rate below it is one at its bound, 0
 constexpr size_t kMostBootstrapItems = 20;  // of which every two were compared: a minute
 
 std::vector<Level> levels_of(const Rows& rows, TieRule rule) {
@@ -40,6 +41,23 @@ Rows with_signal(const Rows& rows) {
   return out;
 }
 
+// Of every participant whose screen was calibrated, in pixels of the clip as it was shown to them.
+std::vector<Calibration> calibrations_of(const Rows& rows) {
+  std::vector<Calibration> out;
+  for (const auto& [participant, theirs] : by_participant(rows)) {
+    Calibration mean;
+    double count = 0;
+    for (const Answer* row : theirs) {
+      if (!row->pixels_per_degree) continue;
+      mean.pixels_per_degree += *row->pixels_per_degree / row->css_px_per_clip_px;
+      mean.standard_error += *row->pixels_per_degree_se / row->css_px_per_clip_px;
+      ++count;
+    }
+    if (count > 0) out.push_back({mean.pixels_per_degree / count, mean.standard_error / count});
+  }
+  return out;
+}
+
 CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSettings& s) {
   CurveResult out;
   out.condition = name;
@@ -52,13 +70,25 @@ CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSe
   if (people.size() < 2) people.clear();
   out.by_participant = !people.empty();
   out.bootstrap = bootstrap_threshold(out.fit, levels, people, settings, s.seed, s.resamples);
+  out.participants = by_participant(rows).size();
+  if (s.axis.in_pixels && out.fit.threshold) {
+    const ThresholdInterval told = threshold_interval(out).value_or(ThresholdInterval{});
+    out.angle = threshold_in_degrees(*out.fit.threshold, told.low, told.high, calibrations_of(rows), s.confidence);
+  }
   return out;
 }
 
-MixedSettings mixed_settings(const Rows& rows, const AnalysisSettings& s, bool with_level) {
+// The rate of guesses that a mixed model over the level holds. It fits none: it takes the curve's, where that has one.
+double held_guess(const AnalysisSettings& s, const CurveFit* curve) {
+  if (s.curve.guess_rate == Rate::fixed) return s.curve.guess;
+  if (curve == nullptr || curve->state != CurveState::fitted) return 0;
+  return curve->at.guess < kLeastGuess ? 0 : curve->at.guess;
+}
+
+MixedSettings mixed_settings(const Rows& rows, const AnalysisSettings& s, bool with_level, const CurveFit* curve) {
   MixedSettings out;
   out.link = s.link;
-  out.guess = with_level && s.curve.guess_rate == Rate::fixed ? s.curve.guess : 0;
+  out.guess = with_level ? held_guess(s, curve) : 0;
   out.slopes = with_level && (s.random == RandomEffects::slope || s.random == RandomEffects::independent_slope);
   out.correlated = s.random == RandomEffects::slope;
   std::set<uint32_t> clips;
@@ -72,13 +102,19 @@ MixedSettings mixed_settings(const Rows& rows, const AnalysisSettings& s, bool w
   return out;
 }
 
-// conditions: those that get a contrast to the first; none where they are fitted apart.
+GuessSource guess_source(const AnalysisSettings& s, const CurveFit* curve) {
+  if (s.curve.guess_rate == Rate::fixed) return GuessSource::settings;
+  return curve != nullptr && curve->state == CurveState::fitted ? GuessSource::curve : GuessSource::none;
+}
+
+// conditions: those that get a contrast to the first; none where they are fitted apart. curve: of the same answers.
 MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vector<uint32_t>& conditions,
-                     const Answers& answers, const AnalysisSettings& s) {
+                     const Answers& answers, const AnalysisSettings& s, const CurveFit* curve) {
   MixedResult out;
   out.condition = name;
   const bool with_level = rows.front()->level.has_value();
-  out.settings = mixed_settings(rows, s, with_level);
+  out.settings = mixed_settings(rows, s, with_level, curve);
+  if (with_level) out.guess_from = guess_source(s, curve);
   out.effects = {"intercept"};
   if (with_level) out.effects.emplace_back("level");
   for (size_t i = 1; i < conditions.size(); ++i) out.effects.push_back(answers.conditions[conditions[i]]);
@@ -104,10 +140,22 @@ MixedResult mixed_of(const std::string& name, const Rows& rows, const std::vecto
   if (with_level) {
     out.ratio = likelihood_ratio(data, out.settings, out.fit, 1);
     out.threshold = mixed_threshold(out.fit, out.settings, s.curve.level, s.confidence);
+    if (s.axis.in_pixels && out.threshold) {
+      const auto& told = out.threshold->interval;
+      out.angle =
+          threshold_in_degrees(out.threshold->at, told ? std::optional(told->low) : std::nullopt,
+                               told ? std::optional(told->high) : std::nullopt, calibrations_of(rows), s.confidence);
+    }
   } else if (out.effects.size() == 1) {
     out.population = population_probability(out.fit, out.settings, {1});
   }
   return out;
+}
+
+const CurveFit* curve_named(const std::vector<CurveResult>& curves, const std::string& condition) {
+  for (const CurveResult& curve : curves)
+    if (curve.condition == condition) return &curve.fit;
+  return nullptr;
 }
 
 // Items of a task, by their place in Answers::items: those of others and of catch trials are not in its ranking.
@@ -143,20 +191,21 @@ std::vector<CurveResult> curves_of(const Groups& groups, const AnalysisSettings&
 }
 
 std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& all, const Groups& groups,
-                                      const AnalysisSettings& s) {
+                                      const std::vector<CurveResult>& curves, const AnalysisSettings& s) {
   std::vector<MixedResult> out;
   const Rows rows = with_signal(all);
   if (s.random == RandomEffects::none || rows.empty() || !rows.front()->participant) return out;
   if (rows.front()->level || !rows.front()->condition) {
     for (const auto& [name, theirs] : groups.all)
-      if (const Rows shown = with_signal(theirs); !shown.empty()) out.push_back(mixed_of(name, shown, {}, answers, s));
+      if (const Rows shown = with_signal(theirs); !shown.empty())
+        out.push_back(mixed_of(name, shown, {}, answers, s, curve_named(curves, name)));
     return out;
   }
   std::vector<uint32_t> conditions;
   for (const Answer* row : rows)
     if (std::find(conditions.begin(), conditions.end(), *row->condition) == conditions.end())
       conditions.push_back(*row->condition);
-  out.push_back(mixed_of("", rows, conditions, answers, s));
+  out.push_back(mixed_of("", rows, conditions, answers, s, nullptr));
   return out;
 }
 

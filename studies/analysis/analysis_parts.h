@@ -32,8 +32,9 @@ std::vector<ConditionResult> conditions_of(const Answers& answers, const Groups&
 std::vector<DifferenceResult> differences_of(const Groups& groups, const std::vector<ConditionResult>& conditions,
                                              const AnalysisSettings& settings);
 std::vector<CurveResult> curves_of(const Groups& groups, const AnalysisSettings& settings);
+// curves: of the same groups; a rate of guesses that they fit is held by the mixed models.
 std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& rows, const Groups& groups,
-                                      const AnalysisSettings& settings);
+                                      const std::vector<CurveResult>& curves, const AnalysisSettings& settings);
 RankingResult ranking_of(const Answers& answers, const Rows& rows, const AnalysisSettings& settings);
 ScorePredictions prediction_of(const Answers& answers, const Groups& groups, const AnalysisSettings& settings,
                                const ScoreTable& scores);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/multiple_tests.h"
@@ -67,6 +68,16 @@ std::optional<SignalDetection> detection_of(const Rows& rows, TieRule rule) {
   return signal_detection(hit.yes, hit.of, alarm.yes, alarm.of);
 }
 
+// A verdict takes the trials and the participants that it needs: as many more people as give the larger of the two,
+// each of as many trials as those who are there had on average.
+template <typename Result>
+void require_both(Result& e, uint64_t trials, size_t participants) {
+  if (e.verdict != Verdict::not_enough_data || participants == 0 || trials == 0) return;
+  const double each = static_cast<double>(trials) / static_cast<double>(participants);
+  const auto for_trials = static_cast<uint64_t>(std::ceil(static_cast<double>(e.more_trials) / each));
+  e.more_participants = std::max(e.more_participants, for_trials);
+}
+
 std::optional<Equivalence> equivalence_of(const Rows& rows, const AnalysisSettings& s) {
   if (!s.margin) return std::nullopt;
   std::vector<Share> shares;
@@ -78,11 +89,14 @@ std::optional<Equivalence> equivalence_of(const Rows& rows, const AnalysisSettin
   }
   Equivalence out =
       judge_equivalence(shares, {.chance = s.chance, .margin = *s.margin, .alpha = s.alpha, .power = s.power});
+  if (by_participant(rows).empty()) return out;
   // One participant's trials say nothing of others.
-  if (shares.size() == 1 && !by_participant(rows).empty()) {
+  if (shares.size() == 1) {
     out.verdict = Verdict::not_enough_data;
+    out.more_trials = still_needed(out.trials_needed, decided(rows, s.ties).of);
     out.more_participants = std::max<uint64_t>(1, out.more_participants);
   }
+  require_both(out, decided(rows, s.ties).of, shares.size());
   return out;
 }
 
@@ -116,6 +130,7 @@ void require_corrected(Result& e, double holm, double alpha, uint64_t trials, ui
   e.verdict = Verdict::not_enough_data;
   e.more_trials = still_needed(e.trials_needed, trials);
   e.more_participants = still_needed(e.participants_needed, participants);
+  require_both(e, trials, participants);
 }
 
 void correct_for_many(std::vector<ConditionResult>& conditions) {
@@ -170,6 +185,8 @@ std::vector<DifferenceResult> differences_of(const Groups& groups, const std::ve
       if (!known)
         all.push_back({{conditions[i].chosen, conditions[i].decided}, {conditions[j].chosen, conditions[j].decided}});
       out.push_back({i, j, judge_difference(all, known, settings)});
+      require_both(out.back().equivalence, std::min(conditions[i].decided, conditions[j].decided),
+                   out.back().equivalence.participants);
       p.push_back(out.back().equivalence.different_score);
     }
   const std::vector<double> corrected = holm(p);

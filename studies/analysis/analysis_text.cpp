@@ -45,7 +45,9 @@ Section shares(const TaskResult& t, const AnalysisSettings& s) {
 template <typename Result>
 std::string still_needed(const Result& e) {
   if (e.verdict != Verdict::not_enough_data) return "";
-  if (e.more_participants > 0) return counted(e.more_participants, "more participant", "more participants");
+  if (e.more_participants > 0)
+    return counted(e.more_participants, "more participant", "more participants") +
+           (e.more_trials > 0 ? fmt::format(" with {} trials or more", e.more_trials) : "");
   if (e.more_trials > 0) return counted(e.more_trials, "more trial", "more trials");
   return "enough for the power asked for; it did not come out";
 }
@@ -89,7 +91,7 @@ std::optional<Section> differences(const TaskResult& t, const AnalysisSettings& 
   for (const DifferenceResult& d : t.differences) {
     const DifferenceEquivalence& e = d.equivalence;
     std::string needed = still_needed(e);
-    if (e.more_participants == 0 && e.more_trials > 0) needed += " of either";
+    if (e.verdict == Verdict::not_enough_data && e.more_trials > 0) needed += " of either";
     out.table->rows.push_back(
         {fmt::format("{} - {}", named(t.conditions[d.first].name), named(t.conditions[d.second].name)),
          std::string(verdict_text(e.verdict)), fmt::format("{:+.3f}", e.difference), p_text(e.score.p),
@@ -119,8 +121,9 @@ std::vector<std::string> curve_row(const CurveResult& c) {
   }
   std::string bootstrap = "-";
   if (c.bootstrap)
-    bootstrap = c.bootstrap->open
-                    ? "open"
+    bootstrap = c.bootstrap->open ? "open"
+                : c.bootstrap->alike
+                    ? "none: draws alike"
                     : fmt::format("{:.4g} to {:.4g}", c.bootstrap->threshold.low, c.bootstrap->threshold.high);
   row.insert(row.end(),
              {ends_text(f.threshold_profile.low, f.threshold_profile.high), bootstrap,
@@ -132,22 +135,42 @@ std::vector<std::string> curve_row(const CurveResult& c) {
 std::optional<Section> curves(const TaskResult& t, const AnalysisSettings& s) {
   if (t.curves.empty()) return std::nullopt;
   Section out{Part::curves, "Thresholds"};
-  out.lead = fmt::format("Psychometric function: {}{}, threshold at {:g}.", curve_name(s.curve.curve),
-                         s.curve.falling ? ", falling" : "", s.curve.level);
+  out.lead = fmt::format("Psychometric function: {}{}, threshold at {:g}, over {}.", curve_name(s.curve.curve),
+                         s.curve.falling ? ", falling" : "", s.curve.level, axis_title(s.axis));
   out.table = TextTable{{"condition", "state", "threshold", "by likelihood", "by bootstrap", "location", "scale",
                          "guess", "lapse", "deviance"},
                         2,
                         {}};
-  for (const CurveResult& c : t.curves) out.table->rows.push_back(curve_row(c));
+  for (const CurveResult& c : t.curves) {
+    out.table->rows.push_back(curve_row(c));
+    if (c.angle)
+      out.list.push_back(fmt::format("{}: {}, of {} whose answers these are", named(c.condition),
+                                     text::angle_text(*c.angle, s.confidence), c.participants));
+    else if (s.axis.in_pixels && c.fit.threshold)
+      out.list.push_back(named(c.condition) + ": no visual angle, since nobody's screen was calibrated");
+  }
   return out;
 }
 
-Section mixed(const MixedResult& m) {
+std::string guess_text(const MixedResult& m) {
+  switch (m.guess_from) {
+    case GuessSource::no_level: return "";
+    case GuessSource::settings: return fmt::format(" Guess held at {:.3g}.", m.settings.guess);
+    case GuessSource::curve:
+      return fmt::format(" Guess held at {:.3g}, the curve's estimate, whose error is not counted here.",
+                         m.settings.guess);
+    case GuessSource::none: break;
+  }
+  return " Guess held at 0, since the curve that was to estimate it is not fitted.";
+}
+
+Section mixed(const MixedResult& m, const AnalysisSettings& s) {
   Section out{Part::mixed, "Mixed model"};
   out.lead = fmt::format(
       "Mixed-effects {} regression{}: {}, {} of {}.", m.settings.link == Link::logit ? "logistic" : "probit",
       m.condition.empty() ? "" : ", " + named(m.condition), state_text(m.fit.state),
       counted(m.fit.answers, "answer", "answers"), counted(m.fit.participants, "participant", "participants"));
+  out.lead += guess_text(m);
   if (m.fit.fixed.empty()) return out;
   out.table = TextTable{{"effect", "estimate", "SE", "z", "p"}, 1, {}};
   for (size_t i = 0; i < m.effects.size(); ++i) {
@@ -163,6 +186,7 @@ Section mixed(const MixedResult& m) {
     out.note += fmt::format(
         " The typical participant's threshold: {:.4g} ({}).", m.threshold->at,
         m.threshold->interval ? ends_text(m.threshold->interval->low, m.threshold->interval->high) : "open");
+  if (m.angle) out.note += fmt::format(" That is {}.", text::angle_text(*m.angle, s.confidence));
   if (m.population)
     out.note += fmt::format(" Share of the typical participant {:.3f}, average {:.3f}.", m.population->typical,
                             m.population->average);
@@ -254,7 +278,7 @@ TaskText task_text_of(const TaskResult& t, const AnalysisSettings& s) {
   add(out.sections, differences(t, s));
   add(out.sections, detections(t));
   add(out.sections, curves(t, s));
-  for (const MixedResult& m : t.mixed) out.sections.push_back(mixed(m));
+  for (const MixedResult& m : t.mixed) out.sections.push_back(mixed(m, s));
   if (t.ranking) out.sections.push_back(ranking(*t.ranking));
   if (t.prediction) out.sections.push_back(prediction(*t.prediction, s));
   return out;

@@ -19,6 +19,10 @@ constexpr uint64_t kMostAnswers = 1'000'000'000;
 // Sizes of levels: squares of them, and of their differences, are numbers still.
 constexpr double kSmallestLevel = 1e-15;
 constexpr double kLargestLevel = 1e15;
+// Pixels of any screen at any distance; what else a browser sends is no calibration.
+constexpr double kFewestPixelsPerDegree = 1;
+constexpr double kMostPixelsPerDegree = 1000;
+constexpr double kLargestPixelRatio = 100;  // of a clip's to the screen's, either way
 
 const std::vector<std::pair<std::string, Role>>& role_names() {
   static const std::vector<std::pair<std::string, Role>> all = {{"participant", Role::participant},
@@ -42,7 +46,10 @@ const std::vector<std::pair<std::string, Role>>& role_names() {
                                                                 {"frames_dropped", Role::frames_dropped},
                                                                 {"hidden", Role::hidden},
                                                                 {"study", Role::study},
-                                                                {"catch", Role::catch_kind}};
+                                                                {"catch", Role::catch_kind},
+                                                                {"pixels_per_degree", Role::pixels_per_degree},
+                                                                {"pixels_per_degree_se", Role::pixels_per_degree_se},
+                                                                {"css_px_per_clip_px", Role::css_px_per_clip_px}};
   return all;
 }
 
@@ -257,6 +264,24 @@ uint64_t count_if_any(const Columns& columns, const Table::Row& row, Role role) 
   return columns.has(role) && !columns.field(row, role).empty() ? columns.count(row, role) : 0;
 }
 
+// A number; nothing where there is no column or the field is empty.
+std::optional<double> number_if_any(const Columns& columns, const Table::Row& row, Role role) {
+  if (!columns.has(role) || columns.field(row, role).empty()) return std::nullopt;
+  return columns.number(row, role);
+}
+
+void read_calibration(const Columns& columns, const Table::Row& row, Answer& out) {
+  const std::optional<double> pixels = number_if_any(columns, row, Role::pixels_per_degree);
+  const std::optional<double> error = number_if_any(columns, row, Role::pixels_per_degree_se);
+  const std::optional<double> ratio = number_if_any(columns, row, Role::css_px_per_clip_px);
+  if (ratio && (*ratio < 1 / kLargestPixelRatio || *ratio > kLargestPixelRatio)) return;
+  out.css_px_per_clip_px = ratio.value_or(1);
+  if (!pixels || !error || *error < 0 || *error > *pixels) return;
+  if (*pixels < kFewestPixelsPerDegree || *pixels > kMostPixelsPerDegree) return;
+  out.pixels_per_degree = pixels;
+  out.pixels_per_degree_se = error;
+}
+
 void read_rest(const Columns& columns, const Table::Row& row, Answer& out) {
   if (columns.has(Role::trial)) out.trial = columns.required(row, Role::trial);
   if (columns.has(Role::level)) out.level = read_level(columns, row);
@@ -265,6 +290,7 @@ void read_rest(const Columns& columns, const Table::Row& row, Answer& out) {
     if (word != Word::yes && word != Word::no) throw columns.wrong(row, Role::signal, "it is 1 or 0");
     out.signal = word == Word::yes;
   }
+  read_calibration(columns, row, out);
   out.hidden = count_if_any(columns, row, Role::hidden);
   out.frames_dropped = count_if_any(columns, row, Role::frames_dropped);
   if (columns.has(Role::rt) && !columns.field(row, Role::rt).empty() && columns.field(row, Role::rt) != "null") {

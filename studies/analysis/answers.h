@@ -33,6 +33,10 @@ namespace crowdbench::studies {
 //   frames_dropped      how many of the clip's frames were not shown
 //   hidden              how often the page was out of sight meanwhile
 //   study               the hash of the plan that was answered
+//   pixels_per_degree, pixels_per_degree_se  the participant's calibration, in CSS pixels, and its standard error;
+//   empty,
+//                       or not from 1 to 1000: not calibrated
+//   css_px_per_clip_px  how large a pixel of the clip was shown, in CSS pixels; without the column 1
 //   catch               kind of catch trial; empty, 0, no, none: an ordinary trial
 enum class Role {
   participant,
@@ -57,6 +61,9 @@ enum class Role {
   hidden,
   study,
   catch_kind,
+  pixels_per_degree,
+  pixels_per_degree_se,
+  css_px_per_clip_px,
 };
 
 struct ColumnMap {
@@ -78,6 +85,9 @@ struct Answer {
   std::optional<double> rt_ms;
   uint64_t frames_dropped = 0;
   uint64_t hidden = 0;
+  // Only where both are there and can be those of a screen.
+  std::optional<double> pixels_per_degree, pixels_per_degree_se;
+  double css_px_per_clip_px = 1;
   std::string trial;
   std::string catch_kind;  // empty: an ordinary trial
   uint64_t yes = 0;

@@ -13,6 +13,7 @@ namespace {
 constexpr uint64_t kCurveDraw = 0x70737963;
 constexpr uint64_t kMostDrawn = 2000;  // answers that are drawn one by one
 constexpr double kLargeVariance = 1e4;
+constexpr double kAlike = 1e-6;  // of the range of levels: an interval that is no wider is the optimiser's
 
 double unit(uint64_t seed, size_t resample, size_t draw) {
   return random_unit(mix64(seed + kCurveDraw), resample, draw);
@@ -55,6 +56,7 @@ std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span
   CurveBootstrap out;
   out.resamples = resamples;
   std::vector<double> thresholds;
+  size_t steps = 0;
   for (size_t r = 0; r < resamples; ++r) {
     std::vector<Level> drawn;
     size_t draw = 0;
@@ -70,7 +72,11 @@ std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span
     drawn = merged_levels(drawn);
     const CurveState state = curve::state_of_data(drawn);
     std::optional<double> threshold;
-    if (state == CurveState::fitted) threshold = curve::fit_point(curve::Problem(drawn, settings), fit.at).threshold;
+    if (state == CurveState::fitted) {
+      const CurveFit refit = curve::fit_point(curve::Problem(drawn, settings), fit.at);
+      threshold = refit.threshold;
+      steps += refit.state == CurveState::step ? 1 : 0;
+    }
     if (threshold)
       thresholds.push_back(*threshold);
     else
@@ -80,6 +86,8 @@ std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span
   out.open = thresholds.empty() || static_cast<double>(out.failed) > tail * static_cast<double>(resamples);
   if (thresholds.empty()) return out;
   out.threshold = {quantile(thresholds, tail), quantile(thresholds, 1 - tail)};
+  const double span = merged.back().x - merged.front().x;
+  out.alike = 2 * steps > resamples || out.threshold.high - out.threshold.low <= kAlike * span;
   out.widened = out.threshold.low > *fit.threshold || out.threshold.high < *fit.threshold;
   out.threshold = {std::min(out.threshold.low, *fit.threshold), std::max(out.threshold.high, *fit.threshold)};
   return out;

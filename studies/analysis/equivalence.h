@@ -58,7 +58,7 @@ struct Equivalence {
   std::optional<uint64_t> trials_needed;
   std::optional<uint64_t> participants_needed;
   uint64_t more_trials = 0;
-  uint64_t more_participants = 0;
+  uint64_t more_participants = 0;  // by their spread alone; an analysis adds those that `more_trials` takes
 };
 struct EquivalenceSettings {
   double chance = 0.5;

@@ -10,6 +10,7 @@
 #include "core/files.h"
 #include "core/json.h"
 #include "studies/analysis/r_script.h"
+#include "studies/analysis/text_numbers.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -17,6 +18,8 @@ namespace {
 std::string name_of(const std::vector<std::string>& names, const std::optional<uint32_t>& index) {
   return index ? names[*index] : "";
 }
+
+std::string safe_field(const std::string& text) { return csv_field(text::spreadsheet_safe(text)); }
 
 struct DataColumn {
   const char* name;
@@ -53,6 +56,12 @@ const std::vector<DataColumn>& data_columns() {
        }},
       {"decided", "answers that count",
        [](A, R r, TieRule t) { return fmt::format("{}", counted(r.yes, r.ties, r.no, t).of); }},
+      {"pixels_per_degree", "CSS pixels of the participant's screen by degree of visual angle",
+       [](A, R r, TieRule) { return r.pixels_per_degree ? fmt::format("{}", *r.pixels_per_degree) : ""; }},
+      {"pixels_per_degree_se", "its standard error",
+       [](A, R r, TieRule) { return r.pixels_per_degree_se ? fmt::format("{}", *r.pixels_per_degree_se) : ""; }},
+      {"css_px_per_clip_px", "CSS pixels by pixel of the clip",
+       [](A, R r, TieRule) { return r.pixels_per_degree ? fmt::format("{}", r.css_px_per_clip_px) : ""; }},
       {"rt", "response time in milliseconds",
        [](A, R r, TieRule) { return r.rt_ms ? fmt::format("{}", *r.rt_ms) : ""; }},
   };
@@ -77,7 +86,7 @@ std::string data_csv(const Analysis& a) {
   for (const Answer& row : a.answers.rows) {
     bool first = true;
     for (const DataColumn& column : columns) {
-      out += (first ? "" : ",") + csv_field(column.text(a.answers, row, a.settings.ties));
+      out += (first ? "" : ",") + safe_field(column.text(a.answers, row, a.settings.ties));
       first = false;
     }
     out += "\n";
@@ -125,9 +134,9 @@ void add_pwcmp(const Analysis& a, Numbers& tasks, std::vector<ExportedFile>& out
       counted += count;
       if (counted > kMostTableRows) continue;
       for (uint64_t i = 0; i < count; ++i)
-        text += fmt::format("{},1,{},{},{},{}\n", csv_field(who.empty() ? "1" : who),
-                            csv_field(scene.empty() ? "all" : scene), csv_field(a.answers.items[*row.item_a]),
-                            csv_field(a.answers.items[*row.item_b]), selection);
+        text += fmt::format("{},1,{},{},{},{}\n", safe_field(who.empty() ? "1" : who),
+                            safe_field(scene.empty() ? "all" : scene), safe_field(a.answers.items[*row.item_a]),
+                            safe_field(a.answers.items[*row.item_b]), selection);
     }
   }
   if (by_task.empty()) return;
@@ -178,7 +187,8 @@ std::vector<ExportedFile> export_files(const Analysis& a) {
       "# Answers in the forms of other tools\n\n"
       "`data/study_answers_data.csv` with `dataset_description.json`: the answers that were analysed. `analysis.R` "
       "repeats the mixed\nmodels by lme4 from them (Rscript analysis.R, in this folder) and holds them against "
-      "`estimates.csv`.\n";
+      "`estimates.csv`. In all\nCSV files names that begin with = + - @ have an apostrophe before them: "
+      "spreadsheets would run them as formulas.\n";
   Numbers tasks;
   Numbers conditions;
   out.push_back({"dataset_description.json", dataset_description(a)});

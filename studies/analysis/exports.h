@@ -7,6 +7,7 @@
 //   psignifit/TASK-CONDITION.csv   level,correct,total: of answers with levels
 //   analysis.R                     the mixed models by lme4, beside what this program estimated
 //   estimates.csv                  what it estimated
+// Names in CSV files stand as text::spreadsheet_safe() has them.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -98,6 +98,11 @@ struct CurveBootstrap {
   Interval threshold;
   bool widened = false;
   bool open = false;  // so many refits failed that the interval has no honest ends
+  // The refits say nothing of the spread: all have one threshold, or more than half are steps, whose threshold is
+  // placed between two levels by the optimiser and not by the data. The interval is then none.
+  bool alike = false;
+
+  bool has_interval() const { return !open && !alike; }
 };
 std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span<const Level> levels,
                                                   std::span<const std::vector<Level>> groups,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "studies/analysis/text_numbers.h"
+
 namespace crowdbench::studies {
 namespace {
 
@@ -19,6 +21,9 @@ std::string quoted(const std::string& text, char escape) {
   return out + "\"";
 }
 
+// A name as the exported tables have it.
+std::string name(const std::string& text, char escape) { return quoted(text::spreadsheet_safe(text), escape); }
+
 constexpr const char* kHead =
     R"R(# The mixed models of `crowdbench study analyze`, by lme4. Run in this folder: Rscript analysis.R
 library(lme4)
@@ -26,6 +31,8 @@ answers <- read.csv("data/study_answers_data.csv", colClasses = "character", na.
 for (column in c("task", "condition")) if (is.null(answers[[column]])) answers[[column]] <- ""
 for (column in intersect(c("chosen", "decided", "level"), names(answers))) answers[[column]] <- suppressWarnings(as.numeric(answers[[column]]))
 answers <- answers[answers$decided > 0, ]
+# Trials with nothing to see are false alarms and no part of the models.
+if (!is.null(answers$signal)) answers <- answers[answers$signal != "0", ]
 ours <- read.csv("estimates.csv", colClasses = c("character", "character", "character", "numeric", "numeric"),
                  na.strings = character(0))
 furthest <- 0
@@ -71,30 +78,30 @@ std::string random_terms(const MixedSettings& s) {
 std::string model(const TaskResult& t, const MixedResult& m, const Analysis& a) {
   const bool level = m.effects.size() > 1 && m.effects[1] == "level";
   const size_t first_contrast = level ? 2 : 1;
-  std::string rows = fmt::format("rows <- subset(answers, task == {}", quoted(t.name, '\\'));
-  if (!m.condition.empty()) rows += fmt::format(" & condition == {}", quoted(m.condition, '\\'));
+  std::string rows = fmt::format("rows <- subset(answers, task == {}", name(t.name, '\\'));
+  if (!m.condition.empty()) rows += fmt::format(" & condition == {}", name(m.condition, '\\'));
   std::string out = rows + ")\n";
   std::string fixed = level ? "1 + level" : "1";
   if (m.effects.size() > first_contrast) {
     // The first condition is what the others are held against.
     std::string levels;
     for (const ConditionResult& c : t.conditions)
-      levels += fmt::format("{}{}", levels.empty() ? "" : ", ", quoted(c.name, '\\'));
+      levels += fmt::format("{}{}", levels.empty() ? "" : ", ", name(c.name, '\\'));
     out += fmt::format("rows$condition <- factor(rows$condition, levels = c({}))\n", levels);
     fixed += " + condition";
   }
   std::string effects;
   for (const std::string& effect : m.effects)
-    effects += fmt::format("{}{}", effects.empty() ? "" : ", ", quoted(effect, '\\'));
+    effects += fmt::format("{}{}", effects.empty() ? "" : ", ", name(effect, '\\'));
   const int nodes = m.settings.integration == Integration::quadrature ? 25 : 1;
   if (m.settings.integration == Integration::laplace_observed)
     out +=
         "# Laplace here has the observed information, lme4's the expected one: they differ a little where guesses are "
         "held.\n";
-  out += fmt::format(
-      "compare({}, {}, rows, cbind(2 * chosen, 2 * (decided - chosen)) ~ {} + {}, {:g}, \"{}\", {}, c({}))\n",
-      quoted(t.name, '\\'), quoted(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
-      m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
+  out +=
+      fmt::format("compare({}, {}, rows, cbind(2 * chosen, 2 * (decided - chosen)) ~ {} + {}, {}, \"{}\", {}, c({}))\n",
+                  name(t.name, '\\'), name(m.condition, '\\'), fixed, random_terms(m.settings), m.settings.guess,
+                  m.settings.link == Link::logit ? "logit" : "probit", nodes, effects);
   return out + (a.tasks.size() > 1 ? "\n" : "");
 }
 
@@ -115,7 +122,7 @@ std::string estimates_csv(const Analysis& a) {
   for (const TaskResult& t : a.tasks)
     for (const MixedResult& m : t.mixed)
       for (size_t i = 0; i < m.fit.fixed.size(); ++i)
-        out += fmt::format("{},{},{},{},{}\n", quoted(t.name, '"'), quoted(m.condition, '"'), quoted(m.effects[i], '"'),
+        out += fmt::format("{},{},{},{},{}\n", name(t.name, '"'), name(m.condition, '"'), name(m.effects[i], '"'),
                            m.fit.fixed[i].estimate, m.fit.fixed[i].se);
   return out;
 }

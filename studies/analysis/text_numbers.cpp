@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "core/error.h"
 
 namespace crowdbench::studies::text {
@@ -18,6 +20,22 @@ std::string number(std::optional<double> value) { return value ? fmt::format("{:
 
 std::string ends_text(const std::optional<double>& low, const std::optional<double>& high) {
   return fmt::format("{} to {}", low ? number(low) : "below all", high ? number(high) : "above all");
+}
+
+std::string angle_text(const AngleThreshold& a, double confidence) {
+  return fmt::format(
+      "{:.4g} degrees of visual angle ({:.0f} % interval {}, with the error of calibration, {:.1f} %, of {})",
+      a.degrees, 100 * confidence, ends_text(a.low, a.high), 100 * a.calibration_share,
+      counted(a.calibrated, "participant", "participants"));
+}
+
+std::string spreadsheet_safe(const std::string& field) {
+  if (field.empty() || std::string_view("=+-@\t\r\n").find(field.front()) == std::string_view::npos) return field;
+  double value = 0;
+  const char* begin = field.data() + (field.front() == '+' ? 1 : 0);
+  const char* end = field.data() + field.size();
+  const auto [last, fault] = std::from_chars(begin, end, value);
+  return fault == std::errc{} && last == end ? field : "'" + field;
 }
 
 }  // namespace crowdbench::studies::text

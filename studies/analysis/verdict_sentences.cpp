@@ -59,8 +59,11 @@ std::string chance_sentence(const ConditionResult& c, const AnalysisSettings& s)
 template <typename Result>
 std::string more_text(const Result& e, const char* of_either) {
   if (e.more_participants > 0)
-    return fmt::format("about {} would be needed, were there no difference",
-                       counted(e.more_participants, "more participant", "more participants"));
+    return fmt::format("about {}{} would be needed, were there no difference",
+                       counted(e.more_participants, "more participant", "more participants"),
+                       e.more_trials > 0 ? fmt::format(", with {} or more{} in all,",
+                                                       counted(e.more_trials, "more trial", "more trials"), of_either)
+                                         : "");
   if (e.more_trials > 0)
     return fmt::format("about {}{} would be needed, were there no difference",
                        counted(e.more_trials, "more trial", "more trials"), of_either);
@@ -114,14 +117,17 @@ std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
         "{}There is no threshold: no slope. The curve is one that {} with the level; `falling` turns it.", who,
         s.curve.falling ? "falls" : "rises");
   if (!c.fit.threshold) return fmt::format("{}There is no threshold: {}.", who, state_text(c.fit.state));
-  std::string interval = ends_text(c.fit.threshold_profile.low, c.fit.threshold_profile.high);
-  std::string method = "profile likelihood";
-  if (c.bootstrap && !c.bootstrap->open) {
-    interval = ends_text(c.bootstrap->threshold.low, c.bootstrap->threshold.high);
-    method = c.by_participant ? "bootstrap over participants" : "parametric bootstrap";
-  }
-  return fmt::format("{}The threshold at {:g} is {:.4g} ({:.0f} % interval {}, {}).", who, s.curve.level,
-                     *c.fit.threshold, 100 * s.confidence, interval, method);
+  const std::string unit = axis_unit(s.axis);
+  const std::string threshold =
+      fmt::format("{}The threshold{} at {:g} is {:.4g}{}", who, s.axis.name.empty() ? "" : " of " + named(s.axis.name),
+                  s.curve.level, *c.fit.threshold, unit.empty() ? "" : " " + unit);
+  const std::string angle = c.angle ? " That is " + text::angle_text(*c.angle, s.confidence) + "." : "";
+  const std::optional<ThresholdInterval> interval = threshold_interval(c);
+  if (!interval) return threshold + ", and these answers give it no interval." + angle;
+  return fmt::format("{} ({:.0f} % interval {}, {}{}).{}", threshold, 100 * s.confidence,
+                     ends_text(interval->low, interval->high), interval->method,
+                     c.fit.state == CurveState::step ? "; the answers are a step, which may lie anywhere in it" : "",
+                     angle);
 }
 
 // Who stands highest was chosen by looking: the interval of the gap is one over all pairs (Bonferroni).

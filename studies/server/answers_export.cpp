@@ -185,6 +185,12 @@ std::string condition_of(const CsvRow& r) {
   return r.has_axis ? r.shown.series : r.shown.condition;
 }
 
+// How large the page showed a pixel of the clip: the calibration is in CSS pixels, and heights are in the clip's.
+std::string shown_size(const CsvRow& r) {
+  const json record = json::parse(r.answer.data, nullptr, false);
+  return record.is_object() ? optional_text(member<double>(record, "css_px_per_clip_px")) : std::string();
+}
+
 std::string level_of(const CsvRow& r) {
   // Catch trials are judged and then taken out; where their clips have no level, a number stands there all the same.
   return r.shown.level.empty() && r.answer.kind == "catch" ? "0" : r.shown.level;
@@ -227,6 +233,7 @@ const std::vector<CsvColumn>& csv_columns() {
       {"restarts", [](R r) { return optional_text(r.answer.restarts); }},
       {"pixels_per_degree", [](R r) { return optional_text(r.who.pixels_per_degree); }},
       {"pixels_per_degree_se", [](R r) { return optional_text(r.who.pixels_per_degree_se); }},
+      {"css_px_per_clip_px", shown_size, false},
       {"state", [](R r) { return r.who.state; }}};
   return all;
 }

@@ -29,6 +29,7 @@ StudyPageModel model() {
                   1.2,
                   {},
                   0.75}};
+  task.axis = "height_px (pixels)";
   task.ranking = {{"mesh", 0.5, 0.1, 0.9, "+0.50 JOD"}, {"flat", -0.5, {}, {}, "-0.50 JOD"}};
   StudyTable table{{"condition", "share"}, 1, {{"near", "0.5"}}};
   task.sections = {{"Shares of answers", "lead", "note", {"one", "two"}, table, StudyChart::shares},
@@ -46,6 +47,7 @@ TEST(StudyCharts, HoldAnswersCurvesAndOpenEnds) {
   EXPECT_EQ(shares[3].at("share"), 0) << "nobody answered";
   const json curves = json::parse(study_curves_chart(task));
   EXPECT_EQ(curves.at("layer").size(), 5U);
+  EXPECT_EQ(curves.at("layer")[0].at("encoding").at("x").at("axis").at("title"), "height_px (pixels)");
   EXPECT_EQ(curves.at("layer")[1].at("data").at("values").size(), 3U);
   EXPECT_TRUE(curves.at("layer")[2].at("data").at("values")[0].at("high").is_null());
   EXPECT_EQ(json::parse(study_rows_chart(task.ranking, "JOD")).at("data").at("values").size(), 2U);

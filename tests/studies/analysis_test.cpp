@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/error.h"
 #include "core/random.h"
 #include "studies/analysis/analysis_output.h"
+#include "studies/analysis/analysis_text.h"
+#include "studies/analysis/verdict_sentences.h"
 #include "tests/studies/answer_tables.h"
 #include "tests/studies/ground_truth.h"
 
@@ -203,6 +207,204 @@ TEST(Analysis, OneParticipantIsNotEnoughForEquivalence) {
   EXPECT_LE(equivalence->exact.p, 0.05) << "its trials alone would say so";
   EXPECT_EQ(equivalence->verdict, Verdict::not_enough_data);
   EXPECT_GE(equivalence->more_participants, 1U);
+}
+
+// ---- what is said is what was found
+
+std::string said_of(const Analysis& a) {
+  std::string out;
+  const AnalysisText text = analysis_text(a);
+  for (const std::string& sentence : text.tasks.at(0).verdicts) out += sentence + "\n";
+  return out;
+}
+
+TEST(Analysis, AStepTakesTheLikelihoodsInterval) {
+  // Six people, nobody yes at 1 and 2, everybody at 3 and 4: whoever is drawn anew, the answers are the same.
+  std::string text = "participant,level,answer\n";
+  for (int p = 0; p < 6; ++p)
+    for (int level = 1; level <= 4; ++level) text += fmt::format("{},{},{}\n", p, level, level > 2 ? "yes" : "no");
+  AnalysisSettings settings{.resamples = 50};
+  settings.curve.guess = 0;
+  const Analysis a = analyse(answers_of(text), settings);
+  const CurveResult& c = a.tasks.at(0).curves.at(0);
+  ASSERT_EQ(c.fit.state, CurveState::step);
+  ASSERT_TRUE(c.bootstrap);
+  EXPECT_TRUE(c.bootstrap->alike);
+  const auto interval = threshold_interval(c);
+  ASSERT_TRUE(interval);
+  EXPECT_EQ(interval->method, "profile likelihood");
+  EXPECT_NEAR(interval->low.value(), 2, 0.05);
+  EXPECT_NEAR(interval->high.value(), 3, 0.05);
+  EXPECT_NE(said_of(a).find("profile likelihood; the answers are a step"), std::string::npos) << said_of(a);
+  const Expected json = json_of(a).at("tasks")[0].at("curves")[0];
+  EXPECT_TRUE(json.at("threshold_bootstrap").at("interval").is_null());
+  EXPECT_EQ(json.at("threshold_interval").at("method"), "profile likelihood");
+  CurveResult none = c;
+  none.fit.threshold_profile = {};
+  TaskResult task = a.tasks[0];
+  task.curves = {none};
+  EXPECT_FALSE(threshold_interval(none));
+  EXPECT_NE(verdict_sentences(task, settings).back().find("give it no interval"), std::string::npos);
+}
+
+TEST(Analysis, DrawsThatDifferKeepTheirInterval) {
+  std::string text = "participant,level,yes,no\n";
+  for (int p = 0; p < 6; ++p)
+    for (int level = 1; level <= 5; ++level)
+      text += fmt::format("{},{},{},{}\n", p, level, 2 * level - 1 + (p % 2), 11 - 2 * level - (p % 2));
+  AnalysisSettings settings{.resamples = 50};
+  settings.curve.guess = 0;
+  const CurveResult c = analyse(answers_of(text), settings).tasks.at(0).curves.at(0);
+  ASSERT_TRUE(c.bootstrap);
+  EXPECT_FALSE(c.bootstrap->alike);
+  EXPECT_EQ(threshold_interval(c).value().method, "bootstrap over participants");
+}
+
+TEST(Analysis, WhatIsStillNeededIsOneNumber) {
+  // One participant of eight trials, where the exact test needs 227: 219 more, by 28 people of eight trials each.
+  const AnalysisSettings settings{.margin = 0.1, .random = RandomEffects::none, .resamples = 0};
+  const Analysis one = analyse(answers_of("participant,yes,no\na,3,5\n"), settings);
+  const Equivalence& e = one.tasks.at(0).conditions.at(0).equivalence.value();
+  EXPECT_EQ(e.more_trials, e.trials_needed.value() - 8);
+  EXPECT_EQ(e.more_participants, (e.more_trials + 7) / 8);
+  EXPECT_NE(said_of(one).find(fmt::format("about {} more participants, with {} more trials or more in all,",
+                                          e.more_participants, e.more_trials)),
+            std::string::npos)
+      << said_of(one);
+  // Three who are almost alike: their spread asks for few people, their trials for many.
+  const Analysis three = analyse(answers_of("participant,yes,no\na,4,4\nb,4,4\nc,4,4\n"), settings);
+  const Equivalence& of_three = three.tasks.at(0).conditions.at(0).equivalence.value();
+  ASSERT_EQ(of_three.verdict, Verdict::not_enough_data);
+  EXPECT_EQ(of_three.more_participants, (of_three.trials_needed.value() - 24 + 7) / 8);
+  // Nobody is known: trials alone.
+  const Analysis nobody = analyse(answers_of("yes,no\n3,5\n"), settings);
+  EXPECT_NE(said_of(nobody).find("about 219 more trials would be needed"), std::string::npos) << said_of(nobody);
+}
+
+// Same or different at levels, guesses of 0.2, everybody alike but for a shift.
+std::string same_different_table() {
+  std::string text = "participant,level,signal,yes,no\n";
+  for (int p = 0; p < 12; ++p)
+    for (int level = 0; level < 6; ++level) {
+      const double f = 1 / (1 + std::exp(-(level - 2.5 - 0.3 * (p % 3 - 1)) * 1.6));
+      const int yes = static_cast<int>(std::lround(40 * (0.2 + 0.8 * f)));
+      text += fmt::format("{},{},1,{},{}\n{},{},0,8,32\n", p, level, yes, 40 - yes, p, level);
+    }
+  return text;
+}
+
+TEST(Analysis, AMixedModelHoldsTheGuessThatTheCurveFinds) {
+  AnalysisSettings settings{.resamples = 0};
+  settings.curve.guess_rate = Rate::free;
+  const Analysis a = analyse(answers_of(same_different_table()), settings);
+  const TaskResult& task = a.tasks.at(0);
+  const MixedResult& mixed = task.mixed.at(0);
+  EXPECT_NEAR(task.curves.at(0).fit.at.guess, 0.2, 0.03);
+  EXPECT_EQ(mixed.settings.guess, task.curves[0].fit.at.guess);
+  EXPECT_EQ(mixed.guess_from, GuessSource::curve);
+  EXPECT_NEAR(mixed.fit.fixed.at(1).estimate, 1.6, 0.2) << "at a guess of 0 it is far shallower";
+  EXPECT_NE(analysis_markdown(a).find("the curve's estimate, whose error is not counted here"), std::string::npos);
+  const Expected json = json_of(a).at("tasks")[0].at("mixed_models")[0];
+  EXPECT_EQ(json.at("guess_from"), "curve");
+  EXPECT_EQ(json.at("guess").get<double>(), mixed.settings.guess);
+  settings.curve.guess_rate = Rate::fixed;
+  settings.curve.guess = 0.1;
+  const Analysis held = analyse(answers_of(same_different_table()), settings);
+  EXPECT_NE(analysis_markdown(held).find("Guess held at 0.1."), std::string::npos);
+  EXPECT_EQ(json_of(held).at("tasks")[0].at("mixed_models")[0].at("guess_from"), "settings");
+}
+
+// ---- degrees of visual angle
+
+TEST(VisualAngle, AddsTheCalibrationsVarianceByHand) {
+  // 100 pixels (80 to 125) at 40 pixels a degree, known to a tenth: 2.5 degrees, half width
+  // sqrt(ln(1.25)^2 + (1.959964 * 0.1)^2) = sqrt(0.0497930 + 0.0384146) = 0.2969975 of the logarithm.
+  const std::vector<Calibration> one = {{40, 4}};
+  const AngleThreshold a = threshold_in_degrees(100, 80, 125, one, 0.95).value();
+  EXPECT_NEAR(a.degrees, 2.5, 1e-12);
+  EXPECT_NEAR(a.calibration_share, 0.1, 1e-12);
+  EXPECT_NEAR(a.low.value(), 2.5 * std::exp(-0.2969975), 1e-5);
+  EXPECT_NEAR(a.high.value(), 2.5 * std::exp(0.2969975), 1e-5);
+  // Sixteen eyes: a quarter of it. Exact screens: the pixels' interval and no more.
+  const std::vector<Calibration> many(16, {40, 4});
+  EXPECT_NEAR(threshold_in_degrees(100, 80, 125, many, 0.95).value().calibration_share, 0.025, 1e-12);
+  const std::vector<Calibration> exact = {{40, 0}};
+  EXPECT_NEAR(threshold_in_degrees(100, 80, 125, exact, 0.95).value().high.value(), 3.125, 1e-9);
+  // 20 and 60 pixels a degree: the mean of 5 and 1.6667 degrees; errors of 0.1 and 0.2 of each, of their sum.
+  const std::vector<Calibration> two = {{20, 2}, {60, 12}};
+  const AngleThreshold b = threshold_in_degrees(100, std::nullopt, 125, two, 0.95).value();
+  EXPECT_NEAR(b.degrees, (5 + 100.0 / 60) / 2, 1e-12);
+  EXPECT_NEAR(b.calibration_share, std::hypot(0.1 / 20, 0.2 / 60) / (1.0 / 20 + 1.0 / 60), 1e-12);
+  EXPECT_FALSE(b.low) << "an open end stays open";
+  EXPECT_FALSE(threshold_in_degrees(100, -5, 125, two, 0.95).value().low);
+  EXPECT_FALSE(threshold_in_degrees(-1, -5, 125, two, 0.95));
+  EXPECT_FALSE(threshold_in_degrees(100, 80, 125, {}, 0.95));
+}
+
+// Heights in pixels, seen by people of whom each sits elsewhere; the last one's calibration is no screen's.
+std::string heights_table(double css_px_per_clip_px) {
+  std::string text = "participant,level,yes,no,pixels_per_degree,pixels_per_degree_se,css_px_per_clip_px\n";
+  for (int p = 0; p < 5; ++p)
+    for (int level = 1; level <= 5; ++level)
+      text += fmt::format("{},{},{},{},{},4,{}\n", p, 20 * level, 2 * level - 1 + p % 2, 11 - 2 * level - p % 2,
+                          p == 4 ? "1e+300" : "40", css_px_per_clip_px);
+  return text;
+}
+
+TEST(VisualAngle, StandsBesideThresholdsInPixels) {
+  AnalysisSettings settings{.axis = axis_of_factor("height_px"), .resamples = 50};
+  settings.curve.guess = 0;
+  const Analysis a = analyse(answers_of(heights_table(1)), settings);
+  const CurveResult& c = a.tasks.at(0).curves.at(0);
+  ASSERT_TRUE(c.angle);
+  EXPECT_NEAR(c.angle->degrees, c.fit.threshold.value() / 40, 1e-9);
+  EXPECT_EQ(c.angle->calibrated, 4U) << "1e+300 is no calibration";
+  EXPECT_EQ(c.participants, 5U);
+  EXPECT_NEAR(c.angle->calibration_share, 0.1 / 2, 1e-12);
+  const ThresholdInterval pixels = threshold_interval(c).value();
+  EXPECT_GT(c.angle->high.value() / c.angle->low.value(), *pixels.high / *pixels.low) << "no error was added";
+  ASSERT_TRUE(a.tasks[0].mixed.at(0).angle);
+  // At two clip pixels a CSS pixel the same height is half the angle.
+  const Analysis dense = analyse(answers_of(heights_table(0.5)), settings);
+  EXPECT_NEAR(dense.tasks.at(0).curves.at(0).angle.value().degrees, c.angle->degrees / 2, 1e-9);
+  const Expected json = json_of(a).at("tasks")[0].at("curves")[0].at("threshold_degrees");
+  EXPECT_EQ(json.at("at").get<double>(), c.angle->degrees);
+  EXPECT_EQ(json.at("interval")[1].get<double>(), *c.angle->high);
+  EXPECT_EQ(json.at("participants_calibrated"), 4);
+  EXPECT_NE(said_of(a).find("degrees of visual angle (95 % interval"), std::string::npos) << said_of(a);
+  EXPECT_NE(said_of(a).find("with the error of calibration, 5.0 %, of 4 participants)"), std::string::npos);
+  // What is not in pixels has no angle.
+  settings.axis = axis_of_factor("switch_m");
+  EXPECT_FALSE(analyse(answers_of(heights_table(1)), settings).tasks.at(0).curves.at(0).angle);
+}
+
+TEST(VisualAngle, NeedsNumbersInItsColumns) {
+  EXPECT_THROW(answers_of("answer,pixels_per_degree,pixels_per_degree_se\nyes,x,1\n"), Error);
+  const auto calibrated = [](const char* fields) {
+    const Answers a = answers_of(std::string("answer,pixels_per_degree,pixels_per_degree_se\nyes,") + fields + "\n");
+    return a.rows.at(0).pixels_per_degree.has_value();
+  };
+  EXPECT_TRUE(calibrated("40,0"));
+  for (const char* fields : {"40,", ",4", "0,0", "-40,4", "40,-4", "40,41", "1e300,0"})
+    EXPECT_FALSE(calibrated(fields)) << fields;
+}
+
+// ---- names
+
+TEST(Analysis, ThresholdsNameTheFactorAndItsUnit) {
+  AnalysisSettings settings{.axis = axis_of_factor("height_px"), .resamples = 0};
+  settings.curve.guess = 0;
+  const Analysis a = analyse(answers_of("level,yes,no\n20,1,9\n40,5,5\n60,9,1\n"), settings);
+  EXPECT_NE(said_of(a).find("The threshold of height_px at 0.75 is "), std::string::npos) << said_of(a);
+  EXPECT_NE(said_of(a).find(" pixels (95 % interval"), std::string::npos) << said_of(a);
+  EXPECT_EQ(axis_title(settings.axis), "height_px (pixels)");
+  EXPECT_EQ(axis_title(axis_of_factor("switch_m")), "switch_m (m)");
+  EXPECT_EQ(axis_title(axis_of_factor("mesh.triangles")), "mesh.triangles");
+  EXPECT_EQ(axis_title({}), "level");
+  // Escaped where it is Markdown, and nowhere else.
+  EXPECT_NE(analysis_markdown(a).find("height\\_px"), std::string::npos);
+  EXPECT_NE(analysis_plain(a).find("height_px"), std::string::npos);
+  EXPECT_EQ(analysis_plain(a).find('\\'), std::string::npos) << analysis_plain(a);
 }
 
 }  // namespace

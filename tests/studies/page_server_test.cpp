@@ -371,6 +371,21 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   EXPECT_EQ(table.rows[1].yes, 1U);
   EXPECT_EQ(table.rows[2].catch_kind, "broken");
   EXPECT_EQ(table.rows[3].ties, 1U);
+  // A calibration is in CSS pixels, a level in the clip's: how large these were shown stands beside it.
+  StudyAnswers sized = answers;
+  sized.participants.at(0).pixels_per_degree = 40;
+  sized.participants.at(0).pixels_per_degree_se = 4;
+  for (StudyAnswerRow& row : sized.answers) {
+    nlohmann::json data = nlohmann::json::parse(row.data);
+    data["css_px_per_clip_px"] = 0.5;
+    row.data = data.dump();
+  }
+  Answers seen;
+  const Table sizes = parse_table(answers_csv(sized, out_), "sizes.csv");
+  add_answers(seen, sizes, columns_by_name(sizes));
+  EXPECT_EQ(seen.rows.at(0).css_px_per_clip_px, 0.5);
+  EXPECT_EQ(seen.rows[0].pixels_per_degree, 40.0);
+  EXPECT_EQ(seen.rows[0].pixels_per_degree_se, 4.0);
   // What the level says is not said by the condition again.
   nlohmann::json sides = nlohmann::json::parse(read_text(out_ / "sides.json"));
   for (nlohmann::json& each : sides["stimuli"]) each["series"] = "crowd.agents=9";

@@ -15,6 +15,7 @@
 #include "studies/analysis/analysis_text.h"
 #include "studies/analysis/exports.h"
 #include "studies/analysis/plan_standing.h"
+#include "studies/analysis/text_numbers.h"
 #include "studies/analysis/verdict_sentences.h"
 #include "tests/studies/answer_tables.h"
 #include "tests/studies/ground_truth.h"
@@ -327,6 +328,46 @@ TEST(Exports, ComparisonsForPwcmpAreOneARow) {
   EXPECT_EQ(file_named(export_files(a), "pwcmp/1.csv"),
             "Observer,Session,Scene,Condition_1,Condition_2,Selection\n"
             "A,1,far,mesh,flat,1\nA,1,far,mesh,flat,1\nA,1,far,mesh,flat,2\nB,1,far,flat,mesh,2\n");
+}
+
+// Names that a spreadsheet would run have an apostrophe before them, in every file alike; numbers are left alone.
+TEST(Exports, NamesAreNoFormulas) {
+  EXPECT_EQ(text::spreadsheet_safe("=cmd|calc!A1"), "'=cmd|calc!A1");
+  for (const char* name : {"+x", "-x", "@x", "\tx", "-", "-5;1"})
+    EXPECT_EQ(text::spreadsheet_safe(name)[0], '\'') << name;
+  for (const char* name : {"", "x", "a=b", "-5", "+1.5", "-1e-3", "5"}) EXPECT_EQ(text::spreadsheet_safe(name), name);
+  std::string table = "participant,condition,level,answer\n";
+  for (int p = 0; p < 4; ++p)
+    for (int t = 0; t < 8; ++t)
+      table += fmt::format("=who{},@far,{},{}\n", p, t % 4 - 2, (t * 7 + p * 5) % 11 < 3 + t % 4 * 2 ? "yes" : "no");
+  AnalysisSettings settings{.resamples = 0};
+  settings.curve.guess = 0;
+  const std::vector<ExportedFile> files = export_files(analyse(answers_of(table), settings));
+  const Table data = parse_table(file_named(files, "data/study_answers_data.csv"), "d");
+  EXPECT_EQ(data.rows.at(0).fields.at(0), "'=who0");
+  EXPECT_EQ(data.rows.at(0).fields.at(1), "'@far");
+  EXPECT_EQ(data.rows.at(0).fields.at(2), "-2");
+  EXPECT_NE(file_named(files, "analysis.R").find("condition == \"'@far\""), std::string::npos);
+  EXPECT_EQ(parse_table(file_named(files, "estimates.csv"), "e").rows.at(0).fields.at(1), "'@far");
+  EXPECT_NE(file_named(files, "README.md").find("apostrophe"), std::string::npos);
+  const Analysis pairs = analyse(answers_of("participant,item_a,item_b,yes,no\nA,=x,+y,1,0\nB,=x,+y,0,1\n"), settings);
+  EXPECT_NE(file_named(export_files(pairs), "pwcmp/1.csv").find("A,1,all,'=x,'+y,1"), std::string::npos);
+}
+
+// lme4 is to be given what was fitted here.
+TEST(Exports, TheScriptLeavesOutWhatHasNoSignal) {
+  std::string table = "participant,level,signal,yes,no\n";
+  for (int p = 0; p < 4; ++p)
+    for (int level = 0; level < 4; ++level)
+      table += fmt::format("{},{},1,{},{}\n{},{},0,2,8\n", p, level, 2 + 2 * level, 8 - 2 * level, p, level);
+  AnalysisSettings settings{.resamples = 0};
+  settings.curve.guess_rate = Rate::free;
+  const Analysis a = analyse(answers_of(table), settings);
+  EXPECT_EQ(a.tasks.at(0).mixed.at(0).fit.answers, 160U);
+  const std::string script = file_named(export_files(a), "analysis.R");
+  EXPECT_NE(script.find("answers[answers$signal != \"0\", ]"), std::string::npos);
+  EXPECT_NE(script.find(fmt::format(", {}, \"logit\"", a.tasks[0].mixed[0].settings.guess)), std::string::npos)
+      << "the rate of guesses to its last digit";
 }
 
 // ---- the worst tables
