@@ -42,7 +42,7 @@ std::optional<MixedThreshold> threshold_of(const ThresholdPowerSettings& s, uint
   const Answers answers = simulate_answers(s.observers, s.design, seed);
   parts::Rows rows;
   for (const Answer& row : answers.rows) rows.push_back(&row);
-  const auto models = parts::mixed_models(answers, rows, parts::groups_of(answers, rows, false), s.analysis);
+  const auto models = parts::mixed_models(answers, rows, parts::groups_of(answers, rows, false), {}, s.analysis);
   return models.at(0).threshold;
 }
 

@@ -1,5 +1,6 @@
 // Every command that `crowdbench --help` lists is run once as a user would, on tiny input, and what it is for is looked
 // at.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
