@@ -169,6 +169,9 @@ std::string causes_markdown() {
       "`total`, `dominant` (null: not distinguishable) and the 95 % `interval` of its share |\n"
       "| `told_by` | | of `quality`: `drawing` with `--causes`, which draws both sides anew; else `comparing` the two "
       "pictures and their ids |\n"
+      "| `shares` | | each cause's amount over `total`; null where that is 0 |\n"
+      "| `frames`, `tick` | | of `distance`: of how many frames, and of which one, where it is of one |\n"
+      "| `representation` | | of `quality` and `distance`: what is judged |\n"
       "| `words` | | of `quality` and `distance`: what dominates, in words |\n";
   return out;
 }

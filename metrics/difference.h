@@ -62,6 +62,7 @@ struct LinearDifference {
   double mae = 0;
   double rms = 0;
 };
+// Range 0 (equal) to infinity; lower is better.
 LinearDifference linear_difference(const ImageF& a, const ImageF& b);
 
 }  // namespace crowdbench::metrics

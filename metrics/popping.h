@@ -4,6 +4,8 @@
 // had the agent kept the look that it had in the frame before. Everything that moves moves in T[t] and in H[t] alike,
 // so that what is between them is the switch alone. It is isolated by id: only pixels that carry the agent's id in T[t]
 // or H[t] count, and what is seen of them is computed on the box around these, widened by pop_margin().
+//
+// Source: our own, by substitution; FLIP and ColorVideoVDP as in their headers, luma of BT.601. Ranges: pop_scores().
 #pragma once
 #include <cstdint>
 #include <optional>

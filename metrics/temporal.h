@@ -17,6 +17,8 @@ namespace crowdbench::metrics {
 // t + 1's, one that is in frame t alone t's, twice as much t + 1's, and t + 2's. Limits: code values, not what is seen,
 // whatever the frame rate and the screen; an error that grows evenly is none; a camera that moves makes what is wrong
 // at edges flicker.
+//
+// Source: our own; the second difference is the least that a change at a steady rate leaves nothing of.
 class Flicker {
  public:
   // All of one size. reference, test: luma601(). silhouette: the frame's union of both masks; none = every pixel

@@ -6,6 +6,7 @@
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/study.h"
+#include "bench/stage/scenario_display.h"
 #include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
@@ -99,7 +100,9 @@ int run_export(const Options& options) {
   ExportSettings settings;
   settings.webm = options.browsers == "all";
   settings.score_every_seconds = options.score_every;
-  settings.display = display_of_option(options.display);
+  settings.display = options.display.empty() ? display_of_scenario(plan.conditions[0].scenario, plan.folder,
+                                                                   {{"display.model", options.plan}})
+                                             : display_of_option(options.display);
   const auto context = open_context(options.device);
   const Exported exported = export_study(*context, plan, frozen, options.out, settings);
   for (const std::string& warning : exported.warnings) fmt::print(stderr, "warning: {}\n", warning);

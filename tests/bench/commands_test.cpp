@@ -467,7 +467,8 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
       {"study freeze",
        [&] {
          write_file(work_ / "study.toml",
-                    "[scenario]\nwidth = 64\nheight = 48\ncrowd.agents = 3\n[[scenario.character]]\n"
+                    "[scenario]\nwidth = 64\nheight = 48\ncrowd.agents = 3\ndisplay.model = \"standard_fhd\"\n"
+                    "[[scenario.character]]\n"
                     "source = \"mannequin:triangles=500\"\n[conditions]\ntest = \"mesh:triangles=60\"\n"
                     "[stimulus]\nseconds = 0.1\nlead_in_seconds = 0\ncrowds = 1\nseeds = \"same\"\n"
                     "[catch]\nidentical = 0\nbroken = 0\n[method]\nrepeats = 1\n");
@@ -476,7 +477,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          for (const char* command : {"study freeze wrong.toml", "study export wrong.toml --dry-run"}) {
            const Outcome wrong = run(command);
            EXPECT_EQ(wrong.status, 2) << command;
-           EXPECT_NE(wrong.text.find("wrong.toml:20: "), std::string::npos) << wrong.text;
+           EXPECT_NE(wrong.text.find("wrong.toml:21: "), std::string::npos) << wrong.text;
          }
          EXPECT_EQ(facts("study freeze study.toml --json").at("hash").get<std::string>().size(), 64U);
        }},
@@ -490,6 +491,9 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const json j = facts("study export study.toml out --json");
          EXPECT_EQ(j.at("stacked"), json::parse(text("out/page/trials.json")).at("stimuli").size());
          EXPECT_EQ(facts("study export study.toml out --json").at("stacked"), 0);
+         EXPECT_NE(json::parse(text("out/study.json")).at("scores_display").get<std::string>().find("standard_fhd"),
+                   std::string::npos)
+             << "the scenario's display";
        }},
       {"study analyze",
        [&] {
