@@ -217,7 +217,7 @@ struct DrawOptions {
   int parallax = 0;   // steps of the reprojection by stored depths
   int layers = 0;     // of one array texture, at most; 0: the driver's limit
   FramesBetween between = FramesBetween::nearest;
-  int slices = 0;     // parallel polygons of the finest level; 0: one, and no intervals
+  int slices = 0;  // parallel polygons of the finest level; 0: one, and no intervals
   double overlap = 0;
   // Half as many of each coarser level, whose texels are as large as the intervals that twice as many would have.
   int slices_at(size_t level) const { return slices == 0 ? 0 : std::max(slices >> level, 1); }

@@ -1,5 +1,5 @@
-// What a plan's own design is worth, by simulated studies: widths and shares that go the way they must, and come to what
-// is known without simulation.
+// What a plan's own design is worth, by simulated studies: widths and shares that go the way they must, and come to
+// what is known without simulation.
 #include "studies/analysis/power.h"
 
 #include <gtest/gtest.h>
