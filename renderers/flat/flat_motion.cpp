@@ -167,8 +167,9 @@ std::vector<uint8_t> motion_texels(const MotionPoses& poses, const MotionLattice
       };
       const glm::dvec3 half_way = place(poses.half_way);
       const glm::dvec3 step = place(*frames[f]) - half_way;
-      const glm::dvec3 here(rect.x + static_cast<int>(i) % rect.width + 0.5,
-                            rect.y + static_cast<int>(i) / rect.width + 0.5, half_way.z);
+      const int column = static_cast<int>(i) % rect.width;
+      const int row = static_cast<int>(i) / rect.width;
+      const glm::dvec3 here(rect.x + column + 0.5, rect.y + row + 0.5, half_way.z);
       motions[f] = {glm::dvec2(step) * lattice.texel,
                     hidden_in(pictures[f], poses, lattice, here, here + step, nearest[i].steps == 0)};
     }
@@ -184,7 +185,8 @@ std::vector<uint8_t> motion_texels(const MotionPoses& poses, const MotionLattice
 }
 
 Motion decode_motion(uint8_t x, uint8_t y, double range) {
-  return {glm::dvec2((x / 2 - kZero) / static_cast<double>(kSteps), decode_signed(y)) * range, x % 2 != 0};
+  const int steps = x / 2 - kZero;  // the lowest bit says whether it is hidden
+  return {glm::dvec2(steps / static_cast<double>(kSteps), decode_signed(y)) * range, x % 2 != 0};
 }
 
 double largest_step(const std::vector<glm::vec3>& from, const std::vector<glm::vec3>& to) {
