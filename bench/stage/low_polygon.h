@@ -24,9 +24,10 @@ inline bool is_level(const renderers::Spec& spec) {
 inline constexpr size_t kLowPolygonTriangles = 500;
 inline renderers::Spec low_polygon_spec() { return level_spec(kLowPolygonTriangles); }
 
-// Levels between which the one of equal error and the one of equal cost are looked for, each with a quarter of the
-// triangles of the one before; the whole mesh comes before them.
-inline constexpr std::array<size_t, 3> kLevelTriangles = {2000, kLowPolygonTriangles, 125};
+// Levels between which the one of equal error and the one of equal cost are looked for; the whole mesh comes before
+// them. The coarsest still passes the check of what it covers: of 125 triangles the built-in character covers 15.3 %
+// too little.
+inline constexpr std::array<size_t, 3> kLevelTriangles = {2000, kLowPolygonTriangles, 200};
 inline std::vector<renderers::Spec> level_specs() {
   std::vector<renderers::Spec> specs;
   for (const size_t triangles : kLevelTriangles) specs.push_back(level_spec(triangles));

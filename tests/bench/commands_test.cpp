@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "bench/stage/low_polygon.h"
 #include "core/files.h"
 #include "core/image_io.h"
 #include "test_paths.h"
@@ -96,6 +97,11 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_GT(j.at("clips").size(), 0U);
          EXPECT_EQ(text("m.glb").substr(0, 4), "glTF");
          EXPECT_TRUE(j.at("levels").empty());
+         // The levels that `bench` and `demo` add by themselves pass the check of what they cover.
+         std::string added;
+         for (const renderers::Spec& level : level_specs()) added += " --representation " + level.text();
+         EXPECT_EQ(run("bench --agents 100 --occupancy 0.15 --rounds 10 --no-floors --out added.sqlite" + added).status,
+                   0);
          const std::string levels = "inspect mannequin:triangles=500 --level triangles=300 --level ratio=0.3";
          const json told = facts(levels + " --height-px 60 --json").at("levels");
          ASSERT_EQ(told.size(), 2U);
