@@ -165,6 +165,7 @@ std::string study_report_page(const StudyReport& report) {
     model.standing_title = standing_title(report.standing->standing);
     model.standing = report.standing->sentences;
   }
+  model.title = "What " + text.who + " answered";
   model.lead = text.lead;
   for (size_t i = 0; i < text.tasks.size(); ++i)
     model.tasks.push_back(task_of(report.analysis, report.analysis.tasks[i], text.tasks[i]));

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <sstream>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/options.h"
@@ -42,15 +41,6 @@ void set_worth(const std::string& text, std::map<std::string, double>& to) {
   to[text.substr(0, equals)] = worth;
 }
 
-// The table with a first column that says who answered.
-std::string marked_table(const std::string& table) {
-  std::istringstream lines(table);
-  std::string out;
-  std::string line;
-  while (std::getline(lines, line)) out += (out.empty() ? "observers," : "simulated,") + line + "\n";
-  return out;
-}
-
 size_t write_table(const Options& o) {
   studies::SimulatedObservers who = o.simulated.who;
   who.guess = o.guess.value_or(0);
@@ -75,7 +65,7 @@ size_t write_study(const Options& o) {
                 "name a table, or a result file as `study serve` keeps one");
   const studies::StudyAnswers answers = simulate_study(o.study, simulated);
   if (file.extension() == ".csv")
-    write_file(file, std::string_view(marked_table(studies::answers_csv(answers, o.study))));
+    write_file(file, std::string_view(studies::answers_csv(answers, o.study)));
   else
     write_simulated(answers, file);
   return answers.answers.size();

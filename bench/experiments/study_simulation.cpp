@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -28,79 +29,45 @@ enum Draw : uint64_t { kThreshold = 1, kSlope, kClip, kObserver, kSee, kGuess, k
 
 // ---- what is asked
 
-struct Stimulus {
-  std::string kind, upper, lower, expected;
-  std::optional<double> level;
-  uint64_t crowd = 0;
-};
-struct Trial {
-  std::string id, kind;
-  std::string stimulus;  // empty: chosen when its turn comes
-  uint32_t block = 0;
-};
-struct List {
-  std::string id;
-  std::vector<Trial> trials;
-};
 struct Asked {
-  std::string study;
+  studies::StudyFolder folder;
+  std::map<std::string, studies::ShownStimulus> stimuli;
+  std::vector<std::vector<studies::StudyTrial>> lists;  // in the order of the folder's, each in its order
+  std::optional<studies::AdaptiveRule> rule;
   bool same_different = false;
   bool may_not_tell = false;
   bool has_levels = false;
-  uint64_t frames = 0;
-  std::map<std::string, Stimulus> stimuli;
-  std::vector<List> lists;
-  std::optional<studies::AdaptiveRule> rule;
 };
 
-std::string text_of(const json& of, const char* name) {
-  const auto found = of.find(name);
-  return found != of.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-Stimulus stimulus_of(const json& side) {
-  Stimulus out{text_of(side, "kind"), text_of(side, "upper"), text_of(side, "lower"), text_of(side, "expected"), {}, 0};
-  if (const auto level = side.find("level"); level != side.end() && level->is_number())
-    out.level = level->get<double>();
-  out.crowd = side.value("crowd", uint64_t{0});
-  return out;
-}
-
-List list_of(const json& list) {
-  List out;
-  out.id = list.at("id").get<std::string>();
-  for (const json& each : list.at("trials"))
-    out.trials.push_back({each.at("trial").get<std::string>(), each.at("kind").get<std::string>(),
-                          text_of(each, "stimulus"), each.at("block").get<uint32_t>()});
-  return out;
-}
-
-// Everything that the folder's reader does not look at may be of any form.
 Asked read_asked(const fs::path& out) {
-  const studies::StudyFolder folder = studies::read_study_folder(out);
-  Asked asked;
-  asked.study = folder.study;
+  Asked asked{.folder = studies::read_study_folder(out), .stimuli = studies::read_sides(out), .lists = {}, .rule = {}};
+  const studies::StudyFolder& folder = asked.folder;
   asked.same_different = folder.task == "same-different";
   asked.may_not_tell = std::find(folder.answers.begin(), folder.answers.end(), "cannot-tell") != folder.answers.end();
-  try {
-    const json trials = json::parse(read_text(out / "page" / "trials.json"));
-    const json sides = json::parse(read_text(out / "sides.json"));
-    asked.frames = trials.value("frames", uint64_t{0});
-    for (const auto& [id, side] : sides.at("stimuli").items()) asked.stimuli[id] = stimulus_of(side);
-    for (const json& list : trials.at("lists")) asked.lists.push_back(list_of(list));
-    if (trials.contains("adaptive"))
-      asked.rule = studies::parse_adaptive(trials.at("adaptive").dump(), (out / "page" / "trials.json").string());
-  } catch (const json::exception&) {
-    throw Error(out.string(), "page/trials.json or sides.json is not what an export writes",
-                "name a folder that `crowdbench study export` made");
+  if (!folder.adaptive.empty())
+    asked.rule = studies::parse_adaptive(folder.adaptive, (out / "page" / "trials.json").string());
+  for (const auto& [id, stimulus] : asked.stimuli)
+    asked.has_levels |= stimulus.kind == "test" && !stimulus.level.empty();
+  std::set<std::string> shown = folder.choices;
+  for (const std::string& list : folder.lists) {
+    std::vector<studies::StudyTrial>& trials = asked.lists.emplace_back(folder.trials.at(list).size());
+    for (const auto& [id, trial] : folder.trials.at(list)) {
+      if (!trial.stimulus.empty()) shown.insert(trial.stimulus);
+      trials[trial.turn] = trial;
+    }
   }
-  for (const List& list : asked.lists)
-    for (const Trial& trial : list.trials)
-      if (!trial.stimulus.empty() && !asked.stimuli.contains(trial.stimulus))
-        throw Error((out / "sides.json").string(), fmt::format("does not know the stimulus '{}'", trial.stimulus),
-                    "name a folder that `crowdbench study export` made");
-  for (const auto& [id, stimulus] : asked.stimuli) asked.has_levels |= stimulus.kind == "test" && stimulus.level;
+  for (const std::string& stimulus : shown)
+    if (!asked.stimuli.contains(stimulus))
+      throw Error((out / "sides.json").string(), fmt::format("does not know the stimulus '{}'", stimulus),
+                  "name a folder that `crowdbench study export` made");
   return asked;
+}
+
+// Of a field; `otherwise` where it is no number.
+template <typename Number>
+Number number_of(const std::string& field, Number otherwise) {
+  std::from_chars(field.data(), field.data() + field.size(), otherwise);
+  return otherwise;
 }
 
 void require_items(const Asked& asked, const SimulatedStudy& simulated, const fs::path& out) {
@@ -129,7 +96,7 @@ class Observer {
         slope_(simulated.who.slope * std::exp(simulated.who.slope_log_sd * studies::random_normal(own_, 0, kSlope))) {}
 
   // turn: of the list's trials; done: the share of them that was answered before.
-  std::string answer(const Stimulus& s, uint64_t turn, double done) const {
+  std::string answer(const studies::ShownStimulus& s, uint64_t turn, double done) const {
     if (s.kind == "broken") return seen(s, turn);
     if (s.kind == "alike" || (asked_.same_different && s.kind == "identical")) return same_or_different(turn);
     if (s.kind == "test" && asked_.has_levels)
@@ -142,11 +109,12 @@ class Observer {
   double chance(Draw purpose, uint64_t turn) const { return random_unit(own_, turn, purpose); }
   double guess() const { return simulated_.guess.value_or(asked_.same_different ? 0.1 : 0.5); }
 
-  double eta(const Stimulus& s, double done) const {
+  double eta(const studies::ShownStimulus& s, double done) const {
     const studies::SimulatedObservers& who = simulated_.who;
-    const double level = s.level.value_or(std::numeric_limits<double>::infinity());
+    const double level = number_of(s.level, std::numeric_limits<double>::infinity());
     const double bias = s.expected == "upper" ? who.side_bias : s.expected == "lower" ? -who.side_bias : 0;
-    return slope_ * (level - threshold_) + who.clip_sd * studies::random_normal(simulated_.seed, s.crowd, kClip) +
+    return slope_ * (level - threshold_) +
+           who.clip_sd * studies::random_normal(simulated_.seed, number_of(s.clip, uint64_t{0}), kClip) +
            who.learning * (done - 0.5) + bias;
   }
   std::string same_or_different(uint64_t turn) const { return chance(kGuess, turn) < guess() ? "different" : "same"; }
@@ -155,16 +123,16 @@ class Observer {
     if (right == "lower") return "upper";
     return right == "different" ? "same" : "different";
   }
-  std::string seen(const Stimulus& s, uint64_t turn) const {
+  std::string seen(const studies::ShownStimulus& s, uint64_t turn) const {
     return chance(kSlip, turn) < simulated_.who.lapse ? wrong(s.expected) : s.expected;
   }
-  std::string not_seen(const Stimulus& s, uint64_t turn) const {
+  std::string not_seen(const studies::ShownStimulus& s, uint64_t turn) const {
     if (asked_.same_different) return same_or_different(turn);
     if (asked_.may_not_tell && chance(kTell, turn) < simulated_.cannot_tell) return "cannot-tell";
     return chance(kGuess, turn) < guess() ? s.expected : wrong(s.expected);
   }
   // A picture shown twice is worth as much as itself.
-  std::string compared(const Stimulus& s, uint64_t turn) const {
+  std::string compared(const studies::ShownStimulus& s, uint64_t turn) const {
     const auto worth = [&](const std::string& item) {
       const auto found = simulated_.log_worth.find(item);
       return s.kind == "identical" || found == simulated_.log_worth.end() ? 0 : found->second;
@@ -187,10 +155,10 @@ class Observer {
 };
 
 // As the page records a trial, as far as a simulated observer has it.
-StudyAnswerRow row_of(const Asked& asked, const Trial& trial, const std::string& stimulus, const std::string& answer,
-                      double rt_ms) {
+StudyAnswerRow row_of(const Asked& asked, const studies::StudyTrial& trial, const std::string& stimulus,
+                      const std::string& answer, double rt_ms) {
   StudyAnswerRow row;
-  row.item = trial.id;
+  row.item = trial.trial;
   row.kind = trial.kind;
   row.stimulus = stimulus;
   row.block = trial.block;
@@ -204,8 +172,8 @@ StudyAnswerRow row_of(const Asked& asked, const Trial& trial, const std::string&
                   {"answer", answer},
                   {"rt_ms", *row.rt},
                   {"replays", 0},
-                  {"frames", asked.frames},
-                  {"frames_total", asked.frames},
+                  {"frames", asked.folder.frames},
+                  {"frames_total", asked.folder.frames},
                   {"frames_dropped", 0},
                   {"hidden", 0},
                   {"restarts", 0},
@@ -214,15 +182,17 @@ StudyAnswerRow row_of(const Asked& asked, const Trial& trial, const std::string&
   return row;
 }
 
-void add_answers_of(const Observer& observer, const Asked& asked, const List& list, int64_t participant,
+void add_answers_of(const Observer& observer, const Asked& asked, size_t list, int64_t participant,
                     std::vector<StudyAnswerRow>& to) {
   std::vector<GivenAnswer> before;
-  for (size_t t = 0; t < list.trials.size(); ++t) {
-    const Trial& trial = list.trials[t];
-    const std::string stimulus = trial.stimulus.empty()
-                                     ? studies::chosen_stimulus(*asked.rule, asked.study, list.id, trial.id, before)
-                                     : trial.stimulus;
-    const double done = (static_cast<double>(t) + 0.5) / static_cast<double>(list.trials.size());
+  const std::vector<studies::StudyTrial>& trials = asked.lists[list];
+  for (const studies::StudyTrial& trial : trials) {
+    const size_t t = trial.turn;
+    const std::string stimulus =
+        trial.stimulus.empty()
+            ? studies::chosen_stimulus(*asked.rule, asked.folder.study, asked.folder.lists[list], trial.trial, before)
+            : trial.stimulus;
+    const double done = (static_cast<double>(t) + 0.5) / static_cast<double>(trials.size());
     const std::string answer = observer.answer(asked.stimuli.at(stimulus), t, done);
     if (trial.kind == "main") before.push_back({stimulus, answer});
     to.push_back(row_of(asked, trial, stimulus, answer, observer.rt_ms(t)));
@@ -235,15 +205,15 @@ void add_answers_of(const Observer& observer, const Asked& asked, const List& li
 studies::StudyAnswers simulate_study(const fs::path& out, const SimulatedStudy& simulated) {
   const Asked asked = read_asked(out);
   require_items(asked, simulated, out);
-  studies::StudyAnswers answers{.study = asked.study, .participants = {}, .answers = {}};
+  studies::StudyAnswers answers{.study = asked.folder.study, .participants = {}, .answers = {}};
   Progress progress("simulating observers", simulated.observers);
   for (uint32_t k = 0; k < simulated.observers; ++k) {
-    const List& list = asked.lists[k % asked.lists.size()];
+    const size_t list = k % asked.lists.size();
     StudyParticipantRow who;
     who.id = k + 1;
-    who.study = asked.study;
+    who.study = asked.folder.study;
     who.participant = fmt::format("simulated-{}", k + 1);
-    who.list = list.id;
+    who.list = asked.folder.lists[list];
     who.state = "finished";
     add_answers_of(Observer(asked, simulated, k), asked, list, who.id, answers.answers);
     answers.participants.push_back(std::move(who));

@@ -59,6 +59,7 @@ struct StudyTask {
 };
 
 struct StudyPageModel {
+  std::string title = "What people answered";
   std::string source;                 // the files that were analysed
   bool planned = false;               // the analysis is the one that was frozen before the first answer
   std::string standing_title;         // where it is not: in a few words

@@ -81,7 +81,7 @@ std::string study_page(const StudyPageModel& model) {
                                                               {"not_planned", std::move(not_planned)},
                                                               {"lead", text_rows(model.lead)},
                                                               {"tasks", std::move(tasks)}});
-  return page_frame("What people answered", std::move(content), model.source);
+  return page_frame(model.title, std::move(content), model.source);
 }
 
 }  // namespace crowdbench::reports

@@ -91,6 +91,7 @@ void analyse_tasks(Analysis& out, const ScoreTable& scores) {
   for (const Answer& row : answers.rows) {
     tasks[row.task.value_or(0)].push_back(&row);
     if (row.participant) participants.insert(*row.participant);
+    if (row.simulated) ++out.simulated_rows;
   }
   out.participants = participants.size();
   for (const auto& [task, rows] : tasks) {

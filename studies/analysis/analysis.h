@@ -145,7 +145,8 @@ struct Analysis {
   std::vector<std::string> sources;
   size_t rows = 0;  // analysed
   size_t participants = 0;
-  size_t catch_rows = 0;  // set aside
+  size_t simulated_rows = 0;  // of `rows`: answers of simulated observers
+  size_t catch_rows = 0;      // set aside
   std::vector<Exclusion> excluded;
   LeftOut left_out;
   std::vector<TaskResult> tasks;

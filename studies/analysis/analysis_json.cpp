@@ -248,7 +248,11 @@ std::string_view tie_rule_text(TieRule rule) {
 }
 
 Json analysis_json(const Analysis& a) {
-  Json out = {{"sources", a.sources}, {"rows", a.rows}, {"participants", a.participants}, {"catch_rows", a.catch_rows}};
+  Json out = {{"sources", a.sources},
+              {"rows", a.rows},
+              {"participants", a.participants},
+              {"simulated_rows", a.simulated_rows},
+              {"catch_rows", a.catch_rows}};
   out["excluded"] = Json::array();
   for (const Exclusion& e : a.excluded)
     out["excluded"].push_back({{"participant", e.participant}, {"right", e.right}, {"of", e.of}});

@@ -53,7 +53,7 @@ std::string markdown(const Section& s, Form form) {
 
 std::string told(const Analysis& a, const std::vector<std::string>& standing, Form form) {
   const AnalysisText text = analysis_text(a);
-  std::string out = "# Answers\n";
+  std::string out = "# What " + text.who + " answered\n";
   for (const std::string& sentence : standing) out += "\n" + plain(sentence, form) + "\n";
   for (const std::string& sentence : text.lead) out += "\n" + plain(sentence, form) + "\n";
   for (const TaskText& task : text.tasks) {

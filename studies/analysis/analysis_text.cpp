@@ -315,6 +315,13 @@ std::string what_is_left_out(const LeftOut& l, const TrialRules& rules) {
 
 AnalysisText analysis_text(const Analysis& a) {
   AnalysisText out;
+  out.who = a.simulated_rows == 0        ? "people"
+            : a.simulated_rows == a.rows ? "simulated observers"
+                                         : "people and simulated observers";
+  if (a.simulated_rows > 0)
+    out.lead.push_back(
+        fmt::format("SIMULATED: {} of {} were answered by simulated observers. They say nothing of people.",
+                    a.simulated_rows, counted(a.rows, "row", "rows")));
   const std::string participants =
       a.participants > 0 ? " of " + counted(a.participants, "participant", "participants") : "";
   out.lead.push_back(fmt::format("{}{}. {}{}", counted(a.rows, "row", "rows"), participants, who_is_excluded(a),

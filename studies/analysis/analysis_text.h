@@ -32,6 +32,7 @@ struct TaskText {
   std::vector<Section> sections;
 };
 struct AnalysisText {
+  std::string who;                // "people", "simulated observers", "people and simulated observers"
   std::vector<std::string> lead;  // sentences: what was analysed, who and what was left out, by which rules
   std::vector<TaskText> tasks;
 };

@@ -49,7 +49,8 @@ const std::vector<std::pair<std::string, Role>>& role_names() {
                                                                 {"catch", Role::catch_kind},
                                                                 {"pixels_per_degree", Role::pixels_per_degree},
                                                                 {"pixels_per_degree_se", Role::pixels_per_degree_se},
-                                                                {"css_px_per_clip_px", Role::css_px_per_clip_px}};
+                                                                {"css_px_per_clip_px", Role::css_px_per_clip_px},
+                                                                {"observers", Role::observers}};
   return all;
 }
 
@@ -284,6 +285,7 @@ void read_calibration(const Columns& columns, const Table::Row& row, Answer& out
 
 void read_rest(const Columns& columns, const Table::Row& row, Answer& out) {
   if (columns.has(Role::trial)) out.trial = columns.required(row, Role::trial);
+  if (columns.has(Role::observers)) out.simulated = lower(columns.field(row, Role::observers)) == "simulated";
   if (columns.has(Role::level)) out.level = read_level(columns, row);
   if (columns.has(Role::signal)) {
     const Word word = word_of(columns.required(row, Role::signal));

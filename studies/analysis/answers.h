@@ -38,6 +38,8 @@ namespace crowdbench::studies {
 //                       or not from 1 to 1000: not calibrated
 //   css_px_per_clip_px  how large a pixel of the clip was shown, in CSS pixels; without the column 1
 //   catch               kind of catch trial; empty, 0, no, none: an ordinary trial
+//   observers           who answered: "simulated" of simulated observers, which all that is made of them says; else
+//   people
 enum class Role {
   participant,
   trial,
@@ -64,6 +66,7 @@ enum class Role {
   pixels_per_degree,
   pixels_per_degree_se,
   css_px_per_clip_px,
+  observers,
 };
 
 struct ColumnMap {
@@ -88,6 +91,7 @@ struct Answer {
   // Only where both are there and can be those of a screen.
   std::optional<double> pixels_per_degree, pixels_per_degree_se;
   double css_px_per_clip_px = 1;
+  bool simulated = false;  // by a simulated observer
   std::string trial;
   std::string catch_kind;  // empty: an ordinary trial
   uint64_t yes = 0;

@@ -32,6 +32,8 @@ const std::vector<DataColumn>& data_columns() {
   using R = const Answer&;
   static const std::vector<DataColumn> all = {
       {"task", "what was asked", [](A a, R r, TieRule) { return name_of(a.tasks, r.task); }},
+      {"observers", "\"simulated\": of simulated observers, and not of people",
+       [](A, R r, TieRule) { return std::string(r.simulated ? "simulated" : ""); }},
       {"participant", "who answered", [](A a, R r, TieRule) { return name_of(a.participants, r.participant); }},
       {"trial", "which of the participant's trials", [](A, R r, TieRule) { return r.trial; }},
       {"condition", "what is compared", [](A a, R r, TieRule) { return name_of(a.conditions, r.condition); }},

@@ -53,6 +53,7 @@ Answers simulate_answers(const SimulatedObservers& o, const SimulatedDesign& des
       Answer row;
       row.line = out.rows.size() + 2;
       row.participant = p;
+      row.simulated = true;
       row.clip = clip;
       row.level = design.levels[level];
       row.trial = fmt::format("{}", t + 1);

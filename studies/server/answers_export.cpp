@@ -103,11 +103,6 @@ void add_saved_file(StudyAnswers& to, const fs::path& file) {
 
 // ---- what was shown
 
-// A stimulus as sides.json says it; empty texts: does not apply.
-struct Shown {
-  std::string condition, series, clip, level, kind, upper, lower, expected;
-};
-
 // A text or a number as a field; nothing else.
 std::string field(const json& of, const char* name) {
   const auto found = of.find(name);
@@ -116,33 +111,14 @@ std::string field(const json& of, const char* name) {
   return found->is_number() ? found->dump() : std::string();
 }
 
-std::map<std::string, Shown> read_sides(const fs::path& out) {
-  const fs::path file = out / "sides.json";
-  const json all = json::parse(read_text(file, size_t{64} << 20), nullptr, false);
-  const auto stimuli = all.is_object() ? all.find("stimuli") : all.end();
-  if (!all.is_object() || stimuli == all.end() || !stimuli->is_object())
-    throw Error(file.string(), "has no `stimuli`", "name a folder that `crowdbench study export` made");
-  std::map<std::string, Shown> shown;
-  for (const auto& each : stimuli->items()) {
-    const json& s = each.value();
-    if (!s.is_object()) throw Error(file.string(), fmt::format("`{}` is not a stimulus", printable(each.key(), 60)));
-    const std::string condition = field(s, "condition_name");
-    shown[each.key()] = {condition,         s.contains("series") ? field(s, "series") : condition,
-                         field(s, "crowd"), field(s, "level"),
-                         field(s, "kind"),  field(s, "upper"),
-                         field(s, "lower"), field(s, "expected")};
-  }
-  return shown;
-}
-
 // ---- writing
 
 // Of two items that are ranked, the one that `item_a` names: whichever stands above, a pair is one pair.
-const std::string& first_item(const Shown& s) { return std::min(s.upper, s.lower); }
-const std::string& second_item(const Shown& s) { return std::max(s.upper, s.lower); }
+const std::string& first_item(const ShownStimulus& s) { return std::min(s.upper, s.lower); }
+const std::string& second_item(const ShownStimulus& s) { return std::max(s.upper, s.lower); }
 
 // The page's word for an answer in those of `study analyze`: of ranked items a or b, else as it is.
-std::string analysis_word(const std::string& answer, const Shown& shown, bool ranked) {
+std::string analysis_word(const std::string& answer, const ShownStimulus& shown, bool ranked) {
   if (answer == "cannot-tell") return "cannot tell";
   if (!ranked || (answer != "upper" && answer != "lower")) return answer;
   return (answer == "upper") == (shown.upper <= shown.lower) ? "a" : "b";
@@ -157,7 +133,7 @@ std::string optional_text(const std::optional<T>& value) {
 struct CsvRow {
   const StudyAnswerRow& answer;
   const StudyParticipantRow& who;
-  const Shown& shown;
+  const ShownStimulus& shown;
   const std::string& study;
   bool ranked;
   bool same_different;
@@ -191,6 +167,11 @@ std::string shown_size(const CsvRow& r) {
   return record.is_object() ? optional_text(member<double>(record, "css_px_per_clip_px")) : std::string();
 }
 
+// "simulated" of simulated observers.
+std::string observers_of(const CsvRow& r) {
+  const json record = json::parse(r.answer.data, nullptr, false);
+  return record.is_object() ? field(record, "observers") : std::string();
+}
 std::string level_of(const CsvRow& r) {
   // Catch trials are judged and then taken out; where their clips have no level, a number stands there all the same.
   return r.shown.level.empty() && r.answer.kind == "catch" ? "0" : r.shown.level;
@@ -208,6 +189,7 @@ std::string signal_of(const CsvRow& r) {
 using R = const CsvRow&;
 const std::vector<CsvColumn>& csv_columns() {
   static const std::vector<CsvColumn> all = {
+      {"observers", observers_of, false},
       {"study", [](R r) { return r.study; }},
       {"participant", [](R r) { return r.who.participant; }},
       {"trial", [](R r) { return r.answer.item; }},
@@ -240,7 +222,7 @@ const std::vector<CsvColumn>& csv_columns() {
 
 // Whether the trial is of the table: with a right answer, or of items that are ranked; with a level where that is
 // asked.
-bool is_row(const StudyAnswerRow& row, const Shown& shown, bool ranked, bool levels) {
+bool is_row(const StudyAnswerRow& row, const ShownStimulus& shown, bool ranked, bool levels) {
   if (levels && row.kind != "catch" && shown.level.empty()) return false;
   return !shown.expected.empty() || (ranked && row.kind != "catch");
 }
@@ -266,6 +248,25 @@ std::string csv_of(std::vector<CsvRow> rows) {
 }
 
 }  // namespace
+
+std::map<std::string, ShownStimulus> read_sides(const fs::path& out) {
+  const fs::path file = out / "sides.json";
+  const json all = json::parse(read_text(file, size_t{64} << 20), nullptr, false);
+  const auto stimuli = all.is_object() ? all.find("stimuli") : all.end();
+  if (!all.is_object() || stimuli == all.end() || !stimuli->is_object())
+    throw Error(file.string(), "has no `stimuli`", "name a folder that `crowdbench study export` made");
+  std::map<std::string, ShownStimulus> shown;
+  for (const auto& each : stimuli->items()) {
+    const json& s = each.value();
+    if (!s.is_object()) throw Error(file.string(), fmt::format("`{}` is not a stimulus", printable(each.key(), 60)));
+    const std::string condition = field(s, "condition_name");
+    shown[each.key()] = {condition,         s.contains("series") ? field(s, "series") : condition,
+                         field(s, "crowd"), field(s, "level"),
+                         field(s, "kind"),  field(s, "upper"),
+                         field(s, "lower"), field(s, "expected")};
+  }
+  return shown;
+}
 
 StudyAnswers read_study_answers(const std::vector<fs::path>& files, const std::string& study) {
   StudyAnswers all{.study = study, .participants = {}, .answers = {}};
@@ -304,7 +305,7 @@ std::string jspsych_json(const StudyAnswers& answers) {
 }
 
 std::string answers_csv(const StudyAnswers& answers, const fs::path& out, bool levels) {
-  const std::map<std::string, Shown> shown = read_sides(out);
+  const std::map<std::string, ShownStimulus> shown = read_sides(out);
   std::map<int64_t, const StudyParticipantRow*> who;
   for (const StudyParticipantRow& row : answers.participants) who[row.id] = &row;
   const bool ranked =

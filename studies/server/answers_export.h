@@ -2,6 +2,7 @@
 // which what was shown is said by name.
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,26 @@ struct StudyAnswers {
 // neither of both, a participant in two saved files, no answers at all.
 StudyAnswers read_study_answers(const std::vector<std::filesystem::path>& files, const std::string& study);
 
+// A stimulus as sides.json says it; empty texts: does not apply.
+struct ShownStimulus {
+  std::string condition;     // by name
+  std::string series;        // the condition without the level that a curve is over
+  std::string clip;          // which crowd
+  std::string level;         // a number
+  std::string kind;          // "test", "alike", "identical", "broken" or "pair"
+  std::string upper, lower;  // items
+  std::string expected;      // the answer that counts as yes
+};
+// By id. out: the exported folder. Throws Error: it is none.
+std::map<std::string, ShownStimulus> read_sides(const std::filesystem::path& out);
+
 // Every record as the page made it, in jsPsych's form: an array, or one record a line.
 std::string jspsych_json(const StudyAnswers& answers);
 std::string json_lines(const StudyAnswers& answers);
 
-// One row a trial, in the columns that `study analyze` knows by name (study, participant, trial, condition, clip,
-// level, signal, answer, expected, rt, frames_dropped, hidden, catch; item_a, item_b and shown_first where items are
-// ranked) as far as the study has them, and behind them list, block, stimulus, upper, lower, replays, restarts,
+// One row a trial, in the columns that `study analyze` knows by name (observers, study, participant, trial, condition,
+// clip, level, signal, answer, expected, rt, frames_dropped, hidden, catch; item_a, item_b and shown_first where items
+// are ranked) as far as the study has them, and behind them list, block, stimulus, upper, lower, replays, restarts,
 // pixels_per_degree and its standard error, and `state`, which is "finished" of who came to the end. frames_dropped: of
 // one showing, the share of all showings that the browser dropped; empty where it does not say. Same or different:
 // `signal` is 1 where the halves differ, and `expected` is always "different", so that yes means "said different".

@@ -77,6 +77,7 @@ void add_list(StudyFolder& to, const Reader& read, const json& list, const std::
   for (const json& each : read.member(list, place, "trials", json::value_t::array)) {
     StudyTrial trial =
         trial_of(read, each, fmt::format("{}.trials[{}]", place, trials.size()), known, !to.choices.empty());
+    trial.turn = trials.size();
     const std::string name = trial.trial;
     if (!trials.emplace(name, std::move(trial)).second)
       read.fail(place, fmt::format("there are two trials '{}'", name));
@@ -150,7 +151,12 @@ StudyFolder read_study_folder(const fs::path& out) {
   std::set<std::string> known;
   for (const auto& each : read.member(all, "trials.json", "stimuli", json::value_t::object).items())
     known.insert(each.key());
-  if (all.contains("adaptive")) add_choices(folder, read, all.at("adaptive"), known);
+  if (all.contains("adaptive")) {
+    add_choices(folder, read, all.at("adaptive"), known);
+    folder.adaptive = all.at("adaptive").dump();
+  }
+  if (const auto frames = all.find("frames"); frames != all.end() && frames->is_number_unsigned())
+    folder.frames = frames->get<uint64_t>();
   for (const json& list : read.member(all, "trials.json", "lists", json::value_t::array))
     add_list(folder, read, list, fmt::format("lists[{}]", folder.lists.size()), known);
   if (folder.lists.empty()) read.fail("`lists`", "there is none");

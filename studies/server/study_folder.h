@@ -14,6 +14,7 @@ struct StudyTrial {
   std::string stimulus;  // empty: chosen by the page from StudyFolder::choices
   std::string kind;      // "training", "main" or "catch"
   uint32_t block = 0;
+  size_t turn = 0;  // place in the list, from 0
 };
 
 struct StudyFile {
@@ -28,6 +29,8 @@ struct StudyFolder {
   std::vector<std::string> lists;                                   // ids, in the order of the file
   std::map<std::string, std::map<std::string, StudyTrial>> trials;  // by list, by trial
   std::set<std::string> choices;  // stimuli that an adaptive method may choose; empty of other methods
+  std::string adaptive;           // the method's rule as trials.json has it; empty of other methods
+  uint64_t frames = 0;            // of a clip; 0: it does not say
   // What is served: by path ("/index.html", "/clips/s001.mp4"), every regular file below OUT/page and nothing else, so
   // that no request can name another one. Symbolic links are left out.
   std::map<std::string, StudyFile> files;

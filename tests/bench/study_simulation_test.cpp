@@ -23,6 +23,8 @@
 #include "core/probability.h"
 #include "store/store.h"
 #include "studies/analysis/analysis.h"
+#include "studies/analysis/analysis_output.h"
+#include "studies/analysis/exports.h"
 #include "studies/plan/adaptive.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/study_page.h"
@@ -370,7 +372,15 @@ TEST_F(SimulatedStudyTest, IsAResultFileLikeAServers) {
   write_simulated(answers, file);
   const StudyAnswers kept = studies::read_study_answers({file}, support::kStudyHash);
   EXPECT_EQ(studies::answers_csv(kept, out), studies::answers_csv(answers, out));
-  EXPECT_NE(kept.answers[0].data.find("\"observers\":\"simulated\""), std::string::npos);
+  // Whatever is made of them says that nobody answered.
+  const studies::Analysis found = analysed(kept, {});
+  EXPECT_EQ(found.simulated_rows, found.rows);
+  const std::string told = studies::analysis_markdown(found);
+  EXPECT_TRUE(told.starts_with("# What simulated observers answered\n\nSIMULATED: ")) << told.substr(0, 200);
+  for (const studies::ExportedFile& exported : studies::export_files(found))
+    if (exported.name.ends_with("_data.csv")) {
+      EXPECT_NE(exported.text.find("\nsimulated,"), std::string::npos);
+    }
   EXPECT_THROW(write_simulated(answers, file), Error) << "nothing is added to answers that are there";
 }
 

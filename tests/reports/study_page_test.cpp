@@ -36,7 +36,8 @@ StudyPageModel model() {
                    {"Thresholds", "", "", {}, {}, StudyChart::curves},
                    {"Ranking", "", "", {}, {}, StudyChart::ranking},
                    {"Scores", "", "", {}, {}, StudyChart::prediction}};
-  return {"answers.csv", false, "Not the planned analysis", {"p.toml was not frozen."}, {"100 rows."}, {task}};
+  return {"What people answered",     "answers.csv", false, "Not the planned analysis",
+          {"p.toml was not frozen."}, {"100 rows."}, {task}};
 }
 
 TEST(StudyCharts, HoldAnswersCurvesAndOpenEnds) {
