@@ -10,6 +10,7 @@
 #include "bench/commands/tune_output.h"
 #include "bench/experiments/score_rows.h"
 #include "bench/experiments/tune_measure.h"
+#include "core/counted.h"
 #include "core/image_io.h"
 #include "metrics/pseudocolour.h"
 
@@ -98,8 +99,8 @@ std::vector<std::string> proof_lines(const TuneReport& report) {
   if (!report.proof) return out;
   const TuneProof& proof = *report.proof;
   const std::string on = proof.character.empty() ? "" : " of " + proof.character;
-  out.push_back(fmt::format("Speed on unseen crowds{}: {} of {} seeds within what was promised: {}.", on,
-                            proof.speed.within, proof.speed.seeds.size(),
+  out.push_back(fmt::format("Speed on unseen crowds{}: {} of {} within what was promised: {}.", on, proof.speed.within,
+                            counted(proof.speed.seeds.size(), "seed", "seeds"),
                             proof.speed.holds ? "holds" : "does NOT hold"));
   for (const ErrorProof& one : proof.errors)
     out.push_back(fmt::format(

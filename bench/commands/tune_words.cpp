@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bench/commands/tune_output.h"
+#include "core/counted.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -81,10 +82,10 @@ std::string budget_text(const TuneReport& report, const TuneAnswer& answer) {
   const double agents = agents_in_view(answer);
   const double each = std::max(agents, 1.0);
   std::string text = fmt::format(
-      "{:g} ms for {} agents, {:.0f} of them in view: the least visible set takes {:.2f} ms by its agents' costs, "
+      "{:g} ms for {}, {:.0f} of them in view: the least visible set takes {:.2f} ms by its agents' costs, "
       "{:.2f} of them without any agent",
-      1e-6 * report.request.budget_ns, report.crowd, agents, 1e-6 * (budget.base_ns + answer.plan->cost),
-      1e-6 * budget.base_ns);
+      1e-6 * report.request.budget_ns, counted(report.crowd, "agent", "agents"), agents,
+      1e-6 * (budget.base_ns + answer.plan->cost), 1e-6 * budget.base_ns);
   if (budget.measured_ns) text += fmt::format("; as a crowd {:.2f} ms", 1e-6 * *budget.measured_ns);
   if (budget.factor > 1)
     text += fmt::format(" (costs corrected by {:.2f}: what was sought first took longer than its agents' costs said)",
@@ -101,9 +102,9 @@ std::string saving_text(const TuneAnswer& answer) {
 }
 
 std::string promise_text(const SpeedPromise& promise) {
-  return fmt::format("promised of the whole frame on another seed: {}, from {} seeds",
+  return fmt::format("promised of the whole frame on another seed: {}, from {}",
                      times_fast(promise.ratio, promise.on_another_seed.low, promise.on_another_seed.high),
-                     promise.seeds.size());
+                     counted(promise.seeds.size(), "seed", "seeds"));
 }
 
 std::string other_character_text(const TuneReport& report) {

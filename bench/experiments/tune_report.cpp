@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/experiments/tune_measure.h"
+#include "core/counted.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -72,8 +73,9 @@ std::string no_plan_text(const TuneReport& report, const TuneAnswer& answer) {
     const TuneBudgetAnswer& budget = *answer.budget;
     std::string text = fmt::format("nothing fits in {:g} ms: ", 1e-6 * report.request.budget_ns);
     if (!std::isfinite(budget.cheapest_ns)) return text + "no chain of switches keeps the pop threshold";
-    text += fmt::format("the cheapest set takes {:.2f} ms for {} agents, {:.2f} of them without any agent",
-                        1e-6 * budget.factor * budget.cheapest_ns, report.crowd, 1e-6 * budget.factor * budget.base_ns);
+    text += fmt::format("the cheapest set takes {:.2f} ms for {}, {:.2f} of them without any agent",
+                        1e-6 * budget.factor * budget.cheapest_ns, counted(report.crowd, "agent", "agents"),
+                        1e-6 * budget.factor * budget.base_ns);
     if (budget.measured_ns)
       text += fmt::format("; as a crowd a frame takes {:.2f} times its agents' costs", budget.factor);
     return text;

@@ -51,17 +51,10 @@ uint64_t posed_bytes(const scene::Cast& cast, const std::vector<size_t>& vertice
   return bytes;
 }
 
-// The coarsest of the clips that move, where fewer poses than kFewFramesASecond are stored of it; else empty.
-std::string coarse_poses_text(const scene::Character& character, const scene::PoseBank& bank, uint32_t poses) {
-  const scene::BankClip* longest = nullptr;
-  for (const scene::BankClip& clip : bank.clips())
-    if (clip.samples > 1 && (longest == nullptr || clip.seconds > longest->seconds)) longest = &clip;
-  if (longest == nullptr || poses >= kFewFramesASecond * longest->seconds * (1 - 1e-9)) return {};
-  return fmt::format(
-      "{}: {} stored poses of clip '{}' ({:.3g} s) are {:.2g} a second of motion, and {:.0f} would be {:g}: "
-      "raise poses or budget (MiB), or shorten the clip",
-      character.name, poses, printable(character.clips[static_cast<size_t>(longest->clip)].name, 60), longest->seconds,
-      poses / longest->seconds, std::ceil(kFewFramesASecond * longest->seconds), kFewFramesASecond);
+// What there is to do about a clip of which few poses are stored.
+std::string more_poses_text(const scene::BankClip& clip) {
+  return fmt::format("{:.0f} would be {:g}: raise poses or budget (MiB), or shorten the clip",
+                     std::ceil(kFewFramesASecond * clip.seconds), kFewFramesASecond);
 }
 
 class RigidRepresentation : public Representation {
@@ -93,12 +86,18 @@ class RigidRepresentation : public Representation {
     for (size_t c = 0; c < cast.characters.size(); ++c) {
       progress(c, cast.characters.size());
       const scene::PoseBank& bank = *cast.banks[c];
-      warn_of_bake("rigid meshes", coarse_poses_text(*characters[c], bank, poses));
+      const auto stored = [&](const scene::BankClip& clip) {
+        return frames_of(clip, automatic ? std::min(poses, clip.samples) : poses);
+      };
+      warn_of_bake("rigid meshes",
+                   coarse_clip_text(
+                       *characters[c], bank,
+                       [&](const scene::BankClip& clip) { return static_cast<int>(stored(clip)); }, more_poses_text));
       CharacterPoses& out = characters_.emplace_back();
       std::vector<std::vector<scene::Mat3x4>> palettes;
       for (size_t k = 0; k < bank.clips().size(); ++k) {
         const scene::BankClip& clip = bank.clips()[k];
-        const uint32_t frames = frames_of(clip, automatic ? std::min(poses, clip.samples) : poses);
+        const uint32_t frames = stored(clip);
         out.clips.push_back({static_cast<uint32_t>(palettes.size()), frames});
         for (uint32_t f = 0; f < frames; ++f)
           palettes.push_back(bank.palette(bank.sample(static_cast<int>(k), static_cast<double>(f) / frames)));

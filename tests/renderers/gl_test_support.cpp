@@ -155,6 +155,14 @@ const scene::Cast& walker() {
   return cast;
 }
 
+scene::Frame row_of_walkers(const std::vector<double>& phases) {
+  scene::Frame frame = frame_of_one(14, 1.2, 480, 96, 14);
+  for (size_t i = 0; i < phases.size(); ++i)
+    add_agent(frame, walker(), {0.9 * static_cast<double>(i % 20) - 8.5, 0, 0}, static_cast<uint32_t>(i + 1), phases[i],
+              0.13F * static_cast<float>(i), 0.8F + 0.02F * static_cast<float>(i));
+  return frame;
+}
+
 std::unique_ptr<Representation> make(const scene::Cast& cast, const std::string& spec, const MakeOptions& how) {
   return make_representation(
       {.context = context(), .cast = cast, .bake_budget = how.budget, .use_cache = how.use_cache, .progress = false},

@@ -37,6 +37,8 @@ scene::Cast cast_of(scene::Character character, double rate = 30.0);
 
 // The small mannequin with its walk: asymmetric enough that a wrong view or frame shows.
 const scene::Cast& walker();
+// Walkers side by side in 480 x 96 pixels, one a phase, each larger and turned further than the one before.
+scene::Frame row_of_walkers(const std::vector<double>& phases);
 
 // A representation of the cast, silently.
 struct MakeOptions {

@@ -57,8 +57,8 @@ TEST(PolypostorParts, AreThoseOfABodyWithoutReadingANameOnce) {
   }
 }
 
-TEST(PolypostorParts, AreCutWhereTheirWeightEnds) {
-  // A card of two joints: the upper one's weight is the height. Its part ends at 0.3, the lower one's at 0.7.
+// The upper joint's weight is the height.
+scene::Character card_of_two_joints() {
   scene::Character c = card(2, 1);
   c.skeleton.nodes.push_back(c.skeleton.nodes[0]);
   c.skeleton.nodes[1].parent = 0;
@@ -68,8 +68,14 @@ TEST(PolypostorParts, AreCutWhereTheirWeightEnds) {
     const float h = c.mesh.positions[v].y;
     c.mesh.joints[v] = {0, 1, 0, 0};
     c.mesh.weights[v] = {1 - h, h, 0.0F, 0.0F};
-    c.mesh.uvs[v] = {c.mesh.positions[v].x, 10 * h};
   }
+  return c;
+}
+
+TEST(PolypostorParts, AreCutWhereTheirWeightEnds) {
+  // The upper joint's part ends at 0.3, the lower one's at 0.7.
+  scene::Character c = card_of_two_joints();
+  for (size_t v = 0; v < 4; ++v) c.mesh.uvs[v] = {c.mesh.positions[v].x, 10 * c.mesh.positions[v].y};
   const CutCharacter cut = cut_at_parts(c, {{0, 1}, 2});
   const scene::Mesh& mesh = cut.character->mesh;
   for (size_t part = 0; part < 2; ++part) {
@@ -104,16 +110,7 @@ TEST(PolypostorParts, AreCutWhereTheirWeightEnds) {
 // The same card, its upper edge turned about the lower one by a right angle: a corner at 0.3 of the edge would be
 // carried by t (1 - t) times what the two ends' matrices differ by over the edge beside it.
 TEST(PolypostorParts, ATriangleIsNotCutWhereTheCutWouldLeaveTheSurface) {
-  scene::Character c = card(2, 1);
-  c.skeleton.nodes.push_back(c.skeleton.nodes[0]);
-  c.skeleton.nodes[1].parent = 0;
-  c.skeleton.joints.push_back(c.skeleton.joints[0]);
-  c.skeleton.joints[1].node = 1;
-  for (size_t v = 0; v < 4; ++v) {
-    const float h = c.mesh.positions[v].y;
-    c.mesh.joints[v] = {0, 1, 0, 0};
-    c.mesh.weights[v] = {1 - h, h, 0.0F, 0.0F};
-  }
+  const scene::Character c = card_of_two_joints();
   const scene::Mat3x4 still{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
   const scene::Mat3x4 turned{{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
   const std::vector<std::vector<scene::Mat3x4>> poses = {{still, still}, {still, turned}};

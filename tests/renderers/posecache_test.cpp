@@ -18,14 +18,13 @@
 namespace crowdbench::renderers {
 namespace {
 
-using testing::add_agent;
 using testing::context;
 using testing::covered;
 using testing::different_ids;
 using testing::fact;
-using testing::frame_of_one;
 using testing::GlTest;
 using testing::make;
+using testing::row_of_walkers;
 using testing::walker;
 using testing::worst_colour_difference;
 
@@ -152,14 +151,6 @@ TEST(CacheTrade, AllAreHitsWhereAllKeyPosesFit) {
 
 class PoseCacheGl : public GlTest {};
 
-scene::Frame walking_row(const std::vector<double>& phases) {
-  scene::Frame frame = frame_of_one(14, 1.2, 480, 96, 14);
-  for (size_t i = 0; i < phases.size(); ++i)
-    add_agent(frame, walker(), {0.9 * static_cast<double>(i % 20) - 8.5, 0, 0}, static_cast<uint32_t>(i + 1), phases[i],
-              0.13F * static_cast<float>(i), 0.8F + 0.02F * static_cast<float>(i));
-  return frame;
-}
-
 Capture drawn_as(const scene::Frame& frame, const std::string& spec) {
   Renderer renderer(context(), walker());
   return renderer.capture(frame, *make(walker(), spec));
@@ -176,7 +167,7 @@ std::vector<double> phases_at(uint64_t tick, size_t agents) {
 }
 
 TEST_F(PoseCacheGl, BlendedFromTheBanksSamplesItIsTheMesh) {
-  const scene::Frame frame = walking_row(phases_at(0, 12));
+  const scene::Frame frame = row_of_walkers(phases_at(0, 12));
   const Capture mesh = drawn_as(frame, "mesh");
   const Capture test = drawn_as(frame, "posecache:poses=64");
   EXPECT_LE(different_ids(mesh, test), 4U);
@@ -185,7 +176,7 @@ TEST_F(PoseCacheGl, BlendedFromTheBanksSamplesItIsTheMesh) {
 }
 
 TEST_F(PoseCacheGl, WhoFindsNoPosesIsTheMesh) {
-  const scene::Frame frame = walking_row(phases_at(0, 6));
+  const scene::Frame frame = row_of_walkers(phases_at(0, 6));
   EXPECT_EQ(drawn_as(frame, "posecache:poses=1"), drawn_as(frame, "mesh"));
   const Capture some = drawn_as(frame, "posecache:keys=16,poses=4,debug=misses");
   EXPECT_GT(covered(some), 0U);
@@ -194,13 +185,13 @@ TEST_F(PoseCacheGl, WhoFindsNoPosesIsTheMesh) {
 
 // In a key pose nothing is blended: the pose that pseudo-instancing shows.
 TEST_F(PoseCacheGl, InAKeyPoseItIsThatPose) {
-  const scene::Frame frame = walking_row({0.0, 0.25, 0.5, 0.75});
+  const scene::Frame frame = row_of_walkers({0.0, 0.25, 0.5, 0.75});
   const Capture test = drawn_as(frame, "posecache:keys=4");
   const Capture pose = drawn_as(frame, "pseudo:poses=4");
   EXPECT_EQ(test.ids, pose.ids);
   EXPECT_LE(worst_colour_difference(test, pose), 1);
-  EXPECT_GT(different_ids(drawn_as(walking_row({0.125, 0.375}), "posecache:keys=4"),
-                          drawn_as(walking_row({0.125, 0.375}), "mesh")),
+  EXPECT_GT(different_ids(drawn_as(row_of_walkers({0.125, 0.375}), "posecache:keys=4"),
+                          drawn_as(row_of_walkers({0.125, 0.375}), "mesh")),
             20U);
 }
 
@@ -211,7 +202,7 @@ TEST_F(PoseCacheGl, PicturesDoNotDependOnWhatCameBefore) {
   EXPECT_FALSE(one->has_history());
   Renderer renderer(context(), walker());
   for (const uint64_t tick : {0, 9, 3, 3, 40, 41, 0}) {
-    const scene::Frame frame = walking_row(phases_at(tick, 10));
+    const scene::Frame frame = row_of_walkers(phases_at(tick, 10));
     EXPECT_EQ(renderer.capture(frame, *one), drawn_as(frame, spec)) << tick;
   }
 }
@@ -224,7 +215,7 @@ TEST_F(PoseCacheGl, KeepingHasAHistoryAndAdvancingIsDrawing) {
   EXPECT_TRUE(drawn->has_history());
   Renderer renderer(context(), walker());
   const auto at = [](uint64_t tick) {
-    scene::Frame frame = walking_row(phases_at(tick, 10));
+    scene::Frame frame = row_of_walkers(phases_at(tick, 10));
     frame.tick = tick;
     return frame;
   };
@@ -239,7 +230,7 @@ TEST_F(PoseCacheGl, KeepingHasAHistoryAndAdvancingIsDrawing) {
 
 TEST_F(PoseCacheGl, PassesShowTheSame) {
   CROWDBENCH_SKIP_SANITIZED("PreskinnedGl.PassesShowTheSameAndCostTheirVertices");
-  const scene::Frame frame = walking_row(phases_at(0, 8));
+  const scene::Frame frame = row_of_walkers(phases_at(0, 8));
   const Capture three = drawn_as(frame, "posecache:keys=16,poses=5,passes=3");
   const Capture one = drawn_as(frame, "posecache:keys=16,poses=5");
   EXPECT_EQ(three.ids, one.ids);

@@ -14,13 +14,12 @@
 namespace crowdbench::renderers {
 namespace {
 
-using testing::add_agent;
 using testing::context;
 using testing::different_ids;
 using testing::fact;
-using testing::frame_of_one;
 using testing::GlTest;
 using testing::make;
+using testing::row_of_walkers;
 using testing::walker;
 using testing::worst_colour_difference;
 
@@ -93,14 +92,6 @@ TEST(PseudoError, FallsWithTheNumberOfPoses) {
 
 class PseudoGl : public GlTest {};
 
-scene::Frame row_of(const std::vector<double>& phases) {
-  scene::Frame frame = frame_of_one(14, 1.2, 480, 96, 14);
-  for (size_t i = 0; i < phases.size(); ++i)
-    add_agent(frame, walker(), {0.9 * static_cast<double>(i % 20) - 8.5, 0, 0}, static_cast<uint32_t>(i + 1), phases[i],
-              0.13F * static_cast<float>(i), 0.8F + 0.02F * static_cast<float>(i));
-  return frame;
-}
-
 Capture draw(const scene::Frame& frame, const std::string& spec) {
   Renderer renderer(context(), walker());
   return renderer.capture(frame, *make(walker(), spec));
@@ -109,7 +100,7 @@ Capture draw(const scene::Frame& frame, const std::string& spec) {
 // Agents whose phases are among the poses show the mesh: turned and placed after skinning, not before, and normals of
 // 16 bits.
 TEST_F(PseudoGl, InASharedPoseItIsTheMesh) {
-  const scene::Frame frame = row_of({0.0, 0.25, 0.5, 0.75, 0.25, 0.0, 0.5, 0.5});
+  const scene::Frame frame = row_of_walkers({0.0, 0.25, 0.5, 0.75, 0.25, 0.0, 0.5, 0.5});
   const Capture mesh = draw(frame, "mesh");
   for (const char* spec : {"pseudo:poses=4", "pseudo:poses=4,choice=clustered"}) {
     const Capture test = draw(frame, spec);
@@ -119,9 +110,10 @@ TEST_F(PseudoGl, InASharedPoseItIsTheMesh) {
 }
 
 TEST_F(PseudoGl, OthersShowTheNearestPose) {
-  EXPECT_EQ(draw(row_of({0.29, 0.4, 0.91}), "pseudo:poses=5"), draw(row_of({0.2, 0.4, 0.0}), "pseudo:poses=5"));
-  EXPECT_EQ(draw(row_of({0.28125, 0.34375}), "pseudo:poses=1,choice=clustered"),
-            draw(row_of({0.3125, 0.3125}), "pseudo:poses=1,choice=clustered"));
+  EXPECT_EQ(draw(row_of_walkers({0.29, 0.4, 0.91}), "pseudo:poses=5"),
+            draw(row_of_walkers({0.2, 0.4, 0.0}), "pseudo:poses=5"));
+  EXPECT_EQ(draw(row_of_walkers({0.28125, 0.34375}), "pseudo:poses=1,choice=clustered"),
+            draw(row_of_walkers({0.3125, 0.3125}), "pseudo:poses=1,choice=clustered"));
   const auto even = make(walker(), "pseudo:poses=5");
   EXPECT_EQ(even->shown_phase(0, 0, 0.29), 0.2);
   EXPECT_EQ(make(walker(), "pseudo:choice=clustered")->shown_phase(0, 0, 0.29), 0.29);
@@ -131,9 +123,9 @@ TEST_F(PseudoGl, BytesAreThoseOfThePosesThatAFrameShows) {
   const auto one = make(walker(), "pseudo:poses=5");
   const uint64_t before = one->footprint().buffer_bytes;
   Renderer renderer(context(), walker());
-  (void)renderer.capture(row_of({0.0, 0.2, 0.2}), *one);
+  (void)renderer.capture(row_of_walkers({0.0, 0.2, 0.2}), *one);
   const uint64_t two = one->footprint().buffer_bytes - before;
-  (void)renderer.capture(row_of({0.0, 0.2, 0.4, 0.6, 0.8, 0.8, 0.1}), *one);
+  (void)renderer.capture(row_of_walkers({0.0, 0.2, 0.4, 0.6, 0.8, 0.8, 0.1}), *one);
   const uint64_t five = one->footprint().buffer_bytes - before;
   EXPECT_EQ(five * 2, two * 5);
   EXPECT_NEAR(fact(one->bake_info().facts, "pose_error_rms_mm"),

@@ -79,7 +79,7 @@ TEST_F(RigidGl, FewPosesOfAClipAreWarnedAbout) {
     make(cast, fmt::format("rigid:poses={}", poses));
     return ::testing::internal::GetCapturedStderr();
   };
-  EXPECT_NE(said(enough - 1).find(fmt::format("{} stored poses of clip", enough - 1)), std::string::npos);
+  EXPECT_NE(said(enough - 1).find(fmt::format("{} stored frames of clip", enough - 1)), std::string::npos);
   EXPECT_EQ(said(enough), "");
 }
 

@@ -77,22 +77,32 @@ int most_frames(const StoredFrames& frames) {
   return static_cast<int>(most);
 }
 
-std::string coarse_frames_text(const scene::Character& character, const scene::PoseBank& bank,
-                               const FrameCount& count) {
+std::string coarse_clip_text(const scene::Character& character, const scene::PoseBank& bank,
+                             const std::function<int(const scene::BankClip&)>& stored,
+                             const std::function<std::string(const scene::BankClip&)>& helps) {
   const scene::BankClip* coarsest = nullptr;
   double fewest = kFewFramesASecond;
   for (const scene::BankClip& c : bank.clips()) {
     if (c.samples <= 1) continue;
-    const double a_second = count.of(c.seconds) / c.seconds;
+    const double a_second = stored(c) / c.seconds;
     if (a_second >= fewest * (1 - 1e-9)) continue;
     fewest = a_second;
     coarsest = &c;
   }
   if (coarsest == nullptr) return {};
   const std::string& name = character.clips[static_cast<size_t>(coarsest->clip)].name;
-  return fmt::format("{}: {} stored frames of clip '{}' ({:.3g} s) are {:.2g} a second of motion; fps={:g} stores {}",
-                     character.name, count.of(coarsest->seconds), printable(name, 60), coarsest->seconds, fewest,
-                     kFewFramesASecond, FrameCount{count.frames, kFewFramesASecond}.of(coarsest->seconds));
+  return fmt::format("{}: {} stored frames of clip '{}' ({:.3g} s) are {:.2g} a second of motion; {}", character.name,
+                     stored(*coarsest), printable(name, 60), coarsest->seconds, fewest, helps(*coarsest));
+}
+
+std::string coarse_frames_text(const scene::Character& character, const scene::PoseBank& bank,
+                               const FrameCount& count) {
+  return coarse_clip_text(
+      character, bank, [&](const scene::BankClip& c) { return count.of(c.seconds); },
+      [&](const scene::BankClip& c) {
+        return fmt::format("fps={:g} stores {}", kFewFramesASecond,
+                           FrameCount{count.frames, kFewFramesASecond}.of(c.seconds));
+      });
 }
 
 std::vector<double> pose_steps(const StoredFrames& frames, const std::vector<std::vector<glm::vec3>>& positions) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,7 +63,11 @@ StoredFrames stored_frames(const scene::Character& character, const std::shared_
                            const FrameCount& count);
 
 // The coarsest of the bank's moving clips, where it has fewer than kFewFramesASecond: a line that says so and what
-// helps; else empty.
+// helps; else empty. stored: how many frames of a clip are; helps: what to do about that clip.
+std::string coarse_clip_text(const scene::Character& character, const scene::PoseBank& bank,
+                             const std::function<int(const scene::BankClip&)>& stored,
+                             const std::function<std::string(const scene::BankClip&)>& helps);
+// Of frames by the options `frames` and `fps`.
 std::string coarse_frames_text(const scene::Character& character, const scene::PoseBank& bank, const FrameCount& count);
 
 int most_frames(const StoredFrames& frames);  // of any clip
