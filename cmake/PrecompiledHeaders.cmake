@@ -12,23 +12,13 @@ set(crowdbench_headers_plain
   <fmt/format.h> <glm/glm.hpp> <glm/gtc/quaternion.hpp>)
 set(crowdbench_headers_test ${crowdbench_headers_plain} <gtest/gtest.h>)
 
-# Clang accepts another target's only where every definition is the same.
-if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+# GCC's bring its false alarms on inlined strings with them (its bug 105651), and its flags are none of Clang's, which lints what
+# the presets compile.
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
-
-set(crowdbench_precompiled_options)
-if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
-  set(crowdbench_precompiled_options
-    # A compiler cache sees by it which precompiled header was used.
-    $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>
-    # Out of a precompiled header GCC 12 forgets that <string> is a system header, and its false alarms on inlined strings
-    # (its bug 105651) come through.
-    $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>
-    $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>
-    $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow>
-    $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overread>)
-endif()
+# Without a time in it, so that a compiler cache knows it again.
+set(crowdbench_precompiled_options "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>")
 
 function(crowdbench_precompile target kind)
   set(owner crowdbench_headers_${kind})
@@ -38,12 +28,12 @@ function(crowdbench_precompile target kind)
     target_link_libraries(${owner} PRIVATE crowdbench_flags fmt::fmt glm::glm)
     if(kind STREQUAL "test")
       target_link_libraries(${owner} PRIVATE GTest::gtest)
-      target_compile_options(${owner} PRIVATE -fPIE)  # tests are programs, and position-independent as such
+      # Tests are programs, and position-independent as such; for their optimisation see tests/CMakeLists.txt.
+      target_compile_options(${owner} PRIVATE -fPIE $<$<CONFIG:Release>:-O0>)
       set_target_properties(${owner} PROPERTIES CROWDBENCH_TEST ON)
     endif()
     target_precompile_headers(${owner} PRIVATE ${crowdbench_headers_${kind}})
     target_compile_options(${owner} PRIVATE ${crowdbench_precompiled_options})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${owner})
-  target_compile_options(${target} PRIVATE ${crowdbench_precompiled_options})
 endfunction()

@@ -12,8 +12,6 @@ target_compile_options(crowdbench_flags INTERFACE
 if(CROWDBENCH_SANITIZE)
   target_compile_options(crowdbench_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all
                          -fno-omit-frame-pointer
-                         # GCC 12 sees uninitialised members in the standard library's <regex> when it instruments.
-                         $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
                          # What only tests (targets with the property CROWDBENCH_TEST) is nearly half of all that is compiled,
                          # and takes half the time without optimisation and without the checks of every pointer. ASan stops
                          # at bad pointers there too; what is tested has all checks.
@@ -82,7 +80,7 @@ function(crowdbench_compile_together out light alone fuzzed)
       list(SUBLIST "${group}" ${from} ${CROWDBENCH_TOGETHER} members)
       crowdbench_one_to_compile(file "${group}_${from}" ${members})
       if(group MATCHES "_light")
-        set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS $<IF:$<CONFIG:Release>,-O1,-O0>)
+        set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
       endif()
       if(group MATCHES "_fuzzed$")
         set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS -fsanitize=fuzzer-no-link)

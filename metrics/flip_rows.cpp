@@ -89,7 +89,7 @@ inline Hunt hunt_of(float r, float g, float b) {
   return {l, 0.01F * l * (500 * (fx - fy)), 0.01F * l * (200 * (fy - fz))};
 }
 
-inline Hunt hunt_of_opponents(float y, float dx, float dz) {
+[[gnu::always_inline]] inline Hunt hunt_of_opponents(float y, float dx, float dz) {
   return hunt_of(unit(row_of(kFromOpponents[0], y, dx, dz)), unit(row_of(kFromOpponents[1], y, dx, dz)),
                  unit(row_of(kFromOpponents[2], y, dx, dz)));
 }

@@ -11,18 +11,16 @@ shift 2
 [ -f "$build/compile_commands.json" ] || { echo "check_tidy: no compile_commands.json in $build; configure first" >&2; exit 2; }
 database=$(mktemp -d)
 trap 'rm -rf "$database"' EXIT
-# Without what is g++ alone: its precompiled headers, which clang cannot read, and warnings that clang does not know. What is
-# compiled together (cmake/Targets.cmake) is looked at together, which takes half the time, with its sources for headers; FILES
+# What is compiled together (cmake/Targets.cmake) is looked at together, which takes half the time, with its sources for headers; FILES
 # are looked at one by one.
 node - "$build/compile_commands.json" "$top" "$database" "$@" <<'SCRIPT'
 const fs = require("node:fs");
 const [, , commands, top, out, ...wanted] = process.argv;
-const gpp = / -include \S*cmake_pch\.hxx| -fpch-preprocess| -Wno-(restrict|stringop-[a-z]+|array-bounds|maybe-uninitialized|subobject-linkage)/g;
 const members = (file) => file.includes("/together/")
   ? [...fs.readFileSync(file, "utf8").matchAll(/#include "(.*)"/g)].map(([, member]) => member) : [file];
 const inside = (file) => /^(core|store|scene|truth|renderers|metrics|studies|bench|reports)\/.*\.cpp$/.test(file.slice(top.length + 1));
 const entries = JSON.parse(fs.readFileSync(commands, "utf8"))
-  .map((entry) => ({ ...entry, command: entry.command.replace(gpp, ""), sources: members(entry.file).filter(inside) }))
+  .map((entry) => ({ ...entry, sources: members(entry.file).filter(inside) }))
   .filter((entry) => entry.sources.length > 0);
 const single = entries.flatMap(({ directory, file: unit, command, sources }) =>
   sources.map((file) => ({ directory, file, command: command.replace(unit, file) })));
