@@ -84,6 +84,7 @@ function(crowdbench_compile_together out light alone fuzzed)
       endif()
       if(group MATCHES "_fuzzed$")
         set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS -fsanitize=fuzzer-no-link)
+        set_property(SOURCE ${file} PROPERTY SKIP_PRECOMPILE_HEADERS ON)  # made without that
       endif()
       list(APPEND compiled ${file})
     endforeach()
