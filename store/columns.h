@@ -86,7 +86,7 @@ struct RowTypes {};
 using StoreTables =
     RowTypes<RunRow, MeasurementRow, SampleRow, RatioRow, ControlRow, ComparisonRow, ScoreRow, SweepRow, SweepPointRow,
              PictureRow, CurveRow, CurveBinRow, ThresholdRow, CauseRangeRow, CauseShareRow, PopRow, PopScoreRow,
-             TuningRow, TunedSwitchRow, StudyParticipantRow, StudyAnswerRow>;
+             TuningRow, TunedSwitchRow, StabilityCaseRow, StudyParticipantRow, StudyAnswerRow>;
 
 // The table whose rows these are.
 template <typename Row>
@@ -129,6 +129,8 @@ template <>
 const Table<TuningRow>& table();
 template <>
 const Table<TunedSwitchRow>& table();
+template <>
+const Table<StabilityCaseRow>& table();
 template <>
 const Table<StudyParticipantRow>& table();
 template <>

@@ -346,6 +346,24 @@ struct TuningRow {
   bool operator==(const TuningRow&) const = default;
 };
 
+// One case of the stability battery, asked of one representation or once.
+struct StabilityCaseRow {
+  int64_t id = 0;
+  int64_t run = 0;
+  std::string name;
+  std::string group;
+  std::optional<std::string> representation;  // absent: asked once
+  std::optional<double> measured, bound;
+  std::string unit;
+  bool pass = false;
+  bool bound_seen = false;
+  bool small = false;
+  std::string place, expected, got;
+  std::string note;
+  std::string error;
+  bool operator==(const StabilityCaseRow&) const = default;
+};
+
 // Somebody who takes part in a study.
 struct StudyParticipantRow {
   int64_t id = 0;
@@ -391,6 +409,7 @@ struct StoreContents {
   std::vector<CauseRangeRow> cause_ranges;
   std::vector<PopRow> pops;
   std::vector<TuningRow> tunings;
+  std::vector<StabilityCaseRow> stability_cases;
   std::vector<StudyParticipantRow> participants;
   std::vector<StudyAnswerRow> answers;
 };

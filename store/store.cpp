@@ -235,6 +235,7 @@ template int64_t StoreWriter::write(const ThresholdRow&);
 template int64_t StoreWriter::write(const CauseRangeRow&);
 template int64_t StoreWriter::write(const PopRow&);
 template int64_t StoreWriter::write(const TuningRow&);
+template int64_t StoreWriter::write(const StabilityCaseRow&);
 template int64_t StoreWriter::write(const StudyParticipantRow&);
 template int64_t StoreWriter::write(const StudyAnswerRow&);
 

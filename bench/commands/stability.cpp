@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
 #include "bench/commands/stability_output.h"
+#include "bench/timing/run_facts.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "renderers/gl/context.h"
+#include "store/store.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -19,7 +22,7 @@ namespace {
 struct Options {
   std::vector<std::string> representations;
   StabilityRequest request;
-  std::string markdown, page, device;
+  std::string markdown, page, results, device;
   bool list = false;
   bool no_cache = false;
   bool json = false;
@@ -35,11 +38,20 @@ int run_stability_command(const Options& options) {
     return 0;
   }
   if (!options.page.empty()) stability_page_of({});  // where pages cannot be made, nothing is drawn
+  std::optional<StoreWriter> store;
+  if (!options.results.empty()) store.emplace(options.results);  // refused before anything is drawn
   StabilityReport report;
   report.small = request.small;
   const auto context = open_context(options.device);
   report.renderer = context->renderer();
   report.rows = run_stability(*context, request, cases);
+  if (store) {
+    store->begin();
+    const RunRow run =
+        describe_run(*context, choose_timing_method(*context), scene::Scenario(), "stability", command_line());
+    for (const StabilityCaseRow& row : stability_rows(report, store->write(run))) store->write(row);
+    store->commit();
+  }
   if (!options.markdown.empty()) write_file(options.markdown, std::string_view(stability_markdown(report)));
   if (!options.page.empty()) write_file(options.page, std::string_view(stability_page_of(report)));
   if (options.json)
@@ -60,7 +72,7 @@ void add_stability(Command& app, Run& run) {
       "Examples:\n"
       "  crowdbench stability\n"
       "  crowdbench stability --representation relief --case eye --case world_1e7\n"
-      "  crowdbench stability --small --markdown holds.md --page holds.html\n"
+      "  crowdbench stability --small --markdown holds.md --page holds.html --db results.sqlite\n"
       "  crowdbench stability --list");
   auto options = std::make_shared<Options>();
   add_representation_option(*command, options->representations, "of whom it is asked (default: every one)");
@@ -78,6 +90,7 @@ void add_stability(Command& app, Run& run) {
   command->add_option("--page", options->page, "a page of every row, and of those that fail the worst pixel enlarged")
       ->type_name("FILE.html")
       ->output_file();
+  add_results_option(*command, options->results);
   command->add_flag("--no-cache", options->no_cache, "neither read nor write stored bakes");
   add_device_option(*command, options->device);
   add_json_option(*command, options->json);

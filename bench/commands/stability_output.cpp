@@ -56,6 +56,31 @@ Json stability_json(const StabilityReport& report) {
   return {{"renderer", report.renderer}, {"small", report.small}, {"failed", failed(report)}, {"cases", cases}};
 }
 
+std::vector<StabilityCaseRow> stability_rows(const StabilityReport& report, int64_t run) {
+  const auto finite = [](double value) { return std::isfinite(value) ? std::optional(value) : std::nullopt; };
+  std::vector<StabilityCaseRow> rows;
+  for (const StabilityRow& row : report.rows) {
+    const Found& found = row.found;
+    StabilityCaseRow& out = rows.emplace_back();
+    out.run = run;
+    out.name = row.asked.name;
+    out.group = row.asked.group;
+    if (!row.representation.empty()) out.representation = row.representation;
+    out.measured = finite(found.measured);
+    out.bound = finite(found.bound);
+    out.unit = row.asked.unit;
+    out.pass = row.pass();
+    out.bound_seen = row.asked.bound_seen;
+    out.small = report.small;
+    out.place = found.place;
+    out.expected = found.expected;
+    out.got = found.got;
+    out.note = found.note;
+    out.error = row.error;
+  }
+  return rows;
+}
+
 std::string stability_text(const StabilityReport& report) {
   std::string out =
       fmt::format("{:<22} {:<26} {:>10} {:>10} {:<16}\n", "case", "representation", "measured", "bound", "unit");

@@ -5,6 +5,7 @@
 
 #include "bench/stability/stability.h"
 #include "core/json.h"
+#include "store/rows.h"
 
 namespace crowdbench::bench {
 
@@ -20,6 +21,8 @@ size_t failed(const StabilityReport& report);
 //             measured, "bound", "unit", "pass", "group", "asked", "bound_from", "bound_seen": the bound was set after
 //             seeing, "place", "values": {"expected", "got"}, "note", "error", "seconds"}]}
 Json stability_json(const StabilityReport& report);
+// The same as rows of the result store, of the run with this id.
+std::vector<StabilityCaseRow> stability_rows(const StabilityReport& report, int64_t run);
 // A line a row, those that fail with all that is known of them, and how many fail.
 std::string stability_text(const StabilityReport& report);
 // A table of what holds: a line a case with the worst of the representations, which is named.

@@ -378,8 +378,15 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(listed.text.find("world_1e7"), std::string::npos) << listed.text;
          const json j = facts(
              "stability --small --representation mesh --case time_wrap --case world_1e3 --markdown "
-             "holds.md --page holds.html --json");
+             "holds.md --page holds.html --db holds.sqlite --json");
          ASSERT_EQ(j.at("cases").size(), 2U);
+         const json stored = facts("report holds.sqlite --json").at("stability_cases");
+         ASSERT_EQ(stored.size(), 2U);
+         for (size_t i = 0; i < 2; ++i) {
+           EXPECT_EQ(stored[i].at("name"), j.at("cases")[i].at("case"));
+           for (const char* member : {"representation", "measured", "bound", "unit", "pass", "note"})
+             EXPECT_EQ(stored[i].at(member), j.at("cases")[i].at(member)) << member;
+         }
          for (const char* member : {"case", "representation", "measured", "bound", "unit", "pass"})
            EXPECT_TRUE(j.at("cases")[1].contains(member)) << member;
          EXPECT_EQ(j.at("failed"), 0);

@@ -99,6 +99,8 @@ StoreContents full_contents() {
   all.pops[0].id = 12;
   all.tunings = {full_tuning(3)};
   all.tunings[0].id = 15;
+  all.stability_cases = {full_stability_case(3)};
+  all.stability_cases[0].id = 16;
   all.participants = {full_participant()};
   all.participants[0].id = 13;
   all.answers = {full_answer(13)};
@@ -193,6 +195,12 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
      "share": 0.0, "decided": true, "depth_m": 30.25, "pixels_per_texel": null, "pixels_per_error": null,
      "hysteresis": 0.0, "pop": null}]}])json")
                                           .dump());
+  EXPECT_EQ(all.at("stability_cases").dump(),
+            wanted(R"json([{"id": 16, "run": 3, "name": "world_1e7", "case_group": "world",
+    "representation": "flat:views=hemi-4", "measured": 0.25, "bound": 0.5, "unit": "grey levels", "pass": true,
+    "bound_seen": true, "small": true, "place": "pixel (1, 2)", "expected": "(3, 4, 5)", "got": "(6, 7, 8)",
+    "note": "one of four", "error": "a made-up one"}])json")
+                .dump());
   EXPECT_EQ(all.at("participants").dump(),
             wanted(R"json([{"id": 13, "study": "0a1b", "participant": "2c3d", "list": "4",
     "state": "finished", "token": "4e5f", "started": "2026-01-02T03:04:05Z", "ended": "2026-01-02T03:34:05Z",

@@ -23,11 +23,13 @@ TEST(ResultsSchema, JsonDescribesTablesAndColumns) {
     for (const json& column : table.at("columns"))
       EXPECT_TRUE(columns.emplace(name + "." + column.at("name").get<std::string>(), column).second);
   }
-  EXPECT_EQ(tables, (std::set<std::string>{
-                        "run",          "measurement",       "sample",      "ratio",       "control",   "comparison",
-                        "score",        "picture",           "sweep",       "sweep_point", "curve",     "curve_bin",
-                        "threshold",    "cause_range",       "cause_share", "pop",         "pop_score", "tuning",
-                        "tuned_switch", "study_participant", "study_answer"}));
+  EXPECT_EQ(
+      tables,
+      (std::set<std::string>{
+          "run",         "measurement", "sample",      "ratio",  "control",      "comparison",     "score",
+          "picture",     "sweep",       "sweep_point", "curve",  "curve_bin",    "threshold",      "cause_range",
+          "cause_share", "pop",         "pop_score",   "tuning", "tuned_switch", "stability_case", "study_participant",
+          "study_answer"}));
   EXPECT_EQ(columns.at("run.cpu_mhz").at("unit"), "MHz");
   EXPECT_EQ(columns.at("run.cpu_mhz").at("optional"), true);
   EXPECT_EQ(columns.at("run.cpu_mhz").at("since"), 2);

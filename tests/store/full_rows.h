@@ -234,6 +234,26 @@ inline TuningRow full_tuning(int64_t run) {
   return row;
 }
 
+inline StabilityCaseRow full_stability_case(int64_t run) {
+  StabilityCaseRow row;
+  row.run = run;
+  row.name = "world_1e7";
+  row.group = "world";
+  row.representation = "flat:views=hemi-4";
+  row.measured = 0.25;
+  row.bound = 0.5;
+  row.unit = "grey levels";
+  row.pass = true;
+  row.bound_seen = true;
+  row.small = true;
+  row.place = "pixel (1, 2)";
+  row.expected = "(3, 4, 5)";
+  row.got = "(6, 7, 8)";
+  row.note = "one of four";
+  row.error = "a made-up one";
+  return row;
+}
+
 inline StudyParticipantRow full_participant() {
   StudyParticipantRow row;
   row.study = "0a1b";

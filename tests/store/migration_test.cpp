@@ -4,8 +4,7 @@
 // and tests/data/store/schema-2.sqlite by the last of schema 2:
 //   crowdbench bench --representation flat:views=hemi-4 --agents 1,2 --rounds 10 --occupancy 0.15 --size 64x48
 //     --picture-agents 1 --device software --out schema-2.sqlite
-// and tests/data/store/schema-3.sqlite, schema-4.sqlite and schema-5.sqlite by the last of schema 3, 4 and 5 with the
-// same one.
+// and tests/data/store/schema-3.sqlite to schema-6.sqlite by the last of schema 3 to 6 with the same one.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
@@ -66,6 +65,7 @@ class MigrationTest : public testing::Test {
     EXPECT_TRUE(a.cause_ranges == b.cause_ranges);
     EXPECT_TRUE(a.pops == b.pops);
     EXPECT_TRUE(a.tunings == b.tunings);
+    EXPECT_TRUE(a.stability_cases == b.stability_cases);
     EXPECT_TRUE(a.participants == b.participants);
     EXPECT_TRUE(a.answers == b.answers);
   }
@@ -151,8 +151,8 @@ TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
   { StoreWriter store(fresh); }
   const auto wanted = statements(fresh);
   EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
-  for (const char* older :
-       {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite", "schema-4.sqlite", "schema-5.sqlite"}) {
+  for (const char* older : {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite", "schema-4.sqlite",
+                            "schema-5.sqlite", "schema-6.sqlite"}) {
     take(older);
     { StoreWriter store(file_); }
     EXPECT_EQ(statements(file_), wanted) << older;
@@ -268,6 +268,24 @@ TEST_F(MigrationTest, SchemaFiveGainsTunedRules) {
   const StoreContents after = read_store(file_, true);
   ASSERT_EQ(after.tunings.size(), 1U);
   EXPECT_TRUE(after.tunings[0] == tuning);
+  EXPECT_TRUE(after.measurements == before.measurements);
+}
+
+// Schema 6 knew no cases of the stability battery.
+TEST_F(MigrationTest, SchemaSixGainsStabilityCases) {
+  take("schema-6.sqlite");
+  const StoreContents before = read_store(file_, true);
+  ASSERT_EQ(before.measurements.size(), 4U);
+  EXPECT_TRUE(before.stability_cases.empty());
+  StabilityCaseRow row = full_stability_case(1);
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    row.id = store.write(row);
+  }
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.stability_cases.size(), 1U);
+  EXPECT_TRUE(after.stability_cases[0] == row);
   EXPECT_TRUE(after.measurements == before.measurements);
 }
 

@@ -341,6 +341,9 @@ TEST_F(StoreTest, EveryFieldComesBack) {
     wanted.tunings = {full_tuning(run), TuningRow()};
     wanted.tunings[1].run = run;
     for (TuningRow& row : wanted.tunings) row.id = store.write(row);
+    wanted.stability_cases = {full_stability_case(run), StabilityCaseRow()};
+    wanted.stability_cases[1].run = run;
+    for (StabilityCaseRow& row : wanted.stability_cases) row.id = store.write(row);
     wanted.participants = {full_participant(), full_participant()};
     wanted.participants[1].participant = "";
     wanted.participants[1].state = "withdrawn";
@@ -372,6 +375,7 @@ TEST_F(StoreTest, EveryFieldComesBack) {
   EXPECT_TRUE(all.cause_ranges == wanted.cause_ranges);
   EXPECT_TRUE(all.pops == wanted.pops);
   EXPECT_TRUE(all.tunings == wanted.tunings);
+  EXPECT_TRUE(all.stability_cases == wanted.stability_cases);
   EXPECT_TRUE(all.participants == wanted.participants);
   EXPECT_TRUE(all.answers == wanted.answers);
 }
