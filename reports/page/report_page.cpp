@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "reports/model/equal_levels.h"
 #include "reports/page/blocks.h"
 #include "reports/page/distance_page.h"
 #include "reports/page/findings_section.h"
@@ -19,9 +20,7 @@ namespace {
 using Rows = std::vector<TemplateValues>;
 
 std::string title_of(const Scene& scene) {
-  std::string against;
-  for (const std::string& name : scene.representations)
-    if (name != scene.reference) against += (against.empty() ? "" : ", ") + name;
+  const std::string against = fmt::format("{}", fmt::join(subjects_of(scene), ", "));
   return against.empty() ? "What a crowd costs to draw as " + scene.reference
                          : fmt::format("A crowd drawn as {} and as {}: cost and difference", scene.reference, against);
 }
