@@ -13,6 +13,9 @@
 namespace crowdbench::bench {
 namespace {
 
+// What draws takes no more; an interval so wide is of candidates that hardly differ.
+constexpr double kMostHysteresis = 1;
+
 // One table for several characters: costs and losses are means over the agents of the bin, of which each character has
 // its part; where none is expected all count alike.
 SwitchTable table_for_all(const std::vector<SwitchTable>& tables) {
@@ -153,7 +156,8 @@ class Answering {
       one.certainty = certainty_of(change, answer_.again, request_.heights_px);
       one.pop = pop(change.from, change.to, change.bin);
       if (one.certainty.decided())
-        one.hysteresis = std::sqrt(one.certainty.height_px->high / one.certainty.height_px->low) - 1;
+        one.hysteresis =
+            std::min(kMostHysteresis, std::sqrt(one.certainty.height_px->high / one.certainty.height_px->low) - 1);
       answer_.switches.push_back(one);
     }
   }
@@ -187,6 +191,11 @@ TuneResult tune(gl::Context& context, const TuneRequest& request) {
   result.together = Answering(request, all).run();
   if (all.size() > 1)
     for (TuneMeasurement* one : all) result.alone.push_back(Answering(request, {one}).run());
+  for (size_t i = 0; i < all.size() && all.size() > 2 && request.budget_ns <= 0; ++i) {
+    std::vector<TuneMeasurement*> others = all;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    result.left_out.push_back(Answering(request, others).run());
+  }
   for (const TuneMeasurement* one : all) result.subjects.push_back(one->measured());
   return result;
 }

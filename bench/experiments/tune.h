@@ -126,6 +126,9 @@ struct TuneResult {
   std::vector<TuneMeasured> subjects;
   TuneAnswer together;            // one plan for all
   std::vector<TuneAnswer> alone;  // by subject; empty where there is one
+  // By subject: of all the others, for what is promised of a character that was not tuned. Empty of fewer than three,
+  // and within a budget.
+  std::vector<TuneAnswer> left_out;
 };
 
 // Throws Error and Interrupted.
