@@ -13,9 +13,6 @@
 namespace crowdbench::bench {
 namespace {
 
-// What draws takes no more; an interval so wide is of candidates that hardly differ.
-constexpr double kMostHysteresis = 1;
-
 // One table for several characters: costs and losses are means over the agents of the bin, of which each character has
 // its part; where none is expected all count alike.
 SwitchTable table_for_all(const std::vector<SwitchTable>& tables) {
@@ -155,9 +152,7 @@ class Answering {
       one.height_px = request_.heights_px[change.bin];
       one.certainty = certainty_of(change, answer_.again, request_.heights_px);
       one.pop = pop(change.from, change.to, change.bin);
-      if (one.certainty.decided())
-        one.hysteresis =
-            std::min(kMostHysteresis, std::sqrt(one.certainty.height_px->high / one.certainty.height_px->low) - 1);
+      if (one.certainty.decided()) one.hysteresis = hysteresis_of(*one.certainty.height_px);
       answer_.switches.push_back(one);
     }
   }
@@ -221,6 +216,8 @@ size_t bin_of_height(const std::vector<double>& heights_px, double height_px) {
   while (bin + 1 < heights_px.size() && heights_px[bin + 1] >= height_px) ++bin;
   return bin;
 }
+
+double hysteresis_of(const Interval& height_px) { return std::min(1.0, std::sqrt(height_px.high / height_px.low) - 1); }
 
 double loss_of(const metrics::Score& score, double value) {
   return std::max(0.0, badness_of(score, value) - badness_of(score, metrics::best_value(score)));

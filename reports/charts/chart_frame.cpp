@@ -28,6 +28,7 @@ Json config() {
             {"labelColor", kChartInk},
             {"titleColor", kChartInk},
             {"orient", "top"},
+            {"columns", {{"expr", std::string(kNarrowScreen) + " ? 1 : 0"}}},  // 0: all in a row
             {"title", nullptr}}}};
 }
 

@@ -10,5 +10,7 @@ Json chart_frame();
 Json chart_frame(int height);
 
 inline constexpr const char* kChartInk = "#1f2933";
+// A condition in Vega's expressions: of a phone, where neither names beside lines nor a row of a legend fit.
+inline constexpr const char* kNarrowScreen = "windowSize()[0] < 600";
 
 }  // namespace crowdbench::reports

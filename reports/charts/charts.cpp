@@ -64,7 +64,8 @@ struct Range {
   }
 };
 
-// The name of each line at its end, instead of a legend; names that would overlap are moved apart.
+// The name of each line at its end, instead of a legend; names that would overlap are moved apart. On a narrow screen
+// before the end, above the line: beyond it there is no room.
 Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, const char* y, double height) {
   std::sort(ends.begin(), ends.end(),
             [&](const Json& a, const Json& b) { return a.at(y).number() < b.at(y).number(); });
@@ -77,7 +78,13 @@ Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, 
     below = at;
   }
   return {{"data", {{"values", ends}}},
-          {"mark", {{"type", "text"}, {"align", "left"}, {"dx", 9}, {"fontSize", 12}, {"fontWeight", 600}}},
+          {"mark",
+           {{"type", "text"},
+            {"align", {{"expr", fmt::format("{} ? 'right' : 'left'", kNarrowScreen)}}},
+            {"dx", {{"expr", fmt::format("{} ? 0 : 9", kNarrowScreen)}}},
+            {"dy", {{"expr", fmt::format("{} ? -9 : 0", kNarrowScreen)}}},
+            {"fontSize", 12},
+            {"fontWeight", 600}}},
           {"encoding",
            {{"x", {{"field", "agents"}, {"type", "quantitative"}}},
             {"y", {{"field", "label_y"}, {"type", "quantitative"}}},

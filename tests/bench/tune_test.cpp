@@ -387,13 +387,27 @@ TEST_F(TuneGl, OfThreeCharactersEachIsLeftOutOnce) {
   TuneRequest request = request_of("mae", 255);
   request.subjects.push_back(mannequin_of(2200, {50, 8}));
   EXPECT_TRUE(tune(context_, request).left_out.empty());
-  request.subjects.push_back(mannequin_of(1000, {30}));
+  request.subjects.push_back(mannequin_of(5000, {30}));
   const TuneResult result = tune(context_, request);
   ASSERT_EQ(result.left_out.size(), 3U);
   EXPECT_EQ(result.together.table.agents, (std::vector<double>{2, 3, 11}));
   EXPECT_EQ(result.left_out[0].table.agents, (std::vector<double>{2, 1, 1}));
   EXPECT_EQ(result.left_out[2].table.agents, (std::vector<double>{2, 2, 11}));
   for (const TuneAnswer& answer : result.left_out) EXPECT_TRUE(answer.plan);
+}
+
+TEST(TuneHysteresis, IsHalfTheIntervalAndNoMoreThanWhatDrawsTakes) {
+  EXPECT_NEAR(hysteresis_of({10, 14.4}), 0.2, 1e-12);
+  EXPECT_EQ(hysteresis_of({8, 8}), 0);
+  TuneAnswer answer;
+  answer.plan = SwitchPlan{{0, 1}, 0, 0};
+  TuneSwitch one;
+  one.change = {0, 1, 1};
+  one.height_px = 24;
+  one.hysteresis = hysteresis_of({8, 80});
+  answer.switches = {one};
+  EXPECT_NO_THROW(renderers::parse_spec(tuned_representation(request_of("mae", 1), answer).text()));
+  EXPECT_EQ(one.hysteresis, 1);
 }
 
 // True promises of five seeds are refused in 2.5 % of proofs at most, and nearly as often.
