@@ -20,7 +20,7 @@ function usage(message) {
 const [driver, folder, ...rest] = process.argv.slice(2);
 if (!driver || !folder) usage('the driver and a folder are needed');
 const tiny = rest.length === 1 && rest[0] === '--tiny';
-const given = { '--characters': '', '--seeds': '20', '--candidates': 'mesh:triangles=300;flat:views=hemi-8', '--threshold': 'cvvdp=8.5' };
+const given = { '--characters': '', '--seeds': '20', '--candidates': 'mesh:triangles=300;flat:views=hemi-8', '--threshold': 'cvvdp=7' };
 for (let i = 0; i < rest.length && !tiny; i += 2) {
   if (!(rest[i] in given) || rest[i + 1] === undefined) usage(`'${rest[i]}' is not understood`);
   given[rest[i]] = rest[i + 1];
@@ -33,7 +33,7 @@ const common = tiny
   ? ['--representation', 'mesh:triangles=100', '--agents', '6', '--size', '96x72', '--heights', '2', '--views', '4', '--moments', '1',
     '--rounds', '4', '--threshold', 'mae=255', '--prove-figures', '2', '--promise-seeds', '3']
   : [...given['--candidates'].split(';').flatMap((r) => ['--representation', r]), '--agents', '60', '--size', '320x180',
-    '--nearest-px', '80', '--heights', '4', '--moments', '6', '--rounds', '8', '--threshold', given['--threshold']];
+    '--nearest-px', '80', '--heights', '3', '--views', '36', '--moments', '4', '--rounds', '8', '--threshold', given['--threshold']];
 // A switch between such coarse candidates is seen; what is asked here is not whether.
 const pop = ['--pop-threshold', tiny ? 'mae=255' : given['--threshold'].replace(/=.*/, '=0')];
 mkdirSync(folder, { recursive: true });

@@ -13,14 +13,14 @@ namespace {
 
 // Of one number of every character, and its interval.
 template <typename Number>
-double mean_of(const std::vector<CharacterDrawn>& some, Number number, Interval& interval) {
+double mean_of(const std::vector<CharacterDrawn>& some, Number number, Interval& interval, double least_variance = 0) {
   std::vector<double> values;
   double sum = 0;
   for (const CharacterDrawn& one : some) {
     values.push_back(number(one));
     sum += values.back();
   }
-  interval = prediction_interval(values);
+  interval = prediction_interval(values, least_variance);
   return sum / static_cast<double>(values.size());
 }
 
@@ -61,8 +61,10 @@ OthersPromise promised_of_others(const metrics::Score& score, std::vector<Charac
   assert(left_out.size() >= kLeastCharacters);
   OthersPromise out;
   Interval logarithm;
+  double open = 0;  // what the rounds of one character's seeds leave open, on average
+  for (const CharacterDrawn& one : left_out) open += rounds_variance(one.times) / static_cast<double>(left_out.size());
   out.ratio = std::exp(mean_of(
-      left_out, [](const CharacterDrawn& one) { return std::log(one.ratio); }, logarithm));
+      left_out, [](const CharacterDrawn& one) { return std::log(one.ratio); }, logarithm, open));
   out.ratio_of_another = {std::exp(logarithm.low), std::exp(logarithm.high)};
   out.mean = mean_of(
       left_out, [](const CharacterDrawn& one) { return one.mean; }, out.mean_of_another);

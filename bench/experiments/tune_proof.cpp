@@ -126,10 +126,20 @@ bool lies_within(const Interval& interval, double value) {
   return value >= interval.low - slack && value <= interval.high + slack;
 }
 
-Interval prediction_interval(const std::vector<double>& values) {
+double rounds_variance(const std::vector<SeedTimes>& seeds) {
+  double sum = 0;
+  for (const SeedTimes& one : seeds) {
+    if (!(one.interval.low > 0)) continue;
+    const double deviation = std::log(one.interval.high / one.interval.low) / (2 * normal_quantile(0.975));
+    sum += deviation * deviation;
+  }
+  return seeds.empty() ? 0 : sum / static_cast<double>(seeds.size());
+}
+
+Interval prediction_interval(const std::vector<double>& values, double least_variance) {
   assert(values.size() >= 2);
-  if (std::all_of(values.begin(), values.end(), [&](double one) { return one == values[0]; }))
-    return {values[0], values[0]};
+  const bool same = std::all_of(values.begin(), values.end(), [&](double one) { return one == values[0]; });
+  if (same && !(least_variance > 0)) return {values[0], values[0]};
   if (!std::all_of(values.begin(), values.end(), [](double one) { return std::isfinite(one); }))
     return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   const auto n = static_cast<double>(values.size());
@@ -137,7 +147,7 @@ Interval prediction_interval(const std::vector<double>& values) {
   for (const double one : values) sum += one;
   double squares = 0;
   for (const double one : values) squares += (one - sum / n) * (one - sum / n);
-  const double half = interval_reach(values.size()) * std::sqrt(squares / (n - 1));
+  const double half = interval_reach(values.size()) * std::sqrt(std::max(squares / (n - 1), least_variance));
   return {sum / n - half, sum / n + half};
 }
 
@@ -150,7 +160,7 @@ SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
     sum += logarithms.back();
     plans.push_back(one.plan_ns);
   }
-  const Interval interval = prediction_interval(logarithms);
+  const Interval interval = prediction_interval(logarithms, rounds_variance(seeds));
   SpeedPromise out;
   out.seeds = std::move(seeds);
   out.ratio = std::exp(sum / static_cast<double>(logarithms.size()));

@@ -3,7 +3,9 @@
 //
 // What is promised of the characters that were tuned:
 //   speed  the reference's frame over the plan's on the scenario with another seed: a 95 % prediction interval, from
-//          the logarithms of a few seeds' ratios, normal with an unknown deviation (Student's t);
+//          the logarithms of a few seeds' ratios, normal with an unknown deviation (Student's t), which is never taken
+//          to be less than what the rounds of one seed leave open: seeds that happen to agree more closely promise
+//          nothing that a measurement could keep;
 //   score  the mean of the error's score over so many figures as another seed draws: the same from the means of those
 //          seeds;
 //   error  of the figures that a bin of the plan draws no more than 5 % are worse than TuneError::promised.
@@ -56,8 +58,12 @@ enum class SeedsFor : uint8_t { promise, proof, characters };
 std::vector<uint64_t> derived_seeds(uint64_t seed, SeedsFor purpose, size_t count);
 
 // A 95 % prediction interval for one more value of what at least two are drawn from, taken to be normal with unknown
-// mean and deviation. Unbounded where one of them is not finite and not all are the same.
-Interval prediction_interval(const std::vector<double>& values);
+// mean and deviation; least_variance: that each has by itself, below which their own is not believed. Unbounded where
+// one of them is not finite and not all are the same.
+Interval prediction_interval(const std::vector<double>& values, double least_variance = 0);
+// The variance of the logarithm of a ratio that its own rounds leave open, from its 95 % interval: the mean over seeds;
+// 0 of those without an interval.
+double rounds_variance(const std::vector<SeedTimes>& seeds);
 // To nine digits.
 bool lies_within(const Interval& interval, double value);
 

@@ -20,7 +20,7 @@ Json colours(const Scene& scene, const char* field) {
       {"field", field},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend", {{"title", nullptr}, {"symbolOpacity", 1}, {"columns", 2}}}};
+      {"legend", {{"title", nullptr}, {"symbolOpacity", 1}, {"columns", legend_columns(scene.representations)}}}};
 }
 
 Json axis_of(const char* field, const char* title, bool log) {
