@@ -1,10 +1,11 @@
 // How often what `tune` promises holds: on unseen seeds of the characters that were tuned, and on a character that was not.
 // Markdown on stdout.
 //
-//   node tools/tune_promises.mjs DRIVER FOLDER --characters C;C;C;C [--seeds 20] [--candidates R;R] [--threshold S=V]
+//   node tools/tune_promises.mjs DRIVER FOLDER --characters C;C;C;C [--seeds 20] [--candidates R;R] [--threshold S=V] [--kept yes]
 //   node tools/tune_promises.mjs DRIVER FOLDER --tiny    one of each on the built-in character, to see that it runs
 //
-// FOLDER keeps what was found (a JSON a tuning): ended and started again, it goes on where it was. Every character is tuned alone
+// FOLDER keeps what was found (a JSON a tuning): ended and started again, it goes on where it was; with --kept yes it tells what is
+// there and measures nothing. Every character is tuned alone
 // and held against its promise on so many unseen seeds. Every character is then unseen once: the three that follow it in the
 // list are tuned together. Small pictures and crowds: what is asked is how often intervals hold, not how wide they are at a
 // size that anybody would use.
@@ -14,13 +15,13 @@ import { basename, join } from 'node:path';
 
 function usage(message) {
   console.error(`tune_promises: ${message}\nusage: tune_promises.mjs DRIVER FOLDER --characters C;C;C;C [--seeds N] ` +
-    '[--candidates R;R] [--threshold SCORE=VALUE] | --tiny');
+    '[--candidates R;R] [--threshold SCORE=VALUE] [--kept yes] | --tiny');
   process.exit(2);
 }
 const [driver, folder, ...rest] = process.argv.slice(2);
 if (!driver || !folder) usage('the driver and a folder are needed');
 const tiny = rest.length === 1 && rest[0] === '--tiny';
-const given = { '--characters': '', '--seeds': '20', '--candidates': 'mesh:triangles=300;flat:views=hemi-8', '--threshold': 'cvvdp=7' };
+const given = { '--characters': '', '--seeds': '20', '--candidates': 'mesh:triangles=300;flat:views=hemi-8', '--threshold': 'cvvdp=7', '--kept': '' };
 for (let i = 0; i < rest.length && !tiny; i += 2) {
   if (!(rest[i] in given) || rest[i + 1] === undefined) usage(`'${rest[i]}' is not understood`);
   given[rest[i]] = rest[i + 1];
@@ -42,6 +43,7 @@ const name_of = (character) => basename(character).replace(/\.[a-z]+$/, '').repl
 // Status 1 is an answer here: a promise that does not hold.
 function tuned(name, ...args) {
   const path = join(folder, `${name}.json`);
+  if (!existsSync(path) && given['--kept']) return null;
   if (!existsSync(path)) {
     const command = ['tune', ...args, ...common, ...pop, '--prove', `${seeds}`, '--json'];
     let text;
@@ -68,6 +70,7 @@ console.log('| character | rule | promised speed | within | promised score | wit
 const sums = { speed: 0, score: 0, seeds: 0, worse: 0, figures: 0 };
 for (const character of tiny ? characters.slice(0, 1) : characters) {
   const one = tuned(`alone-${name_of(character)}`, '--character', character);
+  if (!one) continue;
   if (!one.proof) {
     console.log(`| ${name_of(character)} | ${one.no_plan ?? 'nothing was promised'} | | | | | |`);
     continue;
@@ -94,6 +97,7 @@ for (let i = 0; i < (tiny ? 1 : characters.length); ++i) {
   const three = [1, 2, 3].map((k) => characters[(i + k) % characters.length]);
   const one = tuned(`unseen-${name_of(characters[i])}`, '--character', three[0], '--also-character', three[1], '--also-character', three[2],
     '--prove-on', characters[i]);
+  if (!one) continue;
   if (!one.proof) {
     console.log(`| ${name_of(characters[i])} | ${three.map(name_of).join(', ')} | ${one.no_plan ?? 'nothing was promised'} | | | | | |`);
     continue;

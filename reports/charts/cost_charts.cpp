@@ -117,6 +117,8 @@ std::string cheapest_chart(const Scene& scene, const BreakEvenMap& map) {
   }
   std::reverse(occupancies.begin(), occupancies.end());
   Json spec = chart_frame(std::max<int>(60, 26 * static_cast<int>(occupancies.size())));
+  spec["padding"] = {
+      {"left", 5}, {"top", 5}, {"right", 10}, {"bottom", 5}};  // half of the last number is beyond its cell
   spec["data"] = {{"values", values}};
   spec["mark"] = {{"type", "rect"}};
   spec["encoding"] = {
