@@ -245,7 +245,7 @@ TEST_F(ScriptsGl, TunePromises) {
   EXPECT_EQ(outcome.text.find("undefined"), std::string::npos) << outcome.text;
   // What was found is kept.
   EXPECT_EQ(run("tune_promises.mjs", "/bin/false tunings --tiny").text, outcome.text);
-  EXPECT_EQ(run("tune_promises.mjs", driver_ + " tunings --characters a;b;c").status, 2);
+  EXPECT_EQ(run("tune_promises.mjs", driver_ + " tunings --characters 'a;b;c'").status, 2);
   EXPECT_EQ(run("tune_promises.mjs", driver_ + " tunings --seeds").status, 2);
 }
 
