@@ -141,8 +141,8 @@ renderers::Spec tuned_representation(const TuneRequest& request, const TuneAnswe
 // ones.
 size_t bin_of_height(const std::vector<double>& heights_px, double height_px);
 
-// Of a switch that lies within these heights: half of that, as a factor above 1; what draws takes no more than 1, and an
-// interval so wide is of candidates that hardly differ.
+// Of a switch that lies within these heights: half of that, as a factor above 1; what draws takes no more than 1, and
+// an interval so wide is of candidates that hardly differ.
 double hysteresis_of(const Interval& height_px);
 
 // How far a score's value is from its best, so that more is worse; at least 0. The best one is finite.

@@ -53,8 +53,8 @@ std::string place_text(const LevelPlace& place);
 // What the table says of one, to follow a sentence about its speed: " With 250 agents, a level of about 290 triangles
 // of mesh is as wrong (FLIP 0.0620) and takes 2.89 times its time (2.72 to 3.09). As dear is a level of about ...".
 std::string equal_levels_text(const LevelTable& table, const EqualLevels& row, const std::string& reference);
-// The same as a clause, for a cell or a tile: "a level of about 290 triangles is as wrong, at 2.89 times its time"; with
-// no score "a level of about 420 triangles is as dear".
+// The same as a clause, for a cell or a tile: "a level of about 290 triangles is as wrong, at 2.89 times its time";
+// with no score "a level of about 420 triangles is as dear".
 std::string equal_levels_clause(const EqualLevels& row);
 // The row of one in the tables of a scene; nothing where there is none.
 struct LevelsBeside {
