@@ -1,6 +1,6 @@
 // Opens a page that crowdbench wrote in a real browser, headless, wide and narrow, light and dark, and says what is wrong
 // with it: messages in the console, charts that were not drawn, requests to elsewhere, sideways scroll, text that a chart
-// cuts off, tick labels that overlap. Prints JSON, with the text of every table that has an id.
+// cuts off, tick labels that overlap. Prints JSON, with how long the page took to open and the text of every table that has an id.
 //
 //   node tools/page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS]   that long at most for the charts
 //
@@ -85,6 +85,10 @@ try {
       await page.setViewport({ width, height: 900 })
       await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }])
       await page.goto(url, { waitUntil: 'load', timeout: 120_000 })
+      // Until the page may be read: scripts have run and the first picture is on the screen.
+      view.opened_ms = await page.evaluate(() => new Promise((opened) => {
+        requestAnimationFrame(() => requestAnimationFrame(() => opened(Math.round(performance.now()))))
+      }))
       const drawn = "Number(document.body.dataset.drawn || 0) >= document.querySelectorAll('script[data-plot]').length"
       await page.waitForFunction(drawn, { timeout: 1000 * Number(options.wait) }).catch(() => {})
       await page.evaluate(() => document.querySelectorAll('details').forEach((one) => { if (!one.closest('.plot')) one.open = true }))

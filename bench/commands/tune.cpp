@@ -41,7 +41,7 @@ struct Options {
   double budget_ms = 0;
   uint64_t heights = 12, views = 72;
   uint64_t moments = 12, fade = 0, rounds = 20;
-  uint64_t promise_seeds = kPromiseSeeds, prove = 0, prove_figures = 240;
+  uint64_t promise_seeds = kPromiseSeeds, prove = 0, prove_figures = kSeedFigures;
   std::string prove_on;
   std::string page, results;
   bool check_views = false;
@@ -222,25 +222,72 @@ std::optional<OtherCast> other_cast(const Options& options, scene::Scenario scen
   return out;
 }
 
-// Directions and clips of unseen figures; crowds of unseen seeds, of the tuned characters or of another.
-TuneProof prove(gl::Context& context, const Options& options, const TuneReport& report, const OtherCast* other,
-                TuneProofRequest request) {
-  TuneProof proof;
-  std::vector<TuneSubject> subjects = report.request.subjects;
-  if (other != nullptr) {
-    request.scenario.characters = {other->entry};
-    request.cast = &other->cast;
-    subjects = {other->subject};
-    proof.character = other->subject.character->name;
+// What figures of every tuned character score on each seed.
+struct SeedFigures {
+  std::vector<SeedScores> scores;                     // by seed
+  std::vector<std::vector<UnseenFigure>> by_subject;  // of all seeds
+};
+SeedFigures score_seeds(gl::Context& context, const Options& options, const TuneReport& report,
+                        const renderers::Spec& representation, const std::vector<uint64_t>& seeds) {
+  const TuneRequest& request = report.request;
+  SeedFigures out;
+  out.by_subject.resize(request.subjects.size());
+  Progress progress("unseen figures", seeds.size() * request.subjects.size());
+  for (const uint64_t seed : seeds) {
+    std::vector<UnseenFigure> all;
+    for (size_t s = 0; s < request.subjects.size(); ++s) {
+      const std::vector<UnseenFigure> figures = draw_unseen(context, request, request.subjects[s], representation,
+                                                            static_cast<size_t>(options.prove_figures), seed);
+      all.insert(all.end(), figures.begin(), figures.end());
+      out.by_subject[s].insert(out.by_subject[s].end(), figures.begin(), figures.end());
+      progress.advance();
+    }
+    out.scores.push_back(scores_of(*request.error.score, seed, all));
   }
-  const uint64_t seed = report.request.seed;
-  proof.speed = prove_speed(
-      *report.promise,
-      time_seeds(context, request, derived_seeds(seed, SeedsFor::proof, static_cast<size_t>(options.prove))));
-  for (size_t s = 0; s < subjects.size(); ++s)
-    proof.errors.push_back(prove_errors(context, report.request, report.result, subjects[s], s, request.representation,
-                                        static_cast<size_t>(options.prove_figures),
-                                        derived_seeds(seed, SeedsFor::proof, 1)[0]));
+  return out;
+}
+
+// A crowd of one character alone, on the same ground and through the same camera.
+TuneProofRequest crowd_of(TuneProofRequest request, const scene::CharacterEntry& entry, const scene::Cast& cast) {
+  request.scenario.characters = {entry};
+  request.cast = &cast;
+  return request;
+}
+
+OthersPromise promise_others(gl::Context& context, const TuneReport& report, const TuneProofRequest& request,
+                             const scene::Cast& cast) {
+  std::vector<CharacterDrawn> left_out;
+  const size_t count = report.request.subjects.size();
+  const std::vector<uint64_t> seeds = derived_seeds(report.request.seed, SeedsFor::characters, count);
+  for (size_t s = 0; s < count; ++s) {
+    scene::Cast one;
+    one.characters = {cast.characters[s]};
+    one.banks = {cast.banks[s]};
+    one.shares = {1.0};
+    TuneProofRequest of = crowd_of(request, request.scenario.characters[s], one);
+    of.representation = tuned_representation(report.request, report.result.left_out[s]);
+    left_out.push_back(draw_character(context, report.request, of, report.request.subjects[s], {seeds[s]}));
+  }
+  return promised_of_others(*report.request.error.score, std::move(left_out));
+}
+
+// Crowds and figures of unseen seeds, of the tuned characters or of another.
+TuneProof prove(gl::Context& context, const Options& options, const TuneReport& report, const OtherCast* other,
+                const TuneProofRequest& request) {
+  TuneProof proof;
+  const std::vector<uint64_t> seeds =
+      derived_seeds(report.request.seed, SeedsFor::proof, static_cast<size_t>(options.prove));
+  if (other != nullptr) {
+    proof.other = prove_other(
+        *report.others,
+        draw_character(context, report.request, crowd_of(request, other->entry, other->cast), other->subject, seeds));
+    return proof;
+  }
+  proof.speed = prove_speed(*report.promise, time_seeds(context, request, seeds));
+  const SeedFigures figures = score_seeds(context, options, report, request.representation, seeds);
+  proof.score = prove_score(*report.score_promise, figures.scores);
+  for (size_t s = 0; s < figures.by_subject.size(); ++s)
+    proof.errors.push_back(prove_errors(report.request, report.result, s, figures.by_subject[s]));
   return proof;
 }
 
@@ -267,10 +314,14 @@ void describe_plan(gl::Context& context, const Options& options, const scene::Ca
   if (!options.page.empty()) report.pictures = draw_switches(context, report.request, answer);
   TuneProofRequest request = proof_request(options, staged, cast);
   request.representation = tuned_representation(report.request, answer);
-  if (options.promise_seeds > 0 && staged.crowd.size() > 0)
-    report.promise = promised_speed(
-        time_seeds(context, request,
-                   derived_seeds(report.request.seed, SeedsFor::promise, static_cast<size_t>(options.promise_seeds))));
+  if (options.promise_seeds > 0 && staged.crowd.size() > 0) {
+    const std::vector<uint64_t> seeds =
+        derived_seeds(report.request.seed, SeedsFor::promise, static_cast<size_t>(options.promise_seeds));
+    report.promise = promised_speed(time_seeds(context, request, seeds));
+    report.score_promise = promised_score(*report.request.error.score,
+                                          score_seeds(context, options, report, request.representation, seeds).scores);
+    if (no_promise_of_others(report.request).empty()) report.others = promise_others(context, report, request, cast);
+  }
   if (options.check_views) report.lenses = check_lenses(context, report.request, report.result, usual_lenses());
   if (options.prove > 0 && report.promise) report.proof = prove(context, options, report, other, request);
 }
@@ -288,6 +339,9 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
     report.bounds.emplace_back(bank.bounds_max() - bank.bounds_min());
     report.request.subjects.push_back(subject);
   }
+  if (const std::string why = no_promise_of_others(report.request); !options.prove_on.empty() && !why.empty())
+    throw Error("--prove-on", "of a character that was not tuned nothing is promised: " + why,
+                report.request.budget_ns > 0 ? "leave --budget-ms out" : "tune more of them with --also-character");
   const std::optional<OtherCast> other = other_cast(options, chosen.scenario);
   const auto context = open_context(options.scene.device);
   progress.note(fmt::format("placing {}", counted(chosen.scenario.crowd.agents, "agent", "agents")));
@@ -368,12 +422,15 @@ void add_proof_options(Command& command, Options& options) {
     command.add_option(name, value, text)->type_name("N")->capture_default_str()->whole_number(least, most);
   };
   add_count("--promise-seeds", options.promise_seeds, 0, 1000,
-            "crowds of other seeds from which the speed on any other is promised; 0: none");
+            "crowds of other seeds from which speed and score on any other are promised; 0: none");
   command.add_flag("--check-views", options.check_views,
                    "draw the plan's heights at 720, 1080 and 2160 rows through 30 and 90 degrees too");
   add_count("--prove", options.prove, 0, 1000, "hold the plan against its promise on so many unseen seeds; 0: not");
-  add_count("--prove-figures", options.prove_figures, 1, 100'000, "unseen figures that are scored for it");
-  command.add_option("--prove-on", options.prove_on, "the same on a crowd of another character")->type_name("C");
+  add_count("--prove-figures", options.prove_figures, 1, 100'000, "figures scored on each seed, of each character");
+  command
+      .add_option("--prove-on", options.prove_on,
+                  "the same on a crowd of a character that was not tuned, of three tuned ones or more")
+      ->type_name("C");
 }
 
 }  // namespace

@@ -127,32 +127,81 @@ Json seeds_json(const std::vector<SeedTimes>& seeds) {
   return out;
 }
 
+Json scores_json(const std::vector<SeedScores>& seeds) {
+  Json out = Json::array();
+  for (const SeedScores& one : seeds)
+    out.push_back({{"seed", one.seed},
+                   {"figures", one.figures},
+                   {"mean", json_number(one.mean)},
+                   {"worst_5_percent", json_number(one.tail)}});
+  return out;
+}
+
+Json drawn_json(const CharacterDrawn& one) {
+  return {{"character", one.character},
+          {"representation", one.representation},
+          {"reference_over_plan", one.ratio},
+          {"mean", json_number(one.mean)},
+          {"worst_5_percent", json_number(one.tail)},
+          {"seeds", seeds_json(one.times)},
+          {"scores", scores_json(one.scores)}};
+}
+
 Json promise_json(const TuneReport& report) {
   if (!report.promise) return nullptr;
-  return {{"reference_over_plan", report.promise->ratio},
-          {"on_another_seed", interval_json(report.promise->on_another_seed)},
-          {"plan_ms", 1e-6 * report.promise->plan_ns},
-          {"seeds", seeds_json(report.promise->seeds)}};
+  Json out = {{"reference_over_plan", report.promise->ratio},
+              {"on_another_seed", interval_json(report.promise->on_another_seed)},
+              {"plan_ms", 1e-6 * report.promise->plan_ns},
+              {"seeds", seeds_json(report.promise->seeds)}};
+  out["score"] = {{"mean", json_number(report.score_promise->mean)},
+                  {"on_another_seed", interval_json(report.score_promise->on_another_seed)},
+                  {"seeds", scores_json(report.score_promise->seeds)}};
+  return out;
+}
+
+// Of characters that were not tuned; with why_not where nothing is promised.
+Json others_json(const TuneReport& report) {
+  if (!report.others) return {{"why_not", no_promise_of_others(report.request)}};
+  const OthersPromise& promise = *report.others;
+  Json left_out = Json::array();
+  for (const CharacterDrawn& one : promise.left_out) left_out.push_back(drawn_json(one));
+  return {{"why_not", nullptr},
+          {"reference_over_plan", promise.ratio},
+          {"reference_over_plan_of_another", interval_json(promise.ratio_of_another)},
+          {"mean", json_number(promise.mean)},
+          {"mean_of_another", interval_json(promise.mean_of_another)},
+          {"worst_5_percent", json_number(promise.tail)},
+          {"worst_5_percent_of_another", interval_json(promise.tail_of_another)},
+          {"left_out", left_out}};
 }
 
 Json proof_json(const TuneReport& report) {
   if (!report.proof) return nullptr;
   const TuneProof& proof = *report.proof;
-  Json errors = Json::array();
+  Json out = {{"character", nullptr}, {"holds", proof.holds()}};
+  if (proof.other) {
+    out["character"] = proof.other->drawn.character;
+    out["drawn"] = drawn_json(proof.other->drawn);
+    out["speed_within"] = proof.other->ratio_within;
+    out["mean_within"] = proof.other->mean_within;
+    out["worst_5_percent_within"] = proof.other->tail_within;
+    return out;
+  }
+  out["speed"] = {
+      {"within", proof.speed.within}, {"holds", proof.speed.holds}, {"seeds", seeds_json(proof.speed.seeds)}};
+  out["score"] = {
+      {"within", proof.score.within}, {"holds", proof.score.holds}, {"seeds", scores_json(proof.score.seeds)}};
+  out["errors"] = Json::array();
   for (const ErrorProof& one : proof.errors)
-    errors.push_back({{"subject", one.subject},
-                      {"figures", one.views},
-                      {"worse_than_promised", one.worse},
-                      {"over_threshold", one.over_threshold},
-                      {"worst_5_percent", json_number(one.tail)},
-                      {"worst", json_number(one.worst)},
-                      {"worst_height_px", one.worst_height_px},
-                      {"holds", one.holds}});
-  return {{"character", proof.character.empty() ? Json(nullptr) : Json(proof.character)},
-          {"holds", proof.holds()},
-          {"speed",
-           {{"within", proof.speed.within}, {"holds", proof.speed.holds}, {"seeds", seeds_json(proof.speed.seeds)}}},
-          {"errors", errors}};
+    out["errors"].push_back({{"subject", one.subject},
+                             {"figures", one.views},
+                             {"worse_than_promised", one.worse},
+                             {"over_threshold", one.over_threshold},
+                             {"worst_5_percent", json_number(one.tail)},
+                             {"worst", json_number(one.worst)},
+                             {"worst_height_px", one.worst_height_px},
+                             {"holds", one.holds}});
+  return out;
 }
 
 Json spreads_json(const TuneReport& report) {
@@ -229,6 +278,7 @@ Json tune_json(const TuneReport& report) {
        {"agents", "chosen", "switches", "representation", "no_plan", "unity_mesh_lod", "budget", "reference_over_plan"})
     out[key] = together.at(key);
   out["promise"] = promise_json(report);
+  out["promise_of_others"] = others_json(report);
   out["lenses"] = lenses_json(report);
   out["lens_spreads"] = spreads_json(report);
   out["proof"] = proof_json(report);

@@ -104,25 +104,21 @@ void print_lenses(const TuneReport& report) {
 void print_proof(const TuneReport& report) {
   const TuneProof& proof = *report.proof;
   const metrics::Score& score = *report.request.error.score;
-  fmt::print("proof{}: {}\n", proof.character.empty() ? "" : " on " + printable(proof.character),
-             proof.holds() ? "the promise holds" : "the promise does NOT hold");
-  fmt::print("{:>20} {:>12} {:>22} {:>12} {:>12}\n", "unseen seed", "times fast", "promised", "reference ms",
-             "plan ms");
-  for (const SeedTimes& one : proof.speed.seeds)
-    fmt::print(
-        "{:>20} {:>12.3f} {:>22} {:>12.2f} {:>12.2f}\n", one.seed, one.ratio,
-        fmt::format("{:.3f} to {:.3f}", report.promise->on_another_seed.low, report.promise->on_another_seed.high),
-        1e-6 * one.reference_ns, 1e-6 * one.plan_ns);
-  fmt::print("  speed: {} of {} within what was promised: {}\n", proof.speed.within,
-             counted(proof.speed.seeds.size(), "seed", "seeds"), proof.speed.holds ? "holds" : "does NOT hold");
-  for (const ErrorProof& one : proof.errors)
-    fmt::print(
-        "  error: {} of {} worse than promised (5 % may be), {} over the threshold; {} at the bad end's "
-        "5 "
-        "% {:.{}f}, worst {:.{}f} at {:.1f} pixels: {}\n",
-        one.worse, one.views, one.over_threshold, score.title, one.tail, score.digits, one.worst, score.digits,
-        one.worst_height_px, one.holds ? "holds" : "does NOT hold");
-  if (const std::string text = other_character_text(report); !text.empty()) fmt::print("  {}\n", printable(text, 400));
+  fmt::print("proof: {}\n", proof.holds() ? "the promise holds" : "the promise does NOT hold");
+  const std::vector<SeedTimes>& times = proof.other ? proof.other->drawn.times : proof.speed.seeds;
+  const std::vector<SeedScores>& scores = proof.other ? proof.other->drawn.scores : proof.score.seeds;
+  const Interval& fast = proof.other ? report.others->ratio_of_another : report.promise->on_another_seed;
+  const Interval& good = proof.other ? report.others->mean_of_another : report.score_promise->on_another_seed;
+  const auto range = [](const Interval& of, int digits) {
+    return fmt::format("{:.{}f} to {:.{}f}", of.low, digits, of.high, digits);
+  };
+  fmt::print("{:>20} {:>12} {:>18} {:>12} {:>18} {:>13} {:>9}\n", "unseen seed", "times fast", "promised", score.column,
+             "promised", "reference ms", "plan ms");
+  for (size_t i = 0; i < times.size(); ++i)
+    fmt::print("{:>20} {:>12.3f} {:>18} {:>12.{}f} {:>18} {:>13.2f} {:>9.2f}\n", times[i].seed, times[i].ratio,
+               range(fast, 3), scores[i].mean, score.digits, range(good, score.digits), 1e-6 * times[i].reference_ns,
+               1e-6 * times[i].plan_ns);
+  for (const std::string& text : proof_texts(report)) fmt::print("  {}\n", printable(text, 1000));
 }
 
 }  // namespace
@@ -130,7 +126,7 @@ void print_proof(const TuneReport& report) {
 void print_tune(const TuneReport& report) {
   const TuneResult& result = report.result;
   const TuneAnswer& answer = result.together;
-  if (report.proof && !report.proof->holds()) fmt::print("the promise below does NOT hold on unseen crowds\n");
+  if (report.proof && !report.proof->holds()) fmt::print("the promise below does NOT hold on what was not measured\n");
   fmt::print("times: {}\n", times_text(report));
   for (size_t s = 0; s < result.subjects.size(); ++s) {
     const size_t views = result.subjects[s].views;
@@ -150,7 +146,9 @@ void print_tune(const TuneReport& report) {
   print_answer(report, 0, answer);
   if (!answer.plan) return;
   if (agents_in_view(answer) > 0) fmt::print("{}\n", saving_text(answer));
-  if (report.promise) fmt::print("{}\n", promise_text(*report.promise));
+  if (report.promise)
+    fmt::print("{}\n{}\n{}\n", promise_text(*report.promise), score_promise_text(report),
+               printable(others_promise_text(report), 1000));
   if (report.lenses) print_lenses(report);
   if (report.proof) print_proof(report);
 }

@@ -1,6 +1,7 @@
 // What `tune` prints: for people, as JSON, as a page.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "bench/experiments/tune_report.h"
 #include "core/json.h"
@@ -22,7 +23,11 @@ std::string lens_verdict(const std::vector<LensSpread>& spreads);
 std::string budget_text(const TuneReport& report, const TuneAnswer& answer);
 std::string saving_text(const TuneAnswer& answer);
 std::string promise_text(const SpeedPromise& promise);
-// Why a promise may fail on a character that was not tuned; empty where it holds, or is of those that were.
-std::string other_character_text(const TuneReport& report);
+std::string score_promise_text(const TuneReport& report);
+// What is promised of a character that was not tuned, or that and why nothing is.
+std::string others_promise_text(const TuneReport& report);
+// What the proof found, a sentence each without its full stop: of speed, score and error; of another character of
+// all three.
+std::vector<std::string> proof_texts(const TuneReport& report);
 
 }  // namespace crowdbench::bench

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "bench/commands/score_json.h"
@@ -92,27 +93,25 @@ std::vector<std::string> answer_sentences(const TuneReport& report, size_t subje
   return out;
 }
 
+// With a capital and a full stop.
+std::string sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text + ".";
+}
+
 std::vector<std::string> proof_lines(const TuneReport& report) {
   std::vector<std::string> out;
-  const metrics::Score& score = *report.request.error.score;
-  if (report.promise) out.push_back(promise_text(*report.promise) + ".");
-  if (!report.proof) return out;
-  const TuneProof& proof = *report.proof;
-  const std::string on = proof.character.empty() ? "" : " of " + proof.character;
-  out.push_back(fmt::format("Speed on unseen crowds{}: {} of {} within what was promised: {}.", on, proof.speed.within,
-                            counted(proof.speed.seeds.size(), "seed", "seeds"),
-                            proof.speed.holds ? "holds" : "does NOT hold"));
-  for (const ErrorProof& one : proof.errors)
-    out.push_back(fmt::format(
-        "Error of unseen figures{}: {} of {} worse than promised (5 % may be), {} over the threshold; {} at the bad "
-        "end's 5 % {}: {}.",
-        on.empty() ? " of " + name_of(report, one.subject) : on, one.worse, one.views, one.over_threshold, score.title,
-        score_of(score, one.tail), one.holds ? "holds" : "does NOT hold"));
-  if (const std::string text = other_character_text(report); !text.empty()) out.push_back(text + ".");
+  if (report.promise)
+    for (const std::string& text :
+         {promise_text(*report.promise), score_promise_text(report), others_promise_text(report)})
+      out.push_back(sentence(text));
+  if (report.proof)
+    for (const std::string& text : proof_texts(report)) out.push_back(sentence(text));
   return out;
 }
 
-void add_seeds(const std::vector<SeedTimes>& seeds, const char* purpose, std::vector<std::vector<std::string>>& rows) {
+void add_seeds(const std::vector<SeedTimes>& seeds, const std::string& purpose,
+               std::vector<std::vector<std::string>>& rows) {
   for (const SeedTimes& one : seeds)
     rows.push_back({std::to_string(one.seed), purpose, fmt::format("{:.3f}", one.ratio),
                     interval_text(one.interval.low, one.interval.high, 3),
@@ -324,7 +323,7 @@ std::string tune_page_of(const TuneReport& report) {
       request.fade > 0 ? fmt::format(" of a cross-fade of {} ticks", request.fade) : ", as a cut", request.cost.width,
       request.cost.height, glm::degrees(request.cost.fov_y), times_text(report), display_line(request.display));
   if (report.proof && !report.proof->holds())
-    page.broken.push_back("What is promised below does NOT hold on unseen crowds.");
+    page.broken.push_back("What is promised below does NOT hold on what was not measured.");
   page.answer = answer_sentences(report, 0, answer);
   page.software = report.run.software;
   for (const TuneSwitch& one : answer.switches) page.switches.push_back(switch_of(report, 0, one));
@@ -336,7 +335,12 @@ std::string tune_page_of(const TuneReport& report) {
   if (report.lenses) add_lenses(report, page);
   page.proof_lines = proof_lines(report);
   if (report.promise) add_seeds(report.promise->seeds, "promise", page.seeds);
-  if (report.proof) add_seeds(report.proof->speed.seeds, "proof", page.seeds);
+  if (report.proof && !report.proof->other) add_seeds(report.proof->speed.seeds, "proof", page.seeds);
+  if (report.others)
+    for (const CharacterDrawn& one : report.others->left_out)
+      add_seeds(one.times, one.character + " by the rule of the others", page.seeds);
+  if (report.proof && report.proof->other)
+    add_seeds(report.proof->other->drawn.times, "proof, " + report.proof->other->drawn.character, page.seeds);
   page.facts = {{"command", report.run.arguments},
                 {"crowdbench", fmt::format("{} ({})", report.run.version, report.run.revision)},
                 {"OpenGL", fmt::format("{}; {}", report.run.gl_renderer, report.run.gl_version)},

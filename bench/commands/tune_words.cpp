@@ -107,11 +107,64 @@ std::string promise_text(const SpeedPromise& promise) {
                      counted(promise.seeds.size(), "seed", "seeds"));
 }
 
-std::string other_character_text(const TuneReport& report) {
-  if (!report.proof || report.proof->character.empty() || report.proof->holds()) return "";
+std::string score_promise_text(const TuneReport& report) {
+  const metrics::Score& score = *report.request.error.score;
+  const ScorePromise& promise = *report.score_promise;
   return fmt::format(
-      "the promise is of what was tuned; {} was not: name it with --also-character for a rule that is of it too",
-      report.proof->character);
+      "promised of the figures on another seed: {} {:.{}f} on average (95 %: {:.{}f} to {:.{}f}), from {}", score.title,
+      promise.mean, score.digits, promise.on_another_seed.low, score.digits, promise.on_another_seed.high, score.digits,
+      counted(promise.seeds.size(), "seed", "seeds"));
+}
+
+std::string others_promise_text(const TuneReport& report) {
+  if (!report.others)
+    return "nothing is promised of a character that was not tuned: " + no_promise_of_others(report.request);
+  const metrics::Score& score = *report.request.error.score;
+  const OthersPromise& promise = *report.others;
+  const auto value = [&](double mean, const Interval& interval) {
+    return fmt::format("{:.{}f} (95 %: {:.{}f} to {:.{}f})", mean, score.digits, interval.low, score.digits,
+                       interval.high, score.digits);
+  };
+  return fmt::format(
+      "promised of a character that was not tuned: {}; {} {} on average and {} at the bad end's 5 %; from {} "
+      "characters, each drawn by the rule of the others",
+      times_fast(promise.ratio, promise.ratio_of_another.low, promise.ratio_of_another.high), score.title,
+      value(promise.mean, promise.mean_of_another), value(promise.tail, promise.tail_of_another),
+      promise.left_out.size());
+}
+
+std::vector<std::string> proof_texts(const TuneReport& report) {
+  const TuneProof& proof = *report.proof;
+  const metrics::Score& score = *report.request.error.score;
+  const auto verdict = [](bool holds) { return holds ? "holds" : "does NOT hold"; };
+  if (proof.other) {
+    const CharacterDrawn& drawn = proof.other->drawn;
+    const OthersPromise& promise = *report.others;
+    const auto held = [&](const Interval& interval, int digits, bool within) {
+      return fmt::format("promised {:.{}f} to {:.{}f}: {}", interval.low, digits, interval.high, digits,
+                         verdict(within));
+    };
+    return {fmt::format("speed of crowds of {}, which was not tuned: {:.2f} times over {}, {}", drawn.character,
+                        drawn.ratio, counted(drawn.times.size(), "seed", "seeds"),
+                        held(promise.ratio_of_another, 2, proof.other->ratio_within)),
+            fmt::format("score of its figures: {} {:.{}f} on average, {}", score.title, drawn.mean, score.digits,
+                        held(promise.mean_of_another, score.digits, proof.other->mean_within)),
+            fmt::format("score at the bad end's 5 % of them: {:.{}f}, {}", drawn.tail, score.digits,
+                        held(promise.tail_of_another, score.digits, proof.other->tail_within))};
+  }
+  std::vector<std::string> out{
+      fmt::format("speed: {} of {} within what was promised: {}", proof.speed.within,
+                  counted(proof.speed.seeds.size(), "unseen seed", "unseen seeds"), verdict(proof.speed.holds)),
+      fmt::format("score: {} of {} within what was promised: {}", proof.score.within,
+                  counted(proof.score.seeds.size(), "unseen seed", "unseen seeds"), verdict(proof.score.holds))};
+  for (const ErrorProof& one : proof.errors)
+    out.push_back(fmt::format(
+        "error{}: {} of {} unseen figures worse than promised (5 % may be), {} over the threshold; {} {:.{}f} at the "
+        "bad end's 5 %, worst {:.{}f} at {:.1f} pixels: {}",
+        proof.errors.size() > 1 ? " of " + report.request.subjects[one.subject].character->name : "", one.worse,
+        one.views, one.over_threshold, score.title, one.tail, score.digits, one.worst, score.digits,
+        one.worst_height_px, verdict(one.holds)));
+  return out;
 }
 
 }  // namespace crowdbench::bench

@@ -152,8 +152,7 @@ class Answering {
       one.height_px = request_.heights_px[change.bin];
       one.certainty = certainty_of(change, answer_.again, request_.heights_px);
       one.pop = pop(change.from, change.to, change.bin);
-      if (one.certainty.decided())
-        one.hysteresis = std::sqrt(one.certainty.height_px->high / one.certainty.height_px->low) - 1;
+      if (one.certainty.decided()) one.hysteresis = hysteresis_of(*one.certainty.height_px);
       answer_.switches.push_back(one);
     }
   }
@@ -187,6 +186,11 @@ TuneResult tune(gl::Context& context, const TuneRequest& request) {
   result.together = Answering(request, all).run();
   if (all.size() > 1)
     for (TuneMeasurement* one : all) result.alone.push_back(Answering(request, {one}).run());
+  for (size_t i = 0; i < all.size() && all.size() > 2 && request.budget_ns <= 0; ++i) {
+    std::vector<TuneMeasurement*> others = all;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    result.left_out.push_back(Answering(request, others).run());
+  }
   for (const TuneMeasurement* one : all) result.subjects.push_back(one->measured());
   return result;
 }
@@ -212,6 +216,8 @@ size_t bin_of_height(const std::vector<double>& heights_px, double height_px) {
   while (bin + 1 < heights_px.size() && heights_px[bin + 1] >= height_px) ++bin;
   return bin;
 }
+
+double hysteresis_of(const Interval& height_px) { return std::min(1.0, std::sqrt(height_px.high / height_px.low) - 1); }
 
 double loss_of(const metrics::Score& score, double value) {
   return std::max(0.0, badness_of(score, value) - badness_of(score, metrics::best_value(score)));

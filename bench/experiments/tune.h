@@ -126,6 +126,9 @@ struct TuneResult {
   std::vector<TuneMeasured> subjects;
   TuneAnswer together;            // one plan for all
   std::vector<TuneAnswer> alone;  // by subject; empty where there is one
+  // By subject: of all the others, for what is promised of a character that was not tuned. Empty of fewer than three,
+  // and within a budget.
+  std::vector<TuneAnswer> left_out;
 };
 
 // Throws Error and Interrupted.
@@ -137,6 +140,10 @@ renderers::Spec tuned_representation(const TuneRequest& request, const TuneAnswe
 // The bin that a figure of that height is drawn by: the smallest height that is not below it; the tallest for taller
 // ones.
 size_t bin_of_height(const std::vector<double>& heights_px, double height_px);
+
+// Of a switch that lies within these heights: half of that, as a factor above 1; what draws takes no more than 1, and
+// an interval so wide is of candidates that hardly differ.
+double hysteresis_of(const Interval& height_px);
 
 // How far a score's value is from its best, so that more is worse; at least 0. The best one is finite.
 double loss_of(const metrics::Score& score, double value);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <memory>
+#include <limits>
 #include <numbers>
 
 #include "bench/experiments/tune_measure.h"
@@ -23,10 +23,10 @@ enum ProofPurpose : uint64_t {
   kProofSeed,
   kAzimuth,
   kElevation,
-  kMoment,
   kTime,
   kPromisedRadius,
-  kPromisedAngle
+  kPromisedAngle,
+  kCharacterSeed
 };
 
 // Unseen figures: everything drawn at random, heights in even steps so that every bin has its part.
@@ -50,10 +50,8 @@ std::vector<QualityView> unseen_views(const TuneRequest& request, const TuneSubj
     view.azimuth_deg = 360 * random_unit(seed, i, kAzimuth);
     view.elevation_deg = low + (high - low) * random_unit(seed, i, kElevation);
     view.clip = subject.clip;
-    // Few moments: the mesh at each exact one is a mesh of its own.
-    constexpr uint64_t kMoments = 16;
-    const uint64_t slot = random_below(seed, i, kMoment, kMoments);
-    view.time = moments.time(random_unit(seed, slot, kTime));
+    // Each at a moment of its own: figures of one moment err alike, and are not so many independent ones.
+    view.time = moments.time(random_unit(seed, i, kTime));
     out.push_back(view);
   }
   return out;
@@ -101,7 +99,9 @@ double random_normal(uint64_t index) {
 
 std::vector<uint64_t> derived_seeds(uint64_t seed, SeedsFor purpose, size_t count) {
   std::vector<uint64_t> out;
-  const uint64_t which = purpose == SeedsFor::promise ? kPromiseSeed : kProofSeed;
+  const uint64_t which = purpose == SeedsFor::promise ? kPromiseSeed
+                         : purpose == SeedsFor::proof ? kProofSeed
+                                                      : kCharacterSeed;
   // Below 2^53, so that any program can write and read them.
   for (size_t i = 0; i < count; ++i) out.push_back(random_below(seed, i, which, uint64_t{1} << 53));
   return out;
@@ -120,23 +120,51 @@ std::vector<SeedTimes> time_seeds(gl::Context& context, const TuneProofRequest& 
   return out;
 }
 
-SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
-  assert(seeds.size() >= 2);
-  const auto n = static_cast<double>(seeds.size());
+bool lies_within(const Interval& interval, double value) {
+  // Means of equal values may differ in their last digits.
+  const double slack = std::isfinite(value) ? 1e-9 * std::abs(value) : 0;
+  return value >= interval.low - slack && value <= interval.high + slack;
+}
+
+double rounds_variance(const std::vector<SeedTimes>& seeds) {
   double sum = 0;
-  for (const SeedTimes& one : seeds) sum += std::log(one.ratio);
-  const double mean = sum / n;
-  double squares = 0;
-  std::vector<double> plans;
   for (const SeedTimes& one : seeds) {
-    squares += (std::log(one.ratio) - mean) * (std::log(one.ratio) - mean);
+    if (!(one.interval.low > 0)) continue;
+    const double deviation = std::log(one.interval.high / one.interval.low) / (2 * normal_quantile(0.975));
+    sum += deviation * deviation;
+  }
+  return seeds.empty() ? 0 : sum / static_cast<double>(seeds.size());
+}
+
+Interval prediction_interval(const std::vector<double>& values, double least_variance) {
+  assert(values.size() >= 2);
+  const bool same = std::all_of(values.begin(), values.end(), [&](double one) { return one == values[0]; });
+  if (same && !(least_variance > 0)) return {values[0], values[0]};
+  if (!std::all_of(values.begin(), values.end(), [](double one) { return std::isfinite(one); }))
+    return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  const auto n = static_cast<double>(values.size());
+  double sum = 0;
+  for (const double one : values) sum += one;
+  double squares = 0;
+  for (const double one : values) squares += (one - sum / n) * (one - sum / n);
+  const double half = interval_reach(values.size()) * std::sqrt(std::max(squares / (n - 1), least_variance));
+  return {sum / n - half, sum / n + half};
+}
+
+SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
+  std::vector<double> logarithms;
+  std::vector<double> plans;
+  double sum = 0;
+  for (const SeedTimes& one : seeds) {
+    logarithms.push_back(std::log(one.ratio));
+    sum += logarithms.back();
     plans.push_back(one.plan_ns);
   }
-  const double half = interval_reach(seeds.size()) * std::sqrt(squares / (n - 1));
+  const Interval interval = prediction_interval(logarithms, rounds_variance(seeds));
   SpeedPromise out;
   out.seeds = std::move(seeds);
-  out.ratio = std::exp(mean);
-  out.on_another_seed = {std::exp(mean - half), std::exp(mean + half)};
+  out.ratio = std::exp(sum / static_cast<double>(logarithms.size()));
+  out.on_another_seed = {std::exp(interval.low), std::exp(interval.high)};
   out.plan_ns = median(plans);
   return out;
 }
@@ -166,48 +194,98 @@ double chance_of_so_few(size_t within, size_t unseen, size_t promised) {
 SpeedProof prove_speed(const SpeedPromise& promise, std::vector<SeedTimes> unseen) {
   SpeedProof out;
   out.seeds = std::move(unseen);
-  for (const SeedTimes& one : out.seeds)
-    if (one.ratio >= promise.on_another_seed.low && one.ratio <= promise.on_another_seed.high) ++out.within;
+  for (const SeedTimes& one : out.seeds) out.within += lies_within(promise.on_another_seed, one.ratio);
   out.holds = chance_of_so_few(out.within, out.seeds.size(), promise.seeds.size()) >= 0.025;
   return out;
 }
 
-ErrorProof prove_errors(gl::Context& context, const TuneRequest& request, const TuneResult& result,
-                        const TuneSubject& subject, size_t index, const renderers::Spec& representation, size_t views,
-                        uint64_t seed) {
-  assert(result.together.plan);
+std::vector<UnseenFigure> draw_unseen(gl::Context& context, const TuneRequest& request, const TuneSubject& subject,
+                                      const renderers::Spec& representation, size_t count, uint64_t seed) {
   const metrics::Score* score = request.error.score;
   QualitySetup setup;
   setup.character = subject.character;
   setup.representations = {representation.text()};
-  setup.views = unseen_views(request, subject, views, seed);
+  setup.views = unseen_views(request, subject, count, seed);
   setup.antialiasing = request.cost.antialiasing;
   setup.bake_budget = request.cost.bake_budget;
   setup.use_cache = request.cost.use_cache;
   setup.display = request.display;
   setup.table = {&score, 1};
-  ErrorProof out;
-  out.subject = index;
-  std::vector<double> bad;
-  Progress progress("unseen figures", views);
-  for (const QualityRow& row : compute_quality(context, setup, [&](const auto&, const auto&) { progress.advance(); })) {
+  std::vector<UnseenFigure> out;
+  for (const QualityRow& row :
+       compute_quality(context, setup, [](const auto&, const auto&) { throw_if_interrupted(); })) {
     if (!row.refused.empty()) throw Error("tune", row.refused, "");
-    const auto value = row.scores.value(score->name);
-    if (!value) continue;
-    const size_t bin = bin_of_height(request.heights_px, row.view.height_px);
-    const size_t candidate = result.together.plan->candidate[bin];
-    const double promised = badness_of(*score, result.subjects[index].errors[candidate][bin].promised);
-    bad.push_back(badness_of(*score, *value));
-    if (bad.back() > promised) ++out.worse;
-    if (bad.back() > badness_of(*score, request.error.value)) ++out.over_threshold;
-    if (bad.size() == 1 || bad.back() > badness_of(*score, out.worst)) {
-      out.worst = *value;
-      out.worst_height_px = row.view.height_px;
+    if (const auto value = row.scores.value(score->name)) out.push_back({row.view.height_px, *value});
+  }
+  return out;
+}
+
+SeedScores scores_of(const metrics::Score& score, uint64_t seed, const std::vector<UnseenFigure>& figures) {
+  SeedScores out{seed, figures.size(), 0, 0};
+  if (figures.empty()) return out;
+  std::vector<double> bad;
+  double sum = 0;
+  for (const UnseenFigure& one : figures) {
+    bad.push_back(badness_of(score, one.value));
+    sum += bad.back();
+  }
+  out.mean = value_of_badness(score, sum / static_cast<double>(bad.size()));
+  out.tail = value_of_badness(score, badness_tail(bad));
+  return out;
+}
+
+Interval within_range(const metrics::Score& score, Interval interval) {
+  const double best = metrics::best_value(score);
+  return score.direction == metrics::Direction::higher_is_better
+             ? Interval{std::min(interval.low, best), std::min(interval.high, best)}
+             : Interval{std::max(interval.low, best), std::max(interval.high, best)};
+}
+
+ScorePromise promised_score(const metrics::Score& score, std::vector<SeedScores> seeds) {
+  std::vector<double> means;
+  double sum = 0;
+  for (const SeedScores& one : seeds) {
+    means.push_back(one.mean);
+    sum += one.mean;
+  }
+  ScorePromise out;
+  out.mean = sum / static_cast<double>(means.size());
+  out.on_another_seed = within_range(score, prediction_interval(means));
+  out.seeds = std::move(seeds);
+  return out;
+}
+
+ScoreProof prove_score(const ScorePromise& promise, std::vector<SeedScores> unseen) {
+  ScoreProof out;
+  out.seeds = std::move(unseen);
+  for (const SeedScores& one : out.seeds) out.within += lies_within(promise.on_another_seed, one.mean);
+  out.holds = chance_of_so_few(out.within, out.seeds.size(), promise.seeds.size()) >= 0.025;
+  return out;
+}
+
+ErrorProof prove_errors(const TuneRequest& request, const TuneResult& result, size_t subject,
+                        const std::vector<UnseenFigure>& figures) {
+  assert(result.together.plan);
+  const metrics::Score& score = *request.error.score;
+  ErrorProof out;
+  out.subject = subject;
+  out.views = figures.size();
+  if (figures.empty()) return out;
+  out.worst = figures[0].value;
+  out.worst_height_px = figures[0].height_px;
+  std::vector<double> bad;
+  for (const UnseenFigure& one : figures) {
+    const size_t bin = bin_of_height(request.heights_px, one.height_px);
+    const TuneError& error = result.subjects[subject].errors[result.together.plan->candidate[bin]][bin];
+    bad.push_back(badness_of(score, one.value));
+    if (bad.back() > badness_of(score, error.promised)) ++out.worse;
+    if (bad.back() > badness_of(score, request.error.value)) ++out.over_threshold;
+    if (bad.back() > badness_of(score, out.worst)) {
+      out.worst = one.value;
+      out.worst_height_px = one.height_px;
     }
   }
-  out.views = bad.size();
-  if (bad.empty()) return out;
-  out.tail = value_of_badness(*score, badness_tail(bad));
+  out.tail = value_of_badness(score, badness_tail(bad));
   out.holds = binomial_at_least(out.worse, out.views, 0.05) >= 0.025;
   return out;
 }

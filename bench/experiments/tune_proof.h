@@ -1,14 +1,18 @@
 // The proof of a tuning: the representation that it wrote is run on crowds, directions, heights and moments that were
 // not measured, and held against what was promised.
 //
-// What is promised:
+// What is promised of the characters that were tuned:
 //   speed  the reference's frame over the plan's on the scenario with another seed: a 95 % prediction interval, from
-//          the logarithms of a few seeds' ratios, normal with an unknown deviation (Student's t);
+//          the logarithms of a few seeds' ratios, normal with an unknown deviation (Student's t), which is never taken
+//          to be less than what the rounds of one seed leave open: seeds that happen to agree more closely promise
+//          nothing that a measurement could keep;
+//   score  the mean of the error's score over so many figures as another seed draws: the same from the means of those
+//          seeds;
 //   error  of the figures that a bin of the plan draws no more than 5 % are worse than TuneError::promised.
-// What the proof says: speed holds unless so few of the unseen seeds lie within the interval as would in less than
-// 2.5 % of such proofs were the promise true (chance_of_so_few: all of them meet one interval, which is itself of a few
-// seeds, so that they are not independent); error unless so many figures are worse as would
-// in less than 2.5 % (binomial, 5 % worse).
+// What the proof says: speed and score hold unless so few of the unseen seeds lie within their interval as would in
+// less than 2.5 % of such proofs were the promise true (chance_of_so_few: all of them meet one interval, which is
+// itself of a few seeds, so that they are not independent); error unless so many figures are worse as would in less
+// than 2.5 % (binomial, 5 % worse). Nothing of this is promised of another character: tune_others.h.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -43,15 +47,61 @@ struct SpeedPromise {
 };
 inline constexpr size_t kPromiseSeeds = 5;
 
-// The prediction interval alone: positive ratios, at least two.
+// Positive ratios, at least two.
 SpeedPromise promised_speed(std::vector<SeedTimes> seeds);
 
 // Times reference and plan in the same rounds on each of the seeds. Throws Error and Interrupted.
 std::vector<SeedTimes> time_seeds(gl::Context& context, const TuneProofRequest& request,
                                   const std::vector<uint64_t>& seeds);
 // `count` seeds that differ from `seed` and, for another purpose, from each other's.
-enum class SeedsFor : uint8_t { promise, proof };
+enum class SeedsFor : uint8_t { promise, proof, characters };
 std::vector<uint64_t> derived_seeds(uint64_t seed, SeedsFor purpose, size_t count);
+
+// A 95 % prediction interval for one more value of what at least two are drawn from, taken to be normal with unknown
+// mean and deviation; least_variance: that each has by itself, below which their own is not believed. Unbounded where
+// one of them is not finite and not all are the same.
+Interval prediction_interval(const std::vector<double>& values, double least_variance = 0);
+// The variance of the logarithm of a ratio that its own rounds leave open, from its 95 % interval: the mean over seeds;
+// 0 of those without an interval.
+double rounds_variance(const std::vector<SeedTimes>& seeds);
+// To nine digits.
+bool lies_within(const Interval& interval, double value);
+
+// One figure that was not measured, drawn by the plan.
+struct UnseenFigure {
+  double height_px = 0;
+  double value = 0;  // of the error's score
+};
+// `count` figures of heights even in their logarithm over the tuning's, unseen directions and moments; those that have
+// a score. Throws Error and Interrupted.
+std::vector<UnseenFigure> draw_unseen(gl::Context& context, const TuneRequest& request, const TuneSubject& subject,
+                                      const renderers::Spec& representation, size_t count, uint64_t seed);
+inline constexpr size_t kSeedFigures = 24;  // of each subject, a seed
+
+// What the figures of a seed score.
+struct SeedScores {
+  uint64_t seed = 0;
+  size_t figures = 0;  // of all subjects, equally many each
+  double mean = 0;
+  double tail = 0;  // the bad end's 5 %
+};
+SeedScores scores_of(const metrics::Score& score, uint64_t seed, const std::vector<UnseenFigure>& figures);
+
+struct ScorePromise {
+  std::vector<SeedScores> seeds;  // that it is made from: at least two
+  double mean = 0;                // of their means
+  Interval on_another_seed;       // of the mean over another seed's figures, no better than the score's best
+};
+// The ends of an interval, where they are better than the score's best, put there.
+Interval within_range(const metrics::Score& score, Interval interval);
+ScorePromise promised_score(const metrics::Score& score, std::vector<SeedScores> seeds);
+
+struct ScoreProof {
+  std::vector<SeedScores> seeds;
+  size_t within = 0;
+  bool holds = false;
+};
+ScoreProof prove_score(const ScorePromise& promise, std::vector<SeedScores> unseen);
 
 // Figures of one subject against the promise of the bins that draw them.
 struct ErrorProof {
@@ -64,11 +114,9 @@ struct ErrorProof {
   double worst_height_px = 0;
   bool holds = false;
 };
-// `views` figures of heights even in their logarithm over the tuning's, unseen directions and moments.
-// subject: may be of another character than was tuned: then its own promise is the first subject's.
-ErrorProof prove_errors(gl::Context& context, const TuneRequest& request, const TuneResult& result,
-                        const TuneSubject& subject, size_t index, const renderers::Spec& representation, size_t views,
-                        uint64_t seed);
+// Of the plan for all.
+ErrorProof prove_errors(const TuneRequest& request, const TuneResult& result, size_t subject,
+                        const std::vector<UnseenFigure>& figures);
 
 struct SpeedProof {
   std::vector<SeedTimes> seeds;

@@ -43,7 +43,9 @@ bool is_reference_type(const renderers::Spec& spec) { return renderers::represen
 }  // namespace
 
 bool TuneProof::holds() const {
-  return speed.holds && std::all_of(errors.begin(), errors.end(), [](const ErrorProof& one) { return one.holds; });
+  if (other) return other->holds();
+  return speed.holds && score.holds &&
+         std::all_of(errors.begin(), errors.end(), [](const ErrorProof& one) { return one.holds; });
 }
 
 std::string candidate_name(const TuneReport& report, size_t candidate) {

@@ -7,6 +7,7 @@
 #include "bench/experiments/engine_settings.h"
 #include "bench/experiments/switch_distance.h"
 #include "bench/experiments/tune.h"
+#include "bench/experiments/tune_others.h"
 #include "bench/experiments/tune_pictures.h"
 #include "bench/experiments/tune_predict.h"
 #include "bench/experiments/tune_proof.h"
@@ -16,10 +17,12 @@
 
 namespace crowdbench::bench {
 
+// Of the tuned characters, or of one that was not tuned.
 struct TuneProof {
-  std::string character;  // of the crowds; empty: the tuned ones
   SpeedProof speed;
+  ScoreProof score;
   std::vector<ErrorProof> errors;
+  std::optional<OtherProof> other;  // then the others are empty
   bool holds() const;
 };
 
@@ -32,6 +35,8 @@ struct TuneReport {
   std::vector<std::vector<TunePrediction>> predicted;  // by subject, then by candidate; empty where there is no plan
   std::vector<TuneSwitchPictures> pictures;            // by switch of the plan for all; empty where nobody asked
   std::optional<SpeedPromise> promise;
+  std::optional<ScorePromise> score_promise;  // where there is one of speed
+  std::optional<OthersPromise> others;        // of characters that were not tuned; else no_promise_of_others says why
   std::optional<std::vector<TuneLensCheck>> lenses;
   std::optional<TuneProof> proof;
   std::optional<Error> failed;  // of what comes after the tuning: predictions, promise, lenses or proof

@@ -20,7 +20,9 @@ Json colour_of(const Scene& scene, bool legend) {
       {"field", "representation"},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend", legend ? Json({{"title", nullptr}, {"symbolOpacity", 1}}) : Json(nullptr)}};
+      {"legend",
+       legend ? Json({{"title", nullptr}, {"symbolOpacity", 1}, {"columns", legend_columns(scene.representations)}})
+              : Json(nullptr)}};
 }
 
 // 1, 2, 5, 10, 20, 50, ... within a factor of the data.
@@ -64,20 +66,31 @@ struct Range {
   }
 };
 
-// The name of each line at its end, instead of a legend; names that would overlap are moved apart.
+// The name of each line at its end, instead of a legend; names that would overlap are moved apart. On a narrow screen,
+// and where one is long, before the end, above the line: beyond it there is no room.
 Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, const char* y, double height) {
   std::sort(ends.begin(), ends.end(),
             [&](const Json& a, const Json& b) { return a.at(y).number() < b.at(y).number(); });
   const double decades = std::log10(range.greatest / range.least);
   const double gap = decades * 15.0 / height;  // 15 pixels in decades
   double below = -INFINITY;
+  double longest = 0;
   for (Json& end : ends) {
+    longest = std::max(longest, name_px(end.at("label").text()));
     const double at = std::max(std::log10(end.at(y).number()), below + gap);
     end["label_y"] = std::pow(10.0, at);
     below = at;
   }
+  constexpr double kBeyond = 80;  // pixels that the axis leaves there
+  const std::string before = longest > kBeyond ? "true" : kNarrowScreen;
   return {{"data", {{"values", ends}}},
-          {"mark", {{"type", "text"}, {"align", "left"}, {"dx", 9}, {"fontSize", 12}, {"fontWeight", 600}}},
+          {"mark",
+           {{"type", "text"},
+            {"align", {{"expr", fmt::format("{} ? 'right' : 'left'", before)}}},
+            {"dx", {{"expr", fmt::format("{} ? 0 : 9", before)}}},
+            {"dy", {{"expr", fmt::format("{} ? -9 : 0", before)}}},
+            {"fontSize", 12},
+            {"fontWeight", 600}}},
           {"encoding",
            {{"x", {{"field", "agents"}, {"type", "quantitative"}}},
             {"y", {{"field", "label_y"}, {"type", "quantitative"}}},

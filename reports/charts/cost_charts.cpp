@@ -20,7 +20,7 @@ Json colours(const Scene& scene, const char* field) {
       {"field", field},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend", {{"title", nullptr}, {"symbolOpacity", 1}, {"columns", 2}}}};
+      {"legend", {{"title", nullptr}, {"symbolOpacity", 1}, {"columns", legend_columns(scene.representations)}}}};
 }
 
 Json axis_of(const char* field, const char* title, bool log) {
@@ -117,6 +117,8 @@ std::string cheapest_chart(const Scene& scene, const BreakEvenMap& map) {
   }
   std::reverse(occupancies.begin(), occupancies.end());
   Json spec = chart_frame(std::max<int>(60, 26 * static_cast<int>(occupancies.size())));
+  spec["padding"] = {
+      {"left", 5}, {"top", 5}, {"right", 10}, {"bottom", 5}};  // half of the last number is beyond its cell
   spec["data"] = {{"values", values}};
   spec["mark"] = {{"type", "rect"}};
   spec["encoding"] = {

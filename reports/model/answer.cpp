@@ -82,21 +82,32 @@ std::vector<LevelRatio> ratios_to_levels(const Scene& scene, const RatioRow& row
   return out;
 }
 
+// The level as wrong and the one as dear; levels that were asked for by name too, and every level where the two are
+// not known.
 std::string levels_text(const Scene& scene, const RatioRow& row) {
   if (is_level(scene, row.of.representation)) return {};
   const std::vector<LevelRatio> ratios = ratios_to_levels(scene, row);
   if (ratios.empty()) return fmt::format(" No level of detail of {} was timed beside it.", scene.reference);
   std::string text;
-  for (const LevelTable& table : level_tables(scene))
-    for (const EqualLevels& equal : table.rows)
-      if (table.occupancy == row.of.requested_occupancy && equal.representation == row.of.representation)
-        text += equal_levels_text(table, equal, scene.reference);
+  const auto beside = levels_beside(scene, row.of.representation, row.of.requested_occupancy);
+  if (beside) text += equal_levels_text(beside->table, beside->row, scene.reference);
   for (const LevelRatio& r : ratios) {
+    if (beside && is_ruler(scene, r.level)) continue;
     const bool faster = r.times_as_fast >= 1;
     text += fmt::format(" It is {} times as {} as {}, a level of detail of {}.",
                         factor_text(faster ? r.times_as_fast : 1 / r.times_as_fast), faster ? "fast" : "slow", r.level,
                         scene.reference);
   }
+  return text;
+}
+
+// The same in a tile.
+std::string levels_clause(const Scene& scene, const RatioRow& row) {
+  const auto beside = levels_beside(scene, row.of.representation, row.of.requested_occupancy);
+  std::string text = beside ? "; " + equal_levels_clause(beside->row) : "";
+  for (const LevelRatio& r : ratios_to_levels(scene, row))
+    if (!beside || !is_ruler(scene, r.level))
+      text += fmt::format("; {}× that of {}", factor_text(r.times_as_fast), r.level);
   return text;
 }
 
@@ -106,8 +117,7 @@ std::vector<std::string> answer(const Scene& scene) {
   std::vector<std::string> paragraphs;
   const std::string& metric = scene.run->headline;
   const auto lines = crossovers_of(scene, metric);
-  for (const std::string& name : scene.representations) {
-    if (name == scene.reference) continue;
+  for (const std::string& name : subjects_of(scene)) {
     for (const double occupancy : scene.occupancies) {
       const RatioRow* best = largest_ratio(scene, name, occupancy);
       if (best == nullptr) continue;
@@ -156,19 +166,17 @@ std::string floors_text(const Scene& scene, const FloorTexts& floors) {
 
 std::vector<Tile> tiles(const Scene& scene) {
   std::vector<Tile> all;
-  if (scene.representations.size() < 2 || scene.occupancies.empty()) return all;
-  const std::string& name = scene.representations[1];
+  const std::vector<std::string> subjects = subjects_of(scene);
+  if (subjects.empty() || scene.occupancies.empty()) return all;
+  const std::string& name = subjects.front();
   const std::string& metric = scene.run->headline;
   const double occupancy = scene.occupancies.front();
   const std::string at = occupancy > 0 ? " at " + percent_text(occupancy) + " occupancy" : std::string();
   if (const RatioRow* ratio = largest_ratio(scene, name, occupancy); ratio != nullptr) {
-    std::string beside;
-    for (const LevelRatio& r : ratios_to_levels(scene, *ratio))
-      beside += fmt::format("; {}× that of {}", factor_text(r.times_as_fast), r.level);
-    all.push_back(
-        {factor_text(ratio->ratio) + "×",
-         fmt::format("the speed of {}{}, drawn by {} with {}{}{}{}", scene.reference, triangles_text(scene, *ratio),
-                     name, agents_text(ratio->of.agents), at, beside, void_notice(scene) ? " (void, see below)" : "")});
+    all.push_back({factor_text(ratio->ratio) + "×",
+                   fmt::format("the speed of {}{}, drawn by {} with {}{}{}{}", scene.reference,
+                               triangles_text(scene, *ratio), name, agents_text(ratio->of.agents), at,
+                               levels_clause(scene, *ratio), void_notice(scene) ? " (void, see below)" : "")});
   }
   for (const CrossoverLine& line : crossovers_of(scene, metric))
     if (line.occupancy == occupancy && line.first == scene.reference && line.second == name && line.agents) {

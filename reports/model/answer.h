@@ -9,15 +9,15 @@
 
 namespace crowdbench::reports {
 
-// The answer at a glance: a figure and what it is, in the order of reading; of the first representation that is not the
-// reference.
+// The answer at a glance: a figure and what it is, in the order of reading; of the first of the scene's
+// subjects (equal_levels.h).
 struct Tile {
   std::string figure;
   std::string meaning;
 };
 std::vector<Tile> tiles(const Scene& scene);
 
-// The answer, in a few paragraphs without markup: what it costs, from where on it pays, what it gets wrong.
+// The answer, in a few paragraphs without markup: what each subject costs, from where on it pays, what it gets wrong.
 std::vector<std::string> answer(const Scene& scene);
 
 // Every figure of speed is a ratio to the reference, which is held to its own floor: above this many times the floor,

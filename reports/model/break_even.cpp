@@ -88,7 +88,9 @@ double covered_px(const Scene& scene, const CostModel& model, double agents, dou
 
 double time_at(const Scene& scene, const CostModel& model, double agents, double occupancy) {
   CostPoint point;
-  point.counts = {1.0, agents, covered_px(scene, model, agents, occupancy), {}, {}, {}, {}};
+  const double covered = covered_px(scene, model, agents, occupancy);
+  const double picture = static_cast<double>(scene.width) * scene.height;
+  point.counts = {1.0, agents, covered, fine_pixels(picture, agents, covered), {}, {}, {}, {}};
   return predicted_ns(model.fit, point);
 }
 

@@ -116,15 +116,23 @@ std::optional<double> as_double(const std::optional<uint64_t>& value) {
 }  // namespace
 
 const char* cost_term_name(CostTerm term) {
-  static constexpr const char* kNames[] = {"frame",     "agents",          "covered_px", "touched_px",
-                                           "fragments", "vertices_shaded", "primitives"};
+  static constexpr const char* kNames[] = {"frame",      "agents",    "covered_px",      "fine_px",
+                                           "touched_px", "fragments", "vertices_shaded", "primitives"};
   return kNames[static_cast<size_t>(term)];
 }
 
 std::string cost_term_text(CostTerm term) {
-  static constexpr const char* kTexts[] = {"a frame",    "an agent", "a covered pixel", "a touched pixel",
-                                           "a fragment", "a vertex", "a primitive"};
+  static constexpr const char* kTexts[] = {
+      "a frame",         "an agent",
+      "a covered pixel", "a covered pixel times ln(figures that would fill the picture)",
+      "a touched pixel", "a fragment",
+      "a vertex",        "a primitive"};
   return kTexts[static_cast<size_t>(term)];
+}
+
+double fine_pixels(double picture_px, double agents, double covered_px) {
+  if (!(agents > 0 && covered_px > 0)) return 0;
+  return covered_px * std::log(std::max(1.0, picture_px * agents / covered_px));
 }
 
 std::vector<CostPoint> cost_points(const Scene& scene, const std::string& representation) {
@@ -133,11 +141,16 @@ std::vector<CostPoint> cost_points(const Scene& scene, const std::string& repres
     if (row->key.representation != representation || !is_timed(*row)) continue;
     const std::optional<TimeSummary>& time = time_of(*row, scene.run->headline);
     if (!time || !(time->median > 0)) continue;
-    out.push_back({row->key.agents,
-                   row->key.requested_occupancy,
-                   time->median,
-                   {1.0, static_cast<double>(row->key.agents), as_double(row->reference_px), as_double(row->touched_px),
-                    as_double(row->fragments), as_double(row->vertices_shaded), as_double(row->primitives)}});
+    std::optional<double> fine;
+    if (row->reference_px)
+      fine = fine_pixels(static_cast<double>(row->key.width) * row->key.height, row->key.agents,
+                         static_cast<double>(*row->reference_px));
+    out.push_back(
+        {row->key.agents,
+         row->key.requested_occupancy,
+         time->median,
+         {1.0, static_cast<double>(row->key.agents), as_double(row->reference_px), fine, as_double(row->touched_px),
+          as_double(row->fragments), as_double(row->vertices_shaded), as_double(row->primitives)}});
   }
   std::sort(out.begin(), out.end(), [](const CostPoint& a, const CostPoint& b) {
     return std::pair(a.agents, a.occupancy) < std::pair(b.agents, b.occupancy);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
@@ -150,6 +151,17 @@ ScoreDoc put_first_score(const Scene& scene, uint32_t agents, double occupancy, 
   return {};
 }
 
+// Whether `line` holds the word, neither end of it within a longer one.
+bool names_word(const std::string& line, const std::string& word) {
+  constexpr const char* kBetween = " ,='\"\t\n()";
+  for (size_t at = line.find(word); at != std::string::npos; at = line.find(word, at + 1)) {
+    const size_t end = at + word.size();
+    const auto between = [&](char c) { return std::string_view(kBetween).find(c) != std::string_view::npos; };
+    if ((at == 0 || between(line[at - 1])) && (end == line.size() || between(line[end]))) return true;
+  }
+  return false;
+}
+
 std::optional<LevelTable> table_at(const Scene& scene, double occupancy) {
   std::optional<LevelTable> unscored;
   for (auto agents = scene.agents.rbegin(); agents != scene.agents.rend(); ++agents) {
@@ -172,6 +184,19 @@ std::optional<LevelTable> table_at(const Scene& scene, double occupancy) {
 
 bool is_level(const Scene& scene, const std::string& name) { return name.starts_with(scene.reference + ":"); }
 
+bool is_ruler(const Scene& scene, const std::string& name) {
+  const auto answers = [&](const std::string& other) { return other != scene.reference && !is_level(scene, other); };
+  return is_level(scene, name) && scene.run->command != "sweep" &&
+         std::ranges::any_of(scene.representations, answers) && !names_word(scene.run->arguments, name);
+}
+
+std::vector<std::string> subjects_of(const Scene& scene) {
+  std::vector<std::string> out;
+  for (const std::string& name : scene.representations)
+    if (name != scene.reference && !is_ruler(scene, name)) out.push_back(name);
+  return out;
+}
+
 std::vector<LevelTable> level_tables(const Scene& scene) {
   std::vector<LevelTable> out;
   for (const double occupancy : scene.occupancies)
@@ -187,6 +212,24 @@ std::string place_text(const LevelPlace& place) {
     case LevelPlace::Where::between: break;
   }
   return fmt::format("about {} triangles", count);
+}
+
+std::optional<LevelsBeside> levels_beside(const Scene& scene, const std::string& representation, double occupancy) {
+  const std::optional<LevelTable> table = table_at(scene, occupancy);
+  if (!table) return std::nullopt;
+  for (const EqualLevels& row : table->rows)
+    if (row.representation == representation) return LevelsBeside{*table, row};
+  return std::nullopt;
+}
+
+std::string equal_levels_clause(const EqualLevels& row) {
+  const bool cheaper = row.equal_time.where == LevelPlace::Where::beyond_coarsest;
+  if (!row.equal_error)
+    return fmt::format("a level of {} {} as {}", place_text(row.equal_time), cheaper ? "would be" : "is",
+                       cheaper ? "cheap" : "dear");
+  return fmt::format("a level of {} is as wrong, at {}{} times its time", place_text(*row.equal_error),
+                     row.equal_error->where == LevelPlace::Where::beyond_coarsest ? "less than " : "",
+                     factor_text(row.factor));
 }
 
 std::string equal_levels_text(const LevelTable& table, const EqualLevels& row, const std::string& reference) {

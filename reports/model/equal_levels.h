@@ -12,6 +12,11 @@ namespace crowdbench::reports {
 
 // A level of detail of the reference: the reference with options.
 bool is_level(const Scene& scene, const std::string& name);
+// A level that nobody asked for: `bench` and `demo` add some to set the others against. One that the run's command line
+// does not name, beside others that are no levels; what a sweep's plan lists is asked for.
+bool is_ruler(const Scene& scene, const std::string& name);
+// What title and answer are of: all but the reference and the rulers, in the order of the scene.
+std::vector<std::string> subjects_of(const Scene& scene);
 
 // A place among the levels, as triangles an agent.
 struct LevelPlace {
@@ -48,5 +53,14 @@ std::string place_text(const LevelPlace& place);
 // What the table says of one, to follow a sentence about its speed: " With 250 agents, a level of about 290 triangles
 // of mesh is as wrong (FLIP 0.0620) and takes 2.89 times its time (2.72 to 3.09). As dear is a level of about ...".
 std::string equal_levels_text(const LevelTable& table, const EqualLevels& row, const std::string& reference);
+// The same as a clause, for a cell or a tile: "a level of about 290 triangles is as wrong, at 2.89 times its time";
+// with no score "a level of about 420 triangles is as dear".
+std::string equal_levels_clause(const EqualLevels& row);
+// The row of one in the tables of a scene; nothing where there is none.
+struct LevelsBeside {
+  LevelTable table;
+  EqualLevels row;
+};
+std::optional<LevelsBeside> levels_beside(const Scene& scene, const std::string& representation, double occupancy);
 
 }  // namespace crowdbench::reports

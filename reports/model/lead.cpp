@@ -9,8 +9,8 @@
 namespace crowdbench::reports {
 namespace {
 
-// Time over the reference's at the largest crowd of the character that the file has a ratio of, and over those of
-// levels of detail that were timed beside it.
+// Time over the reference's at the largest crowd of the character that the file has a ratio of; beside it the level of
+// detail that is as wrong, and those that were asked for.
 std::string cost_of(const std::vector<Scene>& scenes, const std::string& character, const std::string& name) {
   const RatioRow* best = nullptr;
   const Scene* where = nullptr;
@@ -26,8 +26,10 @@ std::string cost_of(const std::vector<Scene>& scenes, const std::string& charact
   }
   if (best == nullptr) return "not timed in this file";
   std::string levels;
+  const auto beside = levels_beside(*where, name, best->of.requested_occupancy);
+  if (beside) levels = "; " + equal_levels_clause(beside->row);
   for (const std::string& level : where->representations) {
-    if (!is_level(*where, level) || level == name) continue;
+    if (!is_level(*where, level) || level == name || (beside && is_ruler(*where, level))) continue;
     const RatioRow* own =
         where->ratio("speed", level, best->of.agents, best->of.requested_occupancy, where->run->headline);
     if (own != nullptr) levels += fmt::format("; {:.3g} of {}’s", own->ratio / best->ratio, level);

@@ -7,15 +7,33 @@
     return JSON.parse(dark ? text.replace(/#[0-9a-f]{6}/g, function (ink) { return lighter[ink] || ink; }) : text);
   }
   var plots = document.querySelectorAll("script[type='application/json'][data-plot]");
-  plots.forEach(function (holder) {
+  // Those in view are drawn at once, the others one after another when there is nothing else to do: a page of many charts
+  // opens as soon as one of few.
+  var waiting = Array.prototype.slice.call(plots);
+  function draw(holder) {
     var target = document.getElementById(holder.dataset.plot);
-    vegaEmbed(target, specification(holder.textContent), {
+    waiting.splice(waiting.indexOf(holder), 1);
+    return vegaEmbed(target, specification(holder.textContent), {
       renderer: "svg",
       actions: { export: { svg: true, png: true }, source: false, compiled: false, editor: false },
       downloadFileName: holder.dataset.plot
     }).then(function () { document.body.dataset.drawn = Number(document.body.dataset.drawn || 0) + 1; },
             function (error) { target.textContent = "This chart could not be drawn: " + error.message; target.className += " bad"; });
-  });
+  }
+  function later(work) {
+    if (window.requestIdleCallback) requestIdleCallback(work, { timeout: 200 });
+    else setTimeout(work, 20);
+  }
+  function draw_next() { if (waiting.length) draw(waiting[0]).then(function () { later(draw_next); }); }
+  function in_view(holder) {
+    var box = document.getElementById(holder.dataset.plot).getBoundingClientRect();
+    return box.top < window.innerHeight && box.bottom > 0;
+  }
+  function draw_seen() { waiting.filter(in_view).forEach(draw); }
+  draw_seen();
+  window.addEventListener("scroll", draw_seen, { passive: true });
+  window.addEventListener("beforeprint", function () { waiting.slice().forEach(draw); });
+  later(draw_next);
   // The first two pictures of a group, one over the other: a slider between them, and a button that shows them in turns.
   document.querySelectorAll("[data-pair]").forEach(function (group) {
     var pictures = group.querySelectorAll("figure img");

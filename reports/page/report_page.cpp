@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/error.h"
+#include "reports/model/equal_levels.h"
 #include "reports/page/blocks.h"
 #include "reports/page/distance_page.h"
 #include "reports/page/findings_section.h"
 #include "reports/page/lead_section.h"
 #include "reports/page/page_files.h"
 #include "reports/page/page_frame.h"
+#include "reports/page/points_section.h"
 #include "reports/page/sections.h"
 
 namespace crowdbench::reports {
@@ -19,9 +22,7 @@ namespace {
 using Rows = std::vector<TemplateValues>;
 
 std::string title_of(const Scene& scene) {
-  std::string against;
-  for (const std::string& name : scene.representations)
-    if (name != scene.reference) against += (against.empty() ? "" : ", ") + name;
+  const std::string against = fmt::format("{}", fmt::join(subjects_of(scene), ", "));
   return against.empty() ? "What a crowd costs to draw as " + scene.reference
                          : fmt::format("A crowd drawn as {} and as {}: cost and difference", scene.reference, against);
 }
@@ -128,6 +129,31 @@ const RunRow& first_run(const StoreContents& contents, const std::vector<Scene>&
   return agents.empty() ? contents.runs.front() : *agents.front().run;
 }
 
+// All runs; where there are more scenes than are told in full, those of the scenes that are and those that timed
+// nothing.
+std::vector<const RunRow*> runs_in_full(const StoreContents& contents, const std::vector<Scene>& scenes) {
+  std::set<int64_t> left_out;
+  if (scenes.size() > kScenesInFull) {
+    for (const MeasurementRow& row : contents.measurements) left_out.insert(row.run);
+    for (size_t i = 0; i < kScenesInFull; ++i) left_out.erase(scenes[i].run->id);
+  }
+  std::vector<const RunRow*> out;
+  for (const RunRow& run : contents.runs)
+    if (!left_out.contains(run.id)) out.push_back(&run);
+  return out;
+}
+
+// Of one program, driver and machine.
+bool runs_are_alike(const std::vector<RunRow>& runs) {
+  const auto same = [&](const RunRow& run) {
+    const RunRow& first = runs.front();
+    return run.version == first.version && run.revision == first.revision && run.gl_renderer == first.gl_renderer &&
+           run.gl_version == first.gl_version && run.gl_vendor == first.gl_vendor && run.cpu_model == first.cpu_model &&
+           run.cpu_threads == first.cpu_threads && run.os == first.os;
+  };
+  return std::ranges::all_of(runs, same);
+}
+
 }  // namespace
 
 std::string report_page(const StoreContents& contents, const PageOptions& options) {
@@ -145,7 +171,8 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
   std::erase_if(answers, [](const Html& answer) { return answer.text.empty(); });
   int last_chart = 0;
   Rows on_page;
-  for (const Scene& scene : scenes) on_page.push_back(scene_values(scene, options.floors, several, last_chart));
+  const size_t in_full = std::min(scenes.size(), kScenesInFull);
+  for (size_t i = 0; i < in_full; ++i) on_page.push_back(scene_values(scenes[i], options.floors, several, last_chart));
   Rows over_distance;
   for (const RunRow* each : distances) over_distance.push_back(distance_values(contents, *each, options, last_chart));
   Rows alone;
@@ -155,7 +182,11 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
     if (Html section = pops_section(contents, each, options.pop_scores); !section.text.empty())
       pops.push_back(std::move(section));
   Rows runs;
-  for (const RunRow& each : contents.runs) runs.push_back(run_values(each));
+  const std::vector<const RunRow*> told = runs_in_full(contents, scenes);
+  for (const RunRow* each : told) runs.push_back(run_values(*each));
+  Rows more;
+  if (told.size() < contents.runs.size())
+    more.push_back({{"count", contents.runs.size() - told.size()}, {"alike", runs_are_alike(contents.runs)}});
   Html content = fill_template(
       page_file("report.html"),
       {{"characters", characters_of(scenes, agents, contents)},
@@ -171,8 +202,10 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
        {"distances", std::move(over_distance)},
        {"agents", std::move(alone)},
        {"pops", html_rows(std::move(pops))},
+       {"points", points_section(contents, scenes)},
        {"timed", !scenes.empty()},
-       {"runs", std::move(runs)}});
+       {"runs", std::move(runs)},
+       {"more_runs", std::move(more)}});
   return page_frame(scenes.empty() ? title_of_untimed(agents, !distances.empty()) : title_of(scenes.front()),
                     std::move(content), options.source);
 }

@@ -302,6 +302,13 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const Outcome nobody = run("tune --agents 0 --prove 1" + character);
          EXPECT_EQ(nobody.status, 2);
          EXPECT_NE(nobody.text.find("the crowd has no agents"), std::string::npos) << nobody.text;
+         EXPECT_EQ(j.at("proof").at("score").at("seeds").size(), 1U);
+         EXPECT_TRUE(j.at("promise_of_others").at("why_not").is_string());
+         const Outcome alone = run("tune --prove 1 --prove-on mannequin" + character);
+         EXPECT_EQ(alone.status, 2);
+         EXPECT_NE(alone.text.find("of a character that was not tuned nothing is promised: one character was tuned"),
+                   std::string::npos)
+             << alone.text;
        }},
       {"ratio",
        [&] {

@@ -14,6 +14,7 @@
 #include "bench/experiments/engine_settings.h"
 #include "bench/experiments/switch_distance.h"
 #include "bench/experiments/tune_measure.h"
+#include "bench/experiments/tune_others.h"
 #include "bench/experiments/tune_pictures.h"
 #include "bench/experiments/tune_predict.h"
 #include "bench/experiments/tune_proof.h"
@@ -239,7 +240,12 @@ TEST_F(TuneGl, WhatWasPromisedHoldsThroughOtherLensesAndOnUnseenFigures) {
 
   const renderers::Spec spec = tuned_representation(request, result.together);
   EXPECT_EQ(spec.text(), request.candidates[1].text());
-  const auto prove = [&] { return prove_errors(context_, request, result, request.subjects[0], 0, spec, 40, 5); };
+  const std::vector<UnseenFigure> figures = draw_unseen(context_, request, request.subjects[0], spec, 40, 5);
+  ASSERT_EQ(figures.size(), 40U);
+  EXPECT_GT(figures[0].height_px, figures[39].height_px);
+  EXPECT_LT(figures[0].height_px, 48);
+  EXPECT_GT(figures[39].height_px, 12);
+  const auto prove = [&] { return prove_errors(request, result, 0, figures); };
   const ErrorProof proof = prove();
   EXPECT_TRUE(proof.holds) << proof.worse << " of " << proof.views;
   EXPECT_EQ(proof.over_threshold, 0U);
@@ -260,6 +266,14 @@ TEST(TuneProof, SpeedIsPromisedForTheNextSeedAndHeldAgainstIt) {
   EXPECT_NEAR(promise.on_another_seed.low, promise.ratio * std::exp(-2.776 * 0.0354 * std::sqrt(1.2)), 0.01);
   EXPECT_NEAR(promise.on_another_seed.high, promise.ratio * std::exp(2.776 * 0.0354 * std::sqrt(1.2)), 0.01);
 
+  // Seeds that happen to agree are not believed beyond what the rounds of each leave open: 5 % either way.
+  for (SeedTimes& one : seeds) {
+    one.ratio = 2;
+    one.interval = {2 / 1.05, 2 * 1.05};
+  }
+  const double open = std::log(1.05) / 1.95996;
+  EXPECT_NEAR(promised_speed(seeds).on_another_seed.high, 2 * std::exp(2.776 * open * std::sqrt(1.2)), 1e-3);
+
   std::vector<SeedTimes> unseen(20, SeedTimes{9, 2.0, {}, 2e6, 1e6});
   for (size_t i = 0; i < 4; ++i) unseen[i].ratio = 1.2;
   EXPECT_TRUE(prove_speed(promise, unseen).holds) << "promises of five seeds are often as narrow as that";
@@ -272,6 +286,136 @@ TEST(TuneProof, SpeedIsPromisedForTheNextSeedAndHeldAgainstIt) {
   const std::vector<uint64_t> proof = derived_seeds(1, SeedsFor::proof, 50);
   all.insert(all.end(), proof.begin(), proof.end());
   EXPECT_EQ(std::set<uint64_t>(all.begin(), all.end()).size(), 100U);
+}
+
+TEST(TuneProof, AnIntervalForOneMoreValueByHand) {
+  // Mean 3, deviation 1.5811, t(0.975, 4) 2.7764.
+  const Interval interval = prediction_interval({1, 2, 3, 4, 5});
+  EXPECT_NEAR(interval.low, 3 - 2.7764 * 1.5811 * std::sqrt(1.2), 1e-3);
+  EXPECT_NEAR(interval.high, 3 + 2.7764 * 1.5811 * std::sqrt(1.2), 1e-3);
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(prediction_interval({1, 2, kInfinite}).high, kInfinite);
+  EXPECT_EQ(prediction_interval({1, 2, kInfinite}).low, -kInfinite);
+  EXPECT_EQ(prediction_interval({kInfinite, kInfinite}).low, kInfinite) << "equal pictures on every seed";
+  EXPECT_TRUE(lies_within({kInfinite, kInfinite}, kInfinite));
+  EXPECT_TRUE(lies_within({0.1, 0.1}, 0.3 / 3)) << "rounding is no broken promise";
+  EXPECT_FALSE(lies_within({1, 2}, 2.01));
+}
+
+const metrics::Score& score_named(const char* name) {
+  for (const metrics::Score* one : metrics::scores())
+    if (one->name == name) return *one;
+  ADD_FAILURE() << name;
+  return *metrics::scores()[0];
+}
+
+TEST(TuneProof, AScoreIsPromisedForTheNextSeedAndHeldAgainstIt) {
+  const metrics::Score& mae = score_named("mae");
+  const SeedScores one = scores_of(mae, 7, {{40, 1}, {20, 2}, {10, 6}});
+  EXPECT_EQ(one.seed, 7U);
+  EXPECT_EQ(one.figures, 3U);
+  EXPECT_EQ(one.mean, 3);
+  EXPECT_NEAR(one.tail, 2 + 0.9 * 4, 1e-12);
+  std::vector<SeedScores> seeds;
+  for (const double mean : {1.9, 2.0, 2.1, 2.0, 2.0}) seeds.push_back({1, 24, mean, 3});
+  const ScorePromise promise = promised_score(mae, seeds);
+  EXPECT_NEAR(promise.mean, 2, 1e-12);
+  EXPECT_NEAR(promise.on_another_seed.low, 2 - 2.7764 * 0.0707 * std::sqrt(1.2), 1e-3);
+  // A score that is better than the best is promised by nobody.
+  seeds[0].mean = 0;
+  seeds[2].mean = 0;
+  EXPECT_EQ(promised_score(mae, seeds).on_another_seed.low, metrics::best_value(mae));
+  std::vector<SeedScores> unseen(20, SeedScores{2, 24, 2.05, 3});
+  EXPECT_TRUE(prove_score(promise, unseen).holds);
+  for (size_t i = 0; i < 12; ++i) unseen[i].mean = 4;
+  const ScoreProof broken = prove_score(promise, unseen);
+  EXPECT_EQ(broken.within, 8U);
+  EXPECT_FALSE(broken.holds);
+}
+
+CharacterDrawn drawn_of(double ratio, double mean, double tail) {
+  CharacterDrawn out;
+  out.ratio = ratio;
+  out.mean = mean;
+  out.tail = tail;
+  return out;
+}
+
+TEST(TuneOthers, ANewCharacterIsPromisedTheSpreadOfThoseLeftOut) {
+  const metrics::Score& mae = score_named("mae");
+  const OthersPromise promise = promised_of_others(mae, {drawn_of(1, 1, 2), drawn_of(2, 2, 3), drawn_of(4, 3, 4)});
+  EXPECT_NEAR(promise.ratio, 2, 1e-12);
+  // Logarithms of base 2: mean 1, deviation 1; t(0.975, 2) is 4.3027.
+  const double half = 4.3027 * std::sqrt(4.0 / 3);
+  EXPECT_NEAR(std::log2(promise.ratio_of_another.high), 1 + half, 1e-3);
+  EXPECT_NEAR(std::log2(promise.ratio_of_another.low), 1 - half, 1e-3);
+  EXPECT_NEAR(promise.mean_of_another.high, 2 + half, 1e-3);
+  EXPECT_EQ(promise.mean_of_another.low, 0) << "no better than the best";
+  EXPECT_TRUE(prove_other(promise, drawn_of(8, 1, 2)).holds());
+  EXPECT_FALSE(prove_other(promise, drawn_of(100, 1, 2)).holds());
+  EXPECT_FALSE(prove_other(promise, drawn_of(8, 9, 2)).mean_within);
+  EXPECT_FALSE(prove_other(promise, drawn_of(8, 1, 9)).tail_within);
+
+  TuneRequest request;
+  request.subjects.resize(2);
+  EXPECT_EQ(no_promise_of_others(request),
+            "two characters were tuned, and what differs between characters is known from 3 on");
+  request.subjects.resize(3);
+  EXPECT_EQ(no_promise_of_others(request), "");
+  request.budget_ns = 1e6;
+  EXPECT_NE(no_promise_of_others(request), "");
+}
+
+// Characters of one normal distribution: so many are within as was stated, whatever the number that was tuned.
+TEST(TuneOthers, CoversAsManyNewCharactersAsItSays) {
+  const metrics::Score& score = score_named("mae");
+  constexpr uint64_t kTrials = 3000;
+  uint64_t draw = 0;
+  const auto normal = [&] { return normal_quantile(std::max(1e-9, random_unit(13, draw++, 3))); };
+  const auto one = [&] { return drawn_of(std::exp(0.4 * normal()), 20 + normal(), 30 + 2 * normal()); };
+  for (const size_t tuned : {3U, 6U}) {
+    uint64_t ratio = 0, mean = 0, tail = 0;
+    for (uint64_t trial = 0; trial < kTrials; ++trial) {
+      std::vector<CharacterDrawn> some;
+      for (size_t i = 0; i < tuned; ++i) some.push_back(one());
+      const OtherProof proof = prove_other(promised_of_others(score, some), one());
+      ratio += proof.ratio_within;
+      mean += proof.mean_within;
+      tail += proof.tail_within;
+    }
+    for (const uint64_t within : {ratio, mean, tail}) {
+      EXPECT_GE(within, binomial_limits(kTrials, 0.95).low) << tuned;
+      EXPECT_LE(within, binomial_limits(kTrials, 0.95).high) << tuned;
+    }
+  }
+}
+
+// Three characters: the rule of every two is sought too, and drawn on the third.
+TEST_F(TuneGl, OfThreeCharactersEachIsLeftOutOnce) {
+  TuneRequest request = request_of("mae", 255);
+  request.subjects.push_back(mannequin_of(2200, {50, 8}));
+  EXPECT_TRUE(tune(context_, request).left_out.empty());
+  request.subjects.push_back(mannequin_of(5000, {30}));
+  const TuneResult result = tune(context_, request);
+  ASSERT_EQ(result.left_out.size(), 3U);
+  EXPECT_EQ(result.together.table.agents, (std::vector<double>{3, 2, 11}));
+  EXPECT_EQ(result.left_out[0].table.agents, (std::vector<double>{2, 0, 1}));
+  EXPECT_EQ(result.left_out[2].table.agents, (std::vector<double>{2, 2, 11}));
+  for (const TuneAnswer& answer : result.left_out) EXPECT_TRUE(answer.plan);
+}
+
+TEST(TuneHysteresis, IsHalfTheIntervalAndNoMoreThanWhatDrawsTakes) {
+  EXPECT_NEAR(hysteresis_of({10, 14.4}), 0.2, 1e-12);
+  EXPECT_EQ(hysteresis_of({8, 8}), 0);
+  TuneAnswer answer;
+  answer.plan = SwitchPlan{{0, 1}, 0, 0};
+  TuneSwitch one;
+  one.change = {0, 1, 1};
+  one.height_px = 24;
+  one.hysteresis = hysteresis_of({8, 80});
+  answer.switches = {one};
+  EXPECT_NO_THROW(renderers::parse_spec(tuned_representation(request_of("mae", 1), answer).text()));
+  EXPECT_EQ(one.hysteresis, 1);
 }
 
 // True promises of five seeds are refused in 2.5 % of proofs at most, and nearly as often.

@@ -88,6 +88,38 @@ TEST(CostModel, FindsTheTermsOfALawAndLeavesTheOthersOut) {
   EXPECT_EQ(formula_text(flat.fit), "0.40 ms a frame + 1.0 µs an agent + 0.5 ns a covered pixel");
 }
 
+// Pixels of small figures that cost more: the law is found, and so is where it breaks even, from what is known
+// beforehand.
+TEST(CostModel, FindsThatPixelsOfSmallFiguresCostMore) {
+  EXPECT_NEAR(fine_pixels(1000, 10, 100), 100 * std::log(100), 1e-9)
+      << "figures of 10 pixels: a hundred fill the picture";
+  EXPECT_EQ(fine_pixels(1000, 1, 1000), 0) << "one that fills it";
+  EXPECT_EQ(fine_pixels(1000, 0, 0), 0);
+  StoreContents contents = rows_of(0);
+  for (MeasurementRow& row : contents.measurements) {
+    if (row.key.representation != "flat") continue;
+    const double time =
+        400'000 + 2 * fine_pixels(kWidth * kHeight, row.key.agents, static_cast<double>(*row.reference_px));
+    row.cpu_ns = TimeSummary{time, time, time, time, time, time};
+  }
+  for (const size_t allowed : {kTermsBeforehand, kCostTerms}) {
+    const CostModel flat = cost_model(scenes_of(contents)[0], "flat", allowed);
+    ASSERT_EQ(flat.fit.terms.size(), 2U);
+    EXPECT_EQ(flat.fit.terms[1].term, CostTerm::fine);
+    EXPECT_NEAR(flat.fit.terms[1].ns, 2, 1e-6);
+    EXPECT_LT(flat.error, 1e-6);
+  }
+  const BreakEvenMap map = break_even_map(scenes_of(contents)[0]);
+  ASSERT_EQ(map.pairs.size(), 1U);
+  for (const BreakEvenPoint& point : map.pairs[0].contour) {
+    ASSERT_TRUE(point.agents) << point.occupancy;
+    const double covered = point.occupancy * kWidth * kHeight;
+    EXPECT_NEAR(kMesh.at(*point.agents, covered), 400'000 + 2 * fine_pixels(kWidth * kHeight, *point.agents, covered),
+                0.02 * kMesh.at(*point.agents, covered))
+        << point.occupancy;
+  }
+}
+
 TEST(CostModel, SaysHowWellItPredictsWhatItWasNotFittedTo) {
   const StoreContents quiet = rows_of(0.03);
   const CostModel model = cost_model(scenes_of(quiet)[0], "mesh");

@@ -2,14 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <regex>
 
 #include "core/error.h"
 #include "reports/charts/charts.h"
 #include "reports/page/libraries.h"
+#include "reports/page/points_section.h"
 #include "tests/reports/rows.h"
 
 namespace crowdbench::reports {
@@ -270,6 +274,83 @@ TEST(ReportCharts, ColoursDiffer) {
   for (size_t i = 0; i < colours.size(); ++i)
     for (size_t j = 0; j < i; ++j) EXPECT_NE(colours[i], colours[j]);
   EXPECT_EQ(representation_colours(20).size(), 20U);
+}
+
+// The made-up scene so many times, each of another scenario and run, as a sweep's conditions are.
+StoreContents made_up_scenes(size_t scenes) {
+  const StoreContents one = made_up_contents();
+  StoreContents all;
+  for (size_t s = 0; s < scenes; ++s) {
+    const auto run = static_cast<int64_t>(s + 1);
+    RunRow of = one.runs[0];
+    of.id = run;
+    of.scenario_hash += std::to_string(s);
+    all.runs.push_back(of);
+    for (MeasurementRow row : one.measurements) {
+      row.id += 1000 * run;
+      row.run = run;
+      all.measurements.push_back(row);
+    }
+    for (RatioRow row : one.ratios) {
+      row.run = run;
+      all.ratios.push_back(row);
+    }
+    for (ComparisonRow row : one.comparisons) {
+      row.id += 1000 * run;
+      row.run = run;
+      all.comparisons.push_back(row);
+    }
+  }
+  return all;
+}
+
+size_t count_of(const std::string& text, const std::string& word) {
+  size_t count = 0;
+  for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+  return count;
+}
+
+// CROWDBENCH_REPORT_POINTS=10000 makes it of so many and says how long it took; CROWDBENCH_KEEP_PAGE keeps the page.
+TEST_F(ReportPage, OfManyScenesTellsTheFirstInFullAndEveryPointOnce) {
+  const char* const asked = std::getenv("CROWDBENCH_REPORT_POINTS");
+  const size_t each = made_up_contents().measurements.size();
+  const size_t scenes = asked != nullptr ? std::max(1, std::atoi(asked)) / each : 2 * kScenesInFull;
+  const StoreContents contents = made_up_scenes(scenes);
+  const auto begun = std::chrono::steady_clock::now();
+  page_ = report_page(contents, {"made-up.sqlite", made_up_scores()});
+  if (asked != nullptr)
+    std::cout << scenes * each << " points of " << scenes
+              << " scenes: " << std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count()
+              << " s, " << page_.size() / 1024 << " KiB\n";
+  if (const char* path = std::getenv("CROWDBENCH_KEEP_PAGE")) std::ofstream(path) << page_;
+  const std::string text = markup();
+  const size_t table = text.find("<table id=\"points\">");
+  ASSERT_NE(table, std::string::npos);
+  EXPECT_EQ(count_of(text.substr(table, text.find("</table>", table) - table), "<tr>"), 1 + scenes * each);
+  EXPECT_EQ(count_of(text.substr(0, table), "640 × 480 pixels, scenario"), kScenesInFull);
+  EXPECT_EQ(count_of(text, "<h3>Run "), kScenesInFull);
+  EXPECT_NE(text.find(std::to_string(scenes - kScenesInFull) +
+                      " more runs are in the file, all of the same program, driver and machine"),
+            std::string::npos);
+  page_ = report_page(made_up_scenes(kScenesInFull), {"made-up.sqlite", made_up_scores()});
+  EXPECT_EQ(markup().find("Every point"), std::string::npos) << "few enough for a section each";
+}
+
+TEST_F(ReportPage, TheTitleIsOfWhatWasAskedFor) {
+  StoreContents contents = made_up_contents();
+  for (const MeasurementRow& row : std::vector<MeasurementRow>(contents.measurements))
+    if (row.key.representation == "flat") {
+      contents.measurements.push_back(row);
+      contents.measurements.back().key.representation = "mesh:triangles=500";
+    }
+  const auto title = [&] {
+    const std::string page = report_page(contents, {"made-up.sqlite", made_up_scores()});
+    const size_t at = page.find("<title>");
+    return page.substr(at + 7, page.find("</title>") - at - 7);
+  };
+  EXPECT_EQ(title(), "A crowd drawn as mesh and as flat: cost and difference") << "the level was added";
+  contents.runs[0].arguments = "bench --representation flat --representation mesh:triangles=500";
+  EXPECT_EQ(title(), "A crowd drawn as mesh and as flat, mesh:triangles=500: cost and difference");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
+#include "reports/model/equal_levels.h"
 #include "reports/model/findings.h"
 #include "reports/model/number_text.h"
 #include "reports/model/scene.h"
@@ -188,31 +189,71 @@ TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   EXPECT_EQ(glance[3].figure, "170.7 MiB");
 }
 
-TEST(Summary, ASpeedStandsBesideALevelOfDetail) {
-  StoreContents contents = made_up_contents();
-  // Every row of a third representation: the times of flat, four times as fast as the mesh.
+// Every row of a level of `triangles`: the times of flat, four times as fast as the mesh.
+void add_level(StoreContents& contents, uint64_t triangles) {
+  const std::string name = "mesh:triangles=" + std::to_string(triangles);
   for (const MeasurementRow& row : std::vector<MeasurementRow>(contents.measurements)) {
     if (row.key.representation != "flat") continue;
     contents.measurements.push_back(row);
-    contents.measurements.back().key.representation = "mesh:triangles=500";
+    contents.measurements.back().key.representation = name;
+    contents.measurements.back().triangles_per_agent = triangles;
   }
   for (const RatioRow& row : std::vector<RatioRow>(contents.ratios)) {
     if (row.of.representation != "flat" || row.kind != "speed") continue;
     contents.ratios.push_back(row);
-    contents.ratios.back().of.representation = "mesh:triangles=500";
+    contents.ratios.back().of.representation = name;
     contents.ratios.back().ratio = 4;
+    contents.ratios.back().low = 3.9;
+    contents.ratios.back().high = 4.1;
   }
+}
+
+TEST(Summary, ASpeedStandsBesideALevelOfDetail) {
+  StoreContents contents = made_up_contents();
+  contents.runs[0].arguments = "bench --representation flat,mesh:triangles=500";
+  add_level(contents, 500);
   const auto scenes = scenes_of(contents, made_up_scores());
+  EXPECT_EQ(subjects_of(scenes[0]), (std::vector<std::string>{"flat", "mesh:triangles=500"}));
   const auto sentences = answer(scenes[0]);
   EXPECT_NE(sentences[0].find("flat is 50.0 times as fast as mesh"), std::string::npos);
   EXPECT_NE(sentences[0].find("It is 12.5 times as fast as mesh:triangles=500, a level of detail of mesh."),
             std::string::npos)
       << sentences[0];
   EXPECT_NE(tiles(scenes[0])[0].meaning.find("12.5× that of mesh:triangles=500"), std::string::npos);
+  size_t own = 0;
   for (const std::string& sentence : sentences)
     if (sentence.find("mesh:triangles=500 is") != std::string::npos) {
+      ++own;
       EXPECT_EQ(sentence.find("level of detail"), std::string::npos) << "the level itself: " << sentence;
     }
+  EXPECT_GT(own, 0U);
+}
+
+// Levels that nobody named are there to set others against: no answers of their own.
+TEST(Summary, ALevelThatWasAddedIsARulerAndNoAnswer) {
+  StoreContents contents = made_up_contents();
+  contents.runs[0].arguments = "bench made-up.toml --representation mesh:triangles=5000";  // another than is added
+  add_level(contents, 500);
+  add_level(contents, 2000);
+  const auto scenes = scenes_of(contents, made_up_scores());
+  EXPECT_TRUE(is_ruler(scenes[0], "mesh:triangles=500"));
+  EXPECT_FALSE(is_ruler(scenes[0], "mesh"));
+  EXPECT_FALSE(is_ruler(scenes[0], "flat"));
+  EXPECT_EQ(subjects_of(scenes[0]), std::vector<std::string>{"flat"});
+  for (const std::string& sentence : answer(scenes[0]))
+    EXPECT_EQ(sentence.find("mesh:triangles="), std::string::npos) << sentence;
+  EXPECT_NE(answer(scenes[0])[0].find("As cheap would be a level of fewer than 500 triangles"), std::string::npos)
+      << answer(scenes[0])[0];
+  EXPECT_NE(tiles(scenes[0])[0].meaning.find("; a level of fewer than 500 triangles would be as cheap"),
+            std::string::npos)
+      << tiles(scenes[0])[0].meaning;
+  // A sweep draws what its plan lists; and where there are levels alone they are what it is about.
+  contents.runs[0].command = "sweep";
+  EXPECT_EQ(subjects_of(scenes_of(contents)[0]).size(), 3U);
+  contents.runs[0].command = "bench";
+  std::erase_if(contents.measurements, [](const MeasurementRow& row) { return row.key.representation == "flat"; });
+  EXPECT_EQ(subjects_of(scenes_of(contents)[0]),
+            (std::vector<std::string>{"mesh:triangles=500", "mesh:triangles=2000"}));
 }
 
 TEST(Summary, AReferenceFarAboveItsFloorVoidsTheFigures) {

@@ -48,6 +48,7 @@ const std::map<std::string, std::string> kScripts = {
     {"study_kill.mjs", "StudyKill"},
     {"study_observer.mjs", "StudyObserver"},
     {"sweep_kill.mjs", "SweepKill"},
+    {"tune_promises.mjs", "TunePromises"},
     {"relief_tears.mjs", "ReliefTears"},
     {"statistics_evidence.sh", "StatisticsEvidence"},
 };
@@ -228,6 +229,24 @@ TEST_F(ScriptsGl, Drivers) {
   EXPECT_EQ(outcome.text.find("undefined"), std::string::npos) << outcome.text;
   EXPECT_EQ(run("drivers.mjs", driver_ + " pictures --frobnicate").status, 2);
   EXPECT_EQ(run("drivers.mjs", "").status, 2);
+}
+
+// A character alone and one that was not tuned, each held against what was promised of it.
+TEST_F(ScriptsGl, TunePromises) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("tune_promises.mjs", driver_ + " tunings --tiny");
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_TRUE(
+      std::regex_search(outcome.text, std::regex("\\| mannequin_triangles=500 \\| [^|]+ \\| [0-9.]+ to [0-9.]+ \\| "
+                                                 "[0-2] of 2 \\| [0-9.]+ to [0-9.]+ \\| [0-2] of 2 \\| [0-4] of 4")))
+      << outcome.text;
+  EXPECT_TRUE(std::regex_search(outcome.text, std::regex("\\| within \\| stated: 95 % \\| [01] of 1 ")))
+      << outcome.text;
+  EXPECT_EQ(outcome.text.find("undefined"), std::string::npos) << outcome.text;
+  // What was found is kept.
+  EXPECT_EQ(run("tune_promises.mjs", "/bin/false tunings --tiny").text, outcome.text);
+  EXPECT_EQ(run("tune_promises.mjs", driver_ + " tunings --characters 'a;b;c'").status, 2);
+  EXPECT_EQ(run("tune_promises.mjs", driver_ + " tunings --seeds").status, 2);
 }
 
 // Every representation's line of what is argued, and numbers of those that the plan names.

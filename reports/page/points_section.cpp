@@ -1,0 +1,77 @@
+#include "reports/page/points_section.h"
+
+#include <map>
+
+#include "reports/model/number_text.h"
+#include "reports/model/scores.h"
+#include "reports/page/page_files.h"
+
+namespace crowdbench::reports {
+namespace {
+
+// By point, what a scene's rows have one or no row of.
+using Ratios = std::map<PointKey, const RatioRow*>;
+using Comparisons = std::map<PointKey, const ComparisonRow*>;
+
+Ratios ratios_of(const Scene& scene) {
+  Ratios out;
+  for (const RatioRow* row : scene.ratios)
+    if (row->kind == "speed" && row->metric == scene.run->headline) out[row->of] = row;
+  return out;
+}
+
+Comparisons comparisons_of(const Scene& scene) {
+  Comparisons out;
+  for (const ComparisonRow* row : scene.crowd_comparisons)
+    out[{row->representation, row->character, row->agents, scene.width, scene.height, row->requested_occupancy}] = row;
+  return out;
+}
+
+// What sets a scene apart: its axes' values where a sweep made it, else its scenario.
+using Settings = std::map<int64_t, const std::string*>;  // by measurement
+Settings settings_of(const StoreContents& contents) {
+  Settings out;
+  for (const SweepPointRow& row : contents.sweep_points)
+    if (row.measurement && !row.settings.empty()) out[*row.measurement] = &row.settings;
+  return out;
+}
+
+}  // namespace
+
+Html points_section(const StoreContents& contents, const std::vector<Scene>& scenes) {
+  if (scenes.size() <= kScenesInFull) return {};
+  const Settings settings = settings_of(contents);
+  std::vector<TemplateValues> rows;
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    const Scene& scene = scenes[s];
+    const Ratios ratios = ratios_of(scene);
+    const Comparisons comparisons = comparisons_of(scene);
+    for (const MeasurementRow* row : scene.rows) {
+      const auto setting = settings.find(row->id);
+      const auto ratio = ratios.find(row->key);
+      const auto comparison = comparisons.find(row->key);
+      const auto& time = time_of(*row, scene.run->headline);
+      const bool timed = time && is_timed(*row);
+      rows.push_back(
+          {{"number", count_text(s + 1)},
+           {"scene", setting != settings.end() ? *setting->second : scene.character + ", " + scene.run->scenario_name},
+           {"representation", row->key.representation},
+           {"agents", count_text(row->key.agents)},
+           {"occupancy", occupancy_text(row->key.requested_occupancy)},
+           {"time", timed ? time_text(time->median) : std::string(status_name(row->status))},
+           {"fast", ratio != ratios.end()
+                        ? factor_text(ratio->second->ratio) + "× (" + factor_text(ratio->second->low) + " to " +
+                              factor_text(ratio->second->high) + ")"
+                        : "–"},
+           {"scores", comparison != comparisons.end() ? headline_scores(scene, *comparison->second) : "–"}});
+    }
+  }
+  const std::string count = count_text(rows.size());
+  return fill_template(page_file("points.html"), {{"scenes", count_text(scenes.size())},
+                                                  {"shown", count_text(kScenesInFull)},
+                                                  {"reference", scenes.front().reference},
+                                                  {"count", count},
+                                                  {"rows", std::move(rows)}});
+}
+
+}  // namespace crowdbench::reports
