@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -145,10 +146,21 @@ class Exporter {
       write_record(record, key, {{name, file_sha256(out_ / name)}}, *facts);
       ++result_.drawn;
     }
+    note_alike(half, *facts);
     Json entry = half_json(half, scenario);
     entry["file"] = "work/" + key + ".mp4";
     entry.update(*facts);
     halves_.push_back(std::move(entry));
+  }
+
+  // Conditions under test that are drawn alike are one: a switch at 10 m where nobody is nearer is one at 0 m.
+  void note_alike(const PlannedHalf& half, const Json& facts) {
+    if (half.spec.text() != plan_.conditions[half.condition].test.text()) return;
+    const auto [found, fresh] = drawn_.emplace(facts.at("frame_sha256").dump(), half.condition);
+    const std::pair<size_t, size_t> both = std::minmax(found->second, half.condition);
+    if (fresh || both.first == both.second || !alike_.insert(both).second) return;
+    result_.warnings.push_back(fmt::format("{} and {} are drawn alike, frame by frame: nobody can tell them apart",
+                                           plan_.conditions[both.first].name, plan_.conditions[both.second].name));
   }
 
   // Clips of an earlier export that this one does not have, as after another `--browsers`.
@@ -262,6 +274,8 @@ class Exporter {
   Json halves_ = Json::array();
   Json stimuli_ = Json::array();
   std::set<size_t> warned_;
+  std::map<std::string, size_t> drawn_;        // conditions of halves under test, by the hashes of their frames
+  std::set<std::pair<size_t, size_t>> alike_;  // conditions that were said to be
   Exported result_;
 };
 
