@@ -146,6 +146,9 @@ std::vector<std::string> change_settings(const Options& o, AnalysisSettings& s) 
   to.take(s.resamples, o.resamples, "--resamples");
   to.take(s.seed, o.seed, "--resample-seed");
   change_models(o, s, to);
+  // Both are how often "yes" is said of what is not seen: of three alternatives, 1/3.
+  if (!o.chance && !o.guess.empty() && o.plan.empty() && s.curve.guess_rate == Rate::fixed && s.curve.guess > 0)
+    s.chance = s.curve.guess;
   if (s.margin && (s.chance - *s.margin < 0 || s.chance + *s.margin > 1))
     throw Error("--margin", fmt::format("{:g} about {:g} reaches beyond 0 or 1", *s.margin, s.chance),
                 "choose a smaller margin");
@@ -294,7 +297,10 @@ void add_exclusion_options(Command& command, Options& o) {
 }
 
 void add_test_options(Command& command, Options& o) {
-  command.add_option("--chance", o.chance, "share of yes where nothing is seen, for tests and equivalence (0.5)")
+  command
+      .add_option("--chance", o.chance,
+                  "share of yes where nothing is seen, for tests and equivalence (without a plan R of --guess above 0; "
+                  "else 0.5)")
       ->type_name("SHARE")
       ->number(0, 1);
   command

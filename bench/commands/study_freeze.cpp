@@ -8,6 +8,7 @@
 #include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
+#include "studies/plan/default_texts.h"
 #include "studies/plan/frozen.h"
 #include "studies/plan/plan_cast.h"
 
@@ -25,10 +26,12 @@ int run_freeze(const Options& options) {
   studies::require_cast(options.plan, plan);
   const studies::FrozenPlan frozen = studies::freeze(options.plan, plan, options.deviation, options.anew);
   const bool adaptive = plan.method.method != studies::Method::constant;
+  const bool default_consent = plan.consent == studies::default_consent();
   if (options.json) {
     fmt::print("{}\n", Json{{"file", frozen.file.string()},
                             {"hash", frozen.current_hash()},
                             {"adaptive", adaptive},
+                            {"default_consent", default_consent},
                             {"frozen", frozen.hash},
                             {"deviations", frozen.deviations.size()}}
                            .dump(2));
@@ -39,6 +42,8 @@ int run_freeze(const Options& options) {
   if (adaptive)
     fmt::print("order: adaptive ({}): each main trial is chosen by the participant's own answers so far\n",
                studies::method_words()[static_cast<size_t>(plan.method.method)]);
+  if (default_consent)
+    fmt::print("consent: the default text, with a place left for who runs the study (`consent` in [question])\n");
   for (const studies::Deviation& deviation : frozen.deviations)
     fmt::print("deviation: {} (from then on {})\n", deviation.reason, deviation.hash.substr(0, 16));
   return 0;

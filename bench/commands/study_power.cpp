@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <set>
 
@@ -10,6 +11,7 @@
 #include "core/counted.h"
 #include "core/error.h"
 #include "core/json.h"
+#include "core/progress.h"
 #include "studies/analysis/power.h"
 #include "studies/plan/plan.h"
 
@@ -47,6 +49,25 @@ void take_defaults(Options& o) {
   s.simulations = o.simulations;
 }
 
+// ---- rows, one for each number of participants
+
+// simulate: with a Progress that it advances by participants. Its end is that of all rows that are left; it is gone
+// before print: rows are told as they come.
+template <typename Simulate, typename Print>
+void each_row(const Options& o, const Simulate& simulate, const Print& print) {
+  uint64_t left = 0;
+  for (const uint32_t participants : o.participants) left += o.simulations * participants;
+  for (size_t row = 0; row < o.participants.size(); ++row) {
+    const uint32_t participants = o.participants[row];
+    Progress progress(fmt::format("row {} of {}, simulated participants", row + 1, o.participants.size()), left);
+    const auto got = simulate(participants, progress);
+    progress.end();
+    print(participants, got);
+    left -= o.simulations * participants;
+    std::fflush(stdout);
+  }
+}
+
 // ---- two conditions
 
 int print_two_conditions(const Options& options) {
@@ -58,11 +79,14 @@ int print_two_conditions(const Options& options) {
         options.settings.effect, counted(options.settings.clips, "clip", "clips"),
         counted(options.settings.repeats, "repeat", "repeats"), counted(options.simulations, "study", "studies"),
         "participants", "trials", "power", "+-", "CI width", "singular", "failed");
-  for (const uint32_t participants : options.participants) {
-    studies::PowerSettings s = options.settings;
+  studies::PowerSettings s = options.settings;
+  const uint64_t trials = uint64_t{2} * s.clips * s.repeats;
+  const auto simulate = [&](uint32_t participants, Progress& progress) {
     s.participants = participants;
-    const studies::Power got = studies::simulate_power(s);
-    const uint64_t trials = uint64_t{2} * s.clips * s.repeats;
+    s.progress = &progress;
+    return studies::simulate_power(s);
+  };
+  each_row(options, simulate, [&](uint32_t participants, const studies::Power& got) {
     rows.push_back({{"participants", participants},
                     {"trials_per_participant", trials},
                     {"simulations", s.simulations},
@@ -77,7 +101,7 @@ int print_two_conditions(const Options& options) {
     if (!options.json)
       fmt::print("{:>12} {:>8} {:>7.3f} {:>10.3f} {:>10.3f} {:>9} {:>7}\n", participants, trials, got.power,
                  got.power_se, got.interval_width, got.singular, got.failed);
-  }
+  });
   if (options.json)
     fmt::print("{}\n", Json{{"observers", "simulated"},
                             {"plan", options.plan.empty() ? Json() : Json(options.plan)},
@@ -167,17 +191,20 @@ Json threshold_rows(const Options& o, studies::ThresholdPowerSettings s) {
         counted(s.design.levels.size(), "level", "levels"), counted(s.design.clips, "clip", "clips"),
         counted(s.design.repeats, "repeat", "repeats"), counted(o.simulations, "study", "studies"), "participants",
         "trials", fmt::format("{:g} % CI width", 100 * s.analysis.confidence), "held", "+-", "open", "failed");
-  for (const uint32_t participants : o.participants) {
+  const uint64_t trials = s.design.levels.size() * s.design.clips * s.design.repeats;
+  const auto simulate = [&](uint32_t participants, Progress& progress) {
     s.design.participants = participants;
-    const studies::ThresholdPower got = studies::simulate_threshold_power(s);
-    const uint64_t trials = s.design.levels.size() * s.design.clips * s.design.repeats;
+    s.progress = &progress;
+    return studies::simulate_threshold_power(s);
+  };
+  each_row(o, simulate, [&](uint32_t participants, const studies::ThresholdPower& got) {
     Json row = {{"participants", participants}, {"trials_per_participant", trials}, {"simulations", s.simulations}};
     row["threshold"] = json_of(got);
     rows.push_back(std::move(row));
     if (!o.json)
       fmt::print("{:>12} {:>8} {:>14.4g} {:>7.3f} {:>7.3f} {:>7} {:>7}\n", participants, trials, got.median_width,
                  got.held, got.held_se, got.open, got.failed);
-  }
+  });
   return {{"threshold", truth},           {"slope", s.observers.slope}, {"guess", s.observers.guess},
           {"at", s.analysis.curve.level}, {"levels", s.design.levels},  {"confidence", s.analysis.confidence},
           {"rows", std::move(rows)}};
@@ -192,16 +219,19 @@ Json equivalence_rows(const Options& o, studies::EquivalencePowerSettings s) {
         "{:>12} {:>8} {:>12} {:>7} {:>13} {:>7}\n",
         e.margin, e.chance, e.alpha, counted(o.simulations, "study", "studies"), "participants", "trials",
         "nothing seen", "+-", "at the margin", "+-");
-  for (const uint32_t participants : o.participants) {
+  const auto simulate = [&](uint32_t participants, Progress& progress) {
     s.participants = participants;
-    const studies::EquivalencePower got = studies::simulate_equivalence_power(s);
+    s.progress = &progress;
+    return studies::simulate_equivalence_power(s);
+  };
+  each_row(o, simulate, [&](uint32_t participants, const studies::EquivalencePower& got) {
     Json row = {{"participants", participants}, {"trials_per_participant", s.trials}, {"simulations", s.simulations}};
     row["equivalent"] = json_of(got);
     rows.push_back(std::move(row));
     if (!o.json)
       fmt::print("{:>12} {:>8} {:>12.3f} {:>7.3f} {:>13.3f} {:>7.3f}\n", participants, s.trials, got.power,
                  got.power_se, got.at_margin, got.at_margin_se);
-  }
+  });
   return {{"margin", e.margin}, {"chance", e.chance}, {"alpha", e.alpha}, {"rows", std::move(rows)}};
 }
 

@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/screen_calibration.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -20,8 +21,6 @@ constexpr uint64_t kMostAnswers = 1'000'000'000;
 constexpr double kSmallestLevel = 1e-15;
 constexpr double kLargestLevel = 1e15;
 // Pixels of any screen at any distance; what else a browser sends is no calibration.
-constexpr double kFewestPixelsPerDegree = 1;
-constexpr double kMostPixelsPerDegree = 1000;
 constexpr double kLargestPixelRatio = 100;  // of a clip's to the screen's, either way
 
 const std::vector<std::pair<std::string, Role>>& role_names() {
@@ -277,8 +276,7 @@ void read_calibration(const Columns& columns, const Table::Row& row, Answer& out
   const std::optional<double> ratio = number_if_any(columns, row, Role::css_px_per_clip_px);
   if (ratio && (*ratio < 1 / kLargestPixelRatio || *ratio > kLargestPixelRatio)) return;
   out.css_px_per_clip_px = ratio.value_or(1);
-  if (!pixels || !error || *error < 0 || *error > *pixels) return;
-  if (*pixels < kFewestPixelsPerDegree || *pixels > kMostPixelsPerDegree) return;
+  if (!pixels || !error || !is_screen_calibration(*pixels, *error)) return;
   out.pixels_per_degree = pixels;
   out.pixels_per_degree_se = error;
 }

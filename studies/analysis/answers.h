@@ -24,22 +24,21 @@ namespace crowdbench::studies {
 //   signal              whether there was something to see (1) or not (0): d' and criterion
 //   item_a, item_b      the two things compared, by name; `yes` is then a choice of item_a
 //   shown_first         the item that stood first (above, or left): for the effect of position
-//   answer              one trial: yes/no, 1/0, true/false, right/wrong, seen/unseen; of two things a/b, first/second,
-//   or an
-//                       item's name; "cannot tell", tie, none
+//   answer              one trial: yes/no, 1/0, true/false, right/wrong, seen/unseen; of two things a/b,
+//                       first/second, or an item's name; "cannot tell", tie, none
 //   expected            the right answer, in the same words: the answer counts as yes where it is that one
 //   yes, no, ties, total  counts in place of `answer`
 //   rt                  response time in milliseconds
 //   frames_dropped      how many of the clip's frames were not shown
 //   hidden              how often the page was out of sight meanwhile
 //   study               the hash of the plan that was answered
-//   pixels_per_degree, pixels_per_degree_se  the participant's calibration, in CSS pixels, and its standard error;
-//   empty,
-//                       or not from 1 to 1000: not calibrated
+//   pixels_per_degree, pixels_per_degree_se
+//                       the participant's calibration, in CSS pixels, and its standard error; empty, or what
+//                       core/screen_calibration.h does not take: not calibrated
 //   css_px_per_clip_px  how large a pixel of the clip was shown, in CSS pixels; without the column 1
 //   catch               kind of catch trial; empty, 0, no, none: an ordinary trial
-//   observers           who answered: "simulated" of simulated observers, which all that is made of them says; else
-//   people
+//   observers           who answered: "simulated" of simulated observers, which all that is made of them says;
+//                       else people
 enum class Role {
   participant,
   trial,

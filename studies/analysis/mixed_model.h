@@ -16,10 +16,11 @@ enum class Link { logit, probit };
 
 // How the likelihood is integrated over what is random.
 //   laplace        at the conditional mode, with the expected information in the determinant, as lme4's glmer
-//   laplace_observed  likewise, with the observed information, as glmmTMB and ordinal; the same for the logit without
-//   guesses quadrature     adaptive Gauss-Hermite with 25 nodes: for participants' intercepts alone. The most exact of
-//   the three, and
-//                  what different programs agree on
+//   laplace_observed
+//                  likewise, with the observed information, as glmmTMB and ordinal; the same for the logit without
+//                  guesses
+//   quadrature     adaptive Gauss-Hermite with 25 nodes: for participants' intercepts alone. The most exact of the
+//                  three, and what different programs agree on
 enum class Integration { laplace, laplace_observed, quadrature };
 
 struct MixedRow {
@@ -104,7 +105,9 @@ PopulationProbability population_probability(const MixedFit& fit, const MixedSet
                                              const std::vector<double>& fixed);
 
 // Where on the axis of fixed effect 1 the typical participant's P(yes) is `level`, with its interval by Fieller's
-// theorem (it may be open, where the slope is not known to differ from 0). For fits with an intercept and one slope.
+// theorem (it may be open, where the slope is not known to differ from 0). The variances of participants and of clips
+// are estimates from a few: their parts of the variance are n / (n - 1) of the likelihood's, and the quantile is
+// Student's with the degrees of freedom that they leave (Satterthwaite). For fits with an intercept and one slope.
 struct MixedThreshold {
   double at = 0;
   std::optional<Interval> interval;

@@ -1,6 +1,9 @@
-// Based on: Fieller, "Some problems in interval estimation" (1954), for the interval of a ratio.
+// Based on: Fieller, "Some problems in interval estimation" (1954), for the interval of a ratio; Satterthwaite, "An
+// approximate distribution of estimates of variance components" (1946), for the degrees of freedom.
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/probability.h"
 #include "studies/analysis/mixed_model.h"
@@ -16,6 +19,46 @@ double linear(const MixedFit& fit, const std::vector<double>& fixed) {
   double out = 0;
   for (size_t i = 0; i < fixed.size(); ++i) out += fit.fixed[i].estimate * fixed[i];
   return out;
+}
+
+// Of n that were drawn at random, with a variance of their own: what they add to the variance of eta's estimate.
+struct Drawn {
+  double variance = 0;
+  double degrees = 0;  // of freedom, n - 1
+};
+Drawn drawn(double variance, size_t n) {
+  return n < 2 ? Drawn{} : Drawn{std::max(0.0, variance) / static_cast<double>(n), static_cast<double>(n - 1)};
+}
+
+// The estimate of eta at x beside its variance as the fit states it, which takes the variances of participants and
+// clips for known.
+struct Spread {
+  double inflation = 1;  // of the stated variance: maximum likelihood divides squares by n, and not by n - 1
+  double degrees = std::numeric_limits<double>::infinity();
+};
+Spread spread_at(const MixedFit& fit, double x) {
+  const auto& c = fit.covariance;
+  const double stated = c[0][0] + 2 * x * c[0][1] + x * x * c[1][1];
+  const double participant = fit.participant_variance + 2 * x * fit.intercept_slope_covariance.value_or(0) +
+                             x * x * fit.slope_variance.value_or(0);
+  double more = 0;
+  double squares = 0;
+  for (const Drawn& each : {drawn(participant, fit.participants), drawn(fit.clip_variance.value_or(0), fit.clips)}) {
+    if (each.variance == 0) continue;
+    const double share = std::min(each.variance, stated);
+    more += share / each.degrees;
+    squares += (share + share / each.degrees) * (share + share / each.degrees) / each.degrees;
+  }
+  if (squares == 0) return {};
+  return {1 + more / stated, (stated + more) * (stated + more) / squares};
+}
+
+// How many squared standard errors a two-sided interval reaches.
+double squared_quantile(double confidence, double degrees) {
+  constexpr double kAsGoodAsNormal = 1e6;
+  if (degrees > kAsGoodAsNormal) return chi_squared_quantile_1(confidence);
+  const double t = student_t_quantile(0.5 + confidence / 2, degrees);
+  return t * t;
 }
 
 }  // namespace
@@ -42,8 +85,9 @@ std::optional<MixedThreshold> mixed_threshold(const MixedFit& fit, const MixedSe
   const double target = settings.link == Link::logit ? std::log(f / (1 - f)) : normal_quantile(f);
   MixedThreshold out{(target - fit.fixed[0].estimate) / fit.fixed[1].estimate, std::nullopt};
   if (fit.covariance.empty()) return out;
-  // Fieller: all t of which b0 + b1 t - target is within z standard errors of 0.
-  const double z2 = chi_squared_quantile_1(confidence);
+  // Fieller: all t of which b0 + b1 t - target is within so many standard errors of 0.
+  const Spread spread = spread_at(fit, out.at);
+  const double z2 = spread.inflation * squared_quantile(confidence, spread.degrees);
   const double b0 = fit.fixed[0].estimate - target;
   const double b1 = fit.fixed[1].estimate;
   const double a = b1 * b1 - z2 * fit.covariance[1][1];

@@ -35,6 +35,11 @@ std::vector<MixedRow> rows_of(const PowerSettings& s, uint64_t seed) {
   return out;
 }
 
+// One study of so many participants is simulated.
+void advance(Progress* progress, uint32_t participants) {
+  if (progress != nullptr) progress->advance(participants);
+}
+
 double share_se(double share, double n) { return n > 0 ? std::sqrt(share * (1 - share) / n) : 0; }
 
 // The planned mixed model of one simulated study.
@@ -71,6 +76,7 @@ ThresholdPower simulate_threshold_power(const ThresholdPowerSettings& s) {
   parallel_for(s.simulations, s.threads, [&](size_t i) {
     throw_if_interrupted();
     all[i] = threshold_of(s, random_bits(s.seed, i, 0));
+    advance(s.progress, s.design.participants);
   });
   ThresholdPower out;
   std::vector<double> estimates;
@@ -112,6 +118,7 @@ EquivalencePower simulate_equivalence_power(const EquivalencePowerSettings& s) {
     const uint64_t seed = random_bits(s.seed, i, 1);
     equal[i] = is_called_equivalent(s, s.equivalence.chance, seed) ? 1 : 0;
     apart[i] = is_called_equivalent(s, s.equivalence.chance + s.equivalence.margin, seed) ? 1 : 0;
+    advance(s.progress, s.participants);
   });
   EquivalencePower out;
   for (size_t i = 0; i < s.simulations; ++i) {
@@ -140,6 +147,7 @@ Power simulate_power(const PowerSettings& s) {
     const MixedFit fit = fit_mixed(rows_of(s, random_bits(s.seed, i, 0)), model);
     all[i].state = fit.state;
     if (fit.fixed.size() == 2) all[i].effect = fit.fixed[1];
+    advance(s.progress, s.participants);
   });
   Power out;
   double squares = 0;

@@ -6,7 +6,14 @@
 #include "studies/analysis/analysis.h"
 #include "studies/analysis/simulated.h"
 
+namespace crowdbench {
+class Progress;
+}
+
 namespace crowdbench::studies {
+
+// Long work: each of the functions below advances `progress`, where there is one, by the participants of every study
+// that it has simulated, and throws Interrupted between two studies.
 
 // Two conditions (x = -1/2 and +1/2) within every observer, each of `clips` clips `repeats` times in either. Answers by
 // logit P = intercept + effect x + observer + clip; analysed by the mixed logistic regression that this is, with clips
@@ -23,6 +30,7 @@ struct PowerSettings {
   size_t simulations = 1000;
   uint64_t seed = 1;
   unsigned threads = 0;  // 0: as many as the machine has; the result is the same
+  Progress* progress = nullptr;
 };
 struct Power {
   double power = 0;     // share of simulations whose test rejects "no effect"
@@ -45,6 +53,7 @@ struct ThresholdPowerSettings {
   size_t simulations = 1000;
   uint64_t seed = 1;
   unsigned threads = 0;  // 0: as many as the machine has; the result is the same
+  Progress* progress = nullptr;
 };
 struct ThresholdPower {
   double mean_estimate = 0;  // of those with an estimate
@@ -69,6 +78,7 @@ struct EquivalencePowerSettings {
   size_t simulations = 1000;
   uint64_t seed = 1;
   unsigned threads = 0;
+  Progress* progress = nullptr;
 };
 struct EquivalencePower {
   double power = 0;      // nobody sees anything: every answer is chance

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "core/probability.h"
+#include "studies/analysis/proportions.h"
 #include "studies/analysis/text_numbers.h"
 
 namespace crowdbench::studies {
@@ -70,13 +74,22 @@ std::string more_text(const Result& e, const char* of_either) {
   return "there are enough for the power asked for, and it did not come out";
 }
 
+// Of participants who differ less than their own trials would scatter, the spread between them is luck: the interval is
+// then no narrower than that of the trials. The verdict asks for both.
+Interval told_interval(const ConditionResult& c, const Interval& of_participants, double confidence) {
+  const Interval of_trials = clopper_pearson(c.chosen, c.decided, confidence);
+  return {std::min(of_participants.low, of_trials.low), std::max(of_participants.high, of_trials.high)};
+}
+
 std::string equivalence_sentence(const ConditionResult& c, const AnalysisSettings& s) {
   const Equivalence& e = *c.equivalence;
   const std::string people = e.by_participant ? fmt::format(", {} of participants", p_is(e.by_participant->p)) : "";
-  const std::string interval = e.interval
-                                   ? fmt::format("; mean share {:.3f}, {:.0f} % interval {:.3f} to {:.3f}", e.mean,
-                                                 100 * (1 - 2 * s.alpha), e.interval->low, e.interval->high)
-                                   : "";
+  std::string interval;
+  if (e.interval) {
+    const Interval told = told_interval(c, *e.interval, 1 - 2 * s.alpha);
+    interval = fmt::format("; mean share {:.3f}, {:.0f} % interval {:.3f} to {:.3f}", e.mean, 100 * (1 - 2 * s.alpha),
+                           told.low, told.high);
+  }
   switch (e.verdict) {
     case Verdict::equivalent:
       return fmt::format(" Equivalent to {:g} within {:g}: two one-sided tests, {} of trials{}{}.", s.chance, *s.margin,
@@ -148,9 +161,26 @@ std::vector<std::string> pairs_apart(const RankingResult& r, double confidence) 
   return out;
 }
 
+// "; not distinguishable from x: y": what may stand there as well as the highest and the lowest.
+std::string unsure_ends(const RankingResult& r, size_t best, size_t worst, double confidence) {
+  if (r.worths.state != WorthState::fitted)
+    return fmt::format(" by the scale with a prior; which of them differ is not known ({})",
+                       state_text(r.worths.state));
+  std::string out;
+  for (const size_t end : {best, worst}) {
+    std::vector<std::string> alike;
+    for (size_t i = 0; i < r.items.size(); ++i)
+      if (i != end && !stands_apart(r.worths, end, i, confidence)) alike.push_back(named(r.items[i]));
+    if (!alike.empty())
+      out += fmt::format("; not distinguishable from {}: {}", named(r.items[end]), fmt::join(alike, ", "));
+  }
+  return out;
+}
+
 std::string ranking_sentence(const RankingResult& r, const AnalysisSettings& s) {
-  if (r.jod_with_prior.q.empty()) return fmt::format("There is no ranking: {}.", state_text(r.worths.state));
   const auto& q = r.jod_with_prior.q;
+  if (r.worths.state == WorthState::all_ties) return "There is no ranking: nobody preferred anything.";
+  if (q.empty()) return fmt::format("There is no ranking: {}.", state_text(r.worths.state));
   size_t best = 0;
   size_t worst = 0;
   for (size_t i = 1; i < q.size(); ++i) {
@@ -167,8 +197,8 @@ std::string ranking_sentence(const RankingResult& r, const AnalysisSettings& s) 
     return fmt::format("Of {}, the widest gap, {}, which is not distinguishable from none; distinguishable {}: {}.",
                        all, widest, apart.size() == 1 ? "is" : "are", fmt::join(apart, ", "));
   }
-  return fmt::format("Of {}, {} stands highest and {} lowest, {:.2f} JOD apart.", all, named(r.items[best]),
-                     named(r.items[worst]), q[best] - q[worst]);
+  return fmt::format("Of {}, {} stands highest and {} lowest, {:.2f} JOD apart{}.", all, named(r.items[best]),
+                     named(r.items[worst]), q[best] - q[worst], unsure_ends(r, best, worst, s.confidence));
 }
 
 std::string prediction_sentence(const ScorePredictions& p) {

@@ -161,8 +161,7 @@
     `<h1>A small screen</h1><p>The clips are ${trials.width} × ${trials.height} pixels, more than fit here. They will be shown
      smaller, which hides what the study is about. A larger window or another device is better.</p>`,
     ['Go on'])
-  const tooSmall = () => trials.width > window.innerWidth * window.devicePixelRatio ||
-    trials.height > (window.innerHeight - 120) * window.devicePixelRatio
+  const tooSmall = () => Study.fit(trials.width, trials.height).scale < 1
 
   const instructions = () => screen(
     `${Study.markdown(texts.instructions)}<h2>How to answer</h2><p>After each clip: ${trials.answers.map((a) =>

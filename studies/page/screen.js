@@ -69,6 +69,9 @@
   const kBlindSpotSdDeg = 1.1
   const kCardRounds = 3
   const kSpotRounds = 5
+  // What the server and the analysis take (core/screen_calibration.h).
+  const kLeastPixelsPerDegree = 5
+  const kMostPixelsPerDegree = 500
   const kSpotSpeed = 120  // CSS pixels a second
 
   // cards: widths of the card as fitted; spots: how far from the fixation the dot vanished; both in CSS pixels.
@@ -92,9 +95,11 @@
     const spot = Study.standardError(spots) / Study.mean(spots)
     const eyes = (kBlindSpotSdDeg * rad) / (Math.sin(angle) * Math.cos(angle))
     const perDegree = 2 * Math.tan(0.5 * rad) * Study.mean(spots) / Math.tan(angle)
-    if (!(perDegree >= 5 && perDegree <= 500)) return out  // a key held down, and no blind spot
+    const error = perDegree * Math.hypot(spot, eyes)
+    // Else a key was held down, and there is no blind spot.
+    if (!(perDegree >= kLeastPixelsPerDegree && perDegree <= kMostPixelsPerDegree && error <= perDegree)) return out
     out.pixels_per_degree = perDegree
-    out.pixels_per_degree_se = out.pixels_per_degree * Math.hypot(spot, eyes)
+    out.pixels_per_degree_se = error
     if (card !== null) {
       out.distance_mm = Study.mean(spots) / out.px_per_mm / Math.tan(angle)
       out.distance_mm_se = out.distance_mm * Math.hypot(spot, eyes, card)
@@ -147,7 +152,8 @@
         display.innerHTML = `<div class="text"><h1>How far away are you?</h1>
           <ol><li>Sit as you will sit during the study. Close or cover your <strong>right</strong> eye.</li>
           <li>Look at the square with your left eye all the time. Begin with the space bar or the button.</li>
-          <li>A red dot moves to the left. Press again in the moment when you no longer see it.</li></ol>
+          <li>A red dot moves to the left. Press again in the moment when you no longer see it. If you see it all the way to
+          the edge, this window is too narrow: choose <em>I cannot do this</em>.</li></ol>
           <div id="field"><div id="dot" hidden></div><div id="square"></div></div>
           <p class="count">${round + 1} of ${kSpotRounds}</p>
           <p class="buttons"><button type="button" id="press">Begin</button>

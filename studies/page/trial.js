@@ -4,6 +4,21 @@
 
   const key = (text) => (text ? ` <kbd>${Study.escape(text.toUpperCase())}</kbd>` : '')
 
+  // How large a clip of so many pixels is shown: one of its pixels on one of the screen (scale 1) where that fits, else as
+  // large as fits. beside: with question and answers at its sides, where it is higher than the window leaves room for
+  // above and below.
+  const kAboveAndBelow = 190
+  const kAtEitherSide = 240
+  Study.fit = (width, height) => {
+    const ratio = window.devicePixelRatio
+    const across = document.documentElement.clientWidth || window.innerWidth
+    const bar = document.getElementById('bar').offsetHeight + 20
+    const scale = (roomAcross, room) => Math.min(1, Math.max(120, roomAcross) / (width / ratio), Math.max(120, room) / (height / ratio))
+    const stacked = scale(across, window.innerHeight - kAboveAndBelow)
+    const wide = scale(across - 2 * kAtEitherSide, window.innerHeight - bar)
+    return wide > stacked ? { scale: wide, beside: true } : { scale: stacked, beside: false }
+  }
+
   // jsPsych plugin. Answers are taken once the clip was shown to its end; the clip may then be shown again `replays` times.
   // A showing during which the page was hidden does not count: it begins anew when the page is seen again.
   class TrialPlugin {
@@ -42,9 +57,9 @@
       const t = this.parameters
       this.display.innerHTML = `<div class="trial"><h1 id="ask" tabindex="-1">${Study.escape(t.question)}</h1>
         <video id="clip" muted playsinline disablepictureinpicture aria-label="Clip: two crowds, one above the other"></video>
-        <div class="answers" role="group" aria-labelledby="ask">
+        <div class="below"><div class="answers" role="group" aria-labelledby="ask">
         ${t.answers.map((a) => `<button type="button" value="${Study.escape(a.value)}">${Study.escape(a.label)}${key(a.key)}</button>`).join('')}
-        </div><p class="replay"><button type="button" id="replay" class="quiet"></button></p></div>`
+        </div><p class="replay"><button type="button" id="replay" class="quiet"></button></p></div></div>`
       this.video = this.display.querySelector('#clip')
       this.video.muted = true
       this.fit()
@@ -56,15 +71,12 @@
       this.open(false)
     }
 
-    // One pixel of the clip on one of the screen where that fits, else as large as fits.
     fit() {
       const t = this.parameters
-      const room = Math.max(120, window.innerHeight - 190)
-      const natural = t.width / window.devicePixelRatio
-      const scale = Math.min(1, (this.display.clientWidth || window.innerWidth) / natural,
-        room / (t.height / window.devicePixelRatio))
-      this.cssWidth = natural * scale
+      const { scale, beside } = Study.fit(t.width, t.height)
+      this.cssWidth = t.width / window.devicePixelRatio * scale
       this.video.style.width = `${this.cssWidth}px`
+      this.display.querySelector('.trial').classList.toggle('beside', beside)
     }
 
     open(yes) {

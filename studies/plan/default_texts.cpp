@@ -41,8 +41,9 @@ In this study you watch short clips of computer-animated crowds and answer one q
 
 - Taking part is voluntary. You can stop at any time, without a reason and without any disadvantage, and you can have your
   answers deleted.
-- What is kept: your answers, how long they took, the size of your screen as you measure it, and how smoothly the clips
-  played. Your name and your address on the network are not kept.
+- What is kept: your answers to the clips and to the questions, how long they took, the size of your screen and window as they
+  are measured, what your browser calls itself, and how smoothly the clips played. Your name and your address on the network
+  are not kept.
 - Nothing in the clips is meant to startle or upset. There is movement in all of them; should it make you feel unwell, stop.
 
 *Whoever runs this study: put your name and address here, who has approved it, for how long the data are kept and who gets

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -25,15 +27,53 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kProofVersion = 1;  // raised when stimuli are to be made and proven anew
-// Of work: a frame of a half is drawn and written once; one of a stimulus is written, encoded, read and compared.
-constexpr size_t kStackWeight = 3;
-constexpr size_t kWebmWeight = 12;
 // Microseconds and bytes a pixel, measured with 60 mannequins on llvmpipe and two cores.
 constexpr double kSampleMicros = 0.1, kWriteMicros = 0.1, kStackMicros = 0.25, kWebmMicros = 1.5;
 constexpr double kHalfBytes = 0.2, kClipBytes = 0.045;
 constexpr double kAnswerSeconds = 4;
 
-size_t stack_weight(bool webm) { return kStackWeight + (webm ? kWebmWeight : 0); }
+// About what a half takes: drawn and written once.
+double seconds_of(const StudyPlan& plan, const PlannedHalf& half) {
+  const scene::Scenario& scenario = half.scenario;
+  const double samples = scenario.antialiasing.supersample * scenario.antialiasing.supersample;
+  return static_cast<double>(plan.frames()) * scenario.width * scenario.height *
+         (kSampleMicros * samples + kWriteMicros) / 1e6;
+}
+
+double pixels_of(const StudyPlan& plan, const Stimulus& stimulus) {
+  const scene::Scenario& scenario = plan.conditions[stimulus.condition].scenario;
+  return static_cast<double>(plan.frames()) * scenario.width * (2.0 * scenario.height + plan.stimulus.bar_px);
+}
+
+// About what a stimulus takes: written, encoded, read and compared.
+double seconds_of(const StudyPlan& plan, const Stimulus& stimulus, bool webm) {
+  return pixels_of(plan, stimulus) * (kStackMicros + (webm ? kWebmMicros : 0)) / 1e6;
+}
+
+// Time left by what the steps cost: halves and stimuli differ by more than their numbers of frames. The estimate is of
+// one machine; what was made here says how much faster or slower this one is.
+class StepsLeft {
+ public:
+  StepsLeft(Progress& progress, double seconds) : progress_(progress), left_(seconds) { progress_.expect(left_); }
+  // A step is over; made: it was not kept from before.
+  void end(double seconds, bool made) {
+    const auto now = Clock::now();
+    if (made) {
+      made_ += seconds;
+      spent_ += std::chrono::duration<double>(now - begun_).count();
+    }
+    begun_ = now;
+    left_ -= seconds;
+    progress_.expect(left_ * (made_ > 0 ? spent_ / made_ : 1));
+    progress_.advance();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Progress& progress_;
+  Clock::time_point begun_ = Clock::now();
+  double left_ = 0, made_ = 0, spent_ = 0;
+};
 
 // One export under way.
 class Exporter {
@@ -50,17 +90,18 @@ class Exporter {
 
   Exported run() {
     make_folders();
-    const size_t frames = plan_.frames();
-    Progress progress("study export",
-                      frames * (design_.halves.size() + stack_weight(settings_.webm) * design_.stimuli.size()));
+    Progress progress("study export", design_.halves.size() + design_.stimuli.size());
+    StepsLeft left(progress, estimate_export(plan_, design_, settings_.webm).seconds);
     for (const PlannedHalf& half : design_.halves) {
+      const size_t before = result_.drawn;
       draw(half);
-      progress.advance(frames);
+      left.end(seconds_of(plan_, half), result_.drawn > before);
     }
     remove_strangers();
     for (const Stimulus& stimulus : design_.stimuli) {
+      const size_t before = result_.stacked;
       compose(stimulus);
-      progress.advance(frames * stack_weight(settings_.webm));
+      left.end(seconds_of(plan_, stimulus, settings_.webm), result_.stacked > before);
     }
     progress.end();
     write_outputs();
@@ -105,10 +146,21 @@ class Exporter {
       write_record(record, key, {{name, file_sha256(out_ / name)}}, *facts);
       ++result_.drawn;
     }
+    note_alike(half, *facts);
     Json entry = half_json(half, scenario);
     entry["file"] = "work/" + key + ".mp4";
     entry.update(*facts);
     halves_.push_back(std::move(entry));
+  }
+
+  // Conditions under test that are drawn alike are one: a switch at 10 m where nobody is nearer is one at 0 m.
+  void note_alike(const PlannedHalf& half, const Json& facts) {
+    if (half.spec.text() != plan_.conditions[half.condition].test.text()) return;
+    const auto [found, fresh] = drawn_.emplace(facts.at("frame_sha256").dump(), half.condition);
+    const std::pair<size_t, size_t> both = std::minmax(found->second, half.condition);
+    if (fresh || both.first == both.second || !alike_.insert(both).second) return;
+    result_.warnings.push_back(fmt::format("{} and {} are drawn alike, frame by frame: nobody can tell them apart",
+                                           plan_.conditions[both.first].name, plan_.conditions[both.second].name));
   }
 
   // Clips of an earlier export that this one does not have, as after another `--browsers`.
@@ -222,6 +274,8 @@ class Exporter {
   Json halves_ = Json::array();
   Json stimuli_ = Json::array();
   std::set<size_t> warned_;
+  std::map<std::string, size_t> drawn_;        // conditions of halves under test, by the hashes of their frames
+  std::set<std::pair<size_t, size_t>> alike_;  // conditions that were said to be
   Exported result_;
 };
 
@@ -236,16 +290,12 @@ ExportEstimate estimate_export(const StudyPlan& plan, const StudyDesign& design,
   out.minutes_a_participant = static_cast<double>(out.trials) * (plan.stimulus.seconds + kAnswerSeconds) / 60;
   const auto frames = static_cast<double>(plan.frames());
   for (const PlannedHalf& half : design.halves) {
-    const double pixels = frames * half.scenario.width * half.scenario.height;
-    const double samples = half.scenario.antialiasing.supersample * half.scenario.antialiasing.supersample;
-    out.seconds += pixels * (kSampleMicros * samples + kWriteMicros) / 1e6;
-    out.work_bytes += pixels * kHalfBytes;
+    out.seconds += seconds_of(plan, half);
+    out.work_bytes += frames * half.scenario.width * half.scenario.height * kHalfBytes;
   }
   for (const Stimulus& stimulus : design.stimuli) {
-    const scene::Scenario& scenario = plan.conditions[stimulus.condition].scenario;
-    const double pixels = frames * scenario.width * (2.0 * scenario.height + plan.stimulus.bar_px);
-    out.seconds += pixels * (kStackMicros + (webm ? kWebmMicros : 0)) / 1e6;
-    out.page_bytes += pixels * kClipBytes * (webm ? 2 : 1);
+    out.seconds += seconds_of(plan, stimulus, webm);
+    out.page_bytes += pixels_of(plan, stimulus) * kClipBytes * (webm ? 2 : 1);
   }
   return out;
 }

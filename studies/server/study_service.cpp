@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/json.h"
+#include "core/screen_calibration.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -65,10 +66,6 @@ std::optional<uint32_t> count_of(const json& of, const char* name) {
   return found->get<uint32_t>();
 }
 
-// Pixels a degree as people sit before screens, and far beyond.
-constexpr double kLeastPixelsPerDegree = 5;
-constexpr double kMostPixelsPerDegree = 500;
-
 bool is_calibration(const std::string& page) { return page.starts_with("calibration"); }
 
 // What a calibration found, or that it found nothing; empty where that can be.
@@ -79,11 +76,9 @@ std::string fault_of_calibration(const json& record) {
   if (none(pixels) && none(spread)) return {};
   const auto p = number_of(record, "pixels_per_degree");
   const auto se = number_of(record, "pixels_per_degree_se");
-  const bool plausible =
-      p && se && *p >= kLeastPixelsPerDegree && *p <= kMostPixelsPerDegree && *se >= 0 && *se <= kMostPixelsPerDegree;
-  return plausible
-             ? ""
-             : fmt::format("no calibration: {} to {} pixels a degree", kLeastPixelsPerDegree, kMostPixelsPerDegree);
+  if (p && se && is_screen_calibration(*p, *se)) return {};
+  return fmt::format("no calibration: {} to {} pixels a degree, with a standard error", kLeastPixelsPerDegree,
+                     kMostPixelsPerDegree);
 }
 
 // What a record of a trial says; empty where all is right.

@@ -499,7 +499,9 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
            EXPECT_EQ(wrong.status, 2) << command;
            EXPECT_NE(wrong.text.find("wrong.toml:21: "), std::string::npos) << wrong.text;
          }
-         EXPECT_EQ(facts("study freeze study.toml --json").at("hash").get<std::string>().size(), 64U);
+         const json frozen = facts("study freeze study.toml --json");
+         EXPECT_EQ(frozen.at("hash").get<std::string>().size(), 64U);
+         EXPECT_EQ(frozen.at("default_consent"), true) << "it has a place left for who runs the study";
        }},
       {"study export",
        [&] {
@@ -523,6 +525,12 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const json j = facts(table + " --json").at("tasks").at(0).at("conditions").at(0);
          EXPECT_EQ(j.at("yes"), 4);
          EXPECT_EQ(j.at("participants"), 2);
+         const auto chance = [&](const char* options) {
+           return facts(table + options + " --resamples 0 --json").at("settings").at("chance").get<double>();
+         };
+         EXPECT_EQ(chance(" --guess 0.25"), 0.25) << "one of four alternatives";
+         EXPECT_EQ(chance(" --guess 0.25 --chance 0.4"), 0.4);
+         EXPECT_EQ(chance(" --guess 0"), 0.5);
          EXPECT_EQ(run(table + ",level=distance_m --falling --resamples 10 --markdown answers.md").status, 0);
          EXPECT_NE(text("answers.md").find("Psychometric function: logistic, falling"), std::string::npos);
          const Outcome wrong = run("study analize");

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/screen_calibration.h"
 #include "studies/analysis/analysis_output.h"
 #include "studies/analysis/analysis_text.h"
 #include "studies/analysis/verdict_sentences.h"
@@ -384,9 +385,11 @@ TEST(VisualAngle, NeedsNumbersInItsColumns) {
     const Answers a = answers_of(std::string("answer,pixels_per_degree,pixels_per_degree_se\nyes,") + fields + "\n");
     return a.rows.at(0).pixels_per_degree.has_value();
   };
-  EXPECT_TRUE(calibrated("40,0"));
-  for (const char* fields : {"40,", ",4", "0,0", "-40,4", "40,-4", "40,41", "1e300,0"})
+  for (const char* fields : {"40,0", "40,40", "5,0", "500,1"}) EXPECT_TRUE(calibrated(fields)) << fields;
+  for (const char* fields : {"40,", ",4", "0,0", "-40,4", "40,-4", "40,41", "1e300,0", "4.9,0", "501,1"})
     EXPECT_FALSE(calibrated(fields)) << fields;
+  EXPECT_FALSE(is_screen_calibration(std::nan(""), 1));
+  EXPECT_FALSE(is_screen_calibration(40, std::nan("")));
 }
 
 // ---- names

@@ -88,6 +88,22 @@ class ExportGl : public testing::Test {
   }
 };
 
+TEST_F(ExportGl, SaysWhichConditionsAreDrawnAlike) {
+  std::string toml = kTiny;
+  const auto change = [&](const std::string& from, const std::string& to) {
+    toml.replace(toml.find(from), from.size(), to);
+  };
+  change("\"mesh:triangles=200\"", "\"hybrid(mesh,(mesh:triangles=150))\"");
+  change("mesh.triangles = [120, 200]", "switch_m = [2, 5, 100]");
+  const Exported exported = run(toml, "out");
+  const std::vector<std::string> alike = {
+      "switch_m=2 and switch_m=5 are drawn alike, frame by frame: nobody can tell them apart"};
+  std::vector<std::string> said;
+  for (const std::string& warning : exported.warnings)
+    if (warning.find("alike") != std::string::npos) said.push_back(warning);
+  EXPECT_EQ(said, alike) << "nobody is nearer than 5 m, everybody than 100 m";
+}
+
 TEST_F(ExportGl, FolderIsWhatThePageAndTheAnalysisNeed) {
   const Exported exported = run(kTiny, "out", true);
   EXPECT_EQ(exported.kept_halves + exported.kept_stimuli, 0U);

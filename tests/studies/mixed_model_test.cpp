@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/probability.h"
 #include "tests/studies/ground_truth.h"
 
 namespace crowdbench::studies {
@@ -204,6 +205,36 @@ TEST(MixedModel, ThresholdIsWhereTheTypicalParticipantIs) {
   EXPECT_GT(bounded->interval->high, at->at);
   fit.covariance = {{0.01, 0}, {0, 2}};  // the slope may be 0
   EXPECT_FALSE(mixed_threshold(fit, {}, 0.75)->interval);
+}
+
+// The variance of nine participants, all that is uncertain, is an estimate with eight degrees of freedom: 0.18 / 8 in
+// place of the likelihood's 0.18 / 9, and Student's 2.306 in place of 1.96.
+TEST(MixedModel, ThresholdsOfFewParticipantsAreWider) {
+  MixedFit fit;
+  fit.state = MixedState::fitted;
+  fit.fixed = {{.estimate = -1}, {.estimate = 2}};
+  fit.covariance = {{0.02, 0}, {0, 0}};
+  const auto half_width = [&] {
+    const MixedThreshold found = mixed_threshold(fit, {}, 0.75).value();
+    EXPECT_NEAR(found.interval.value().low + found.interval->high, 2 * found.at, 1e-12);
+    return found.interval->high - found.at;
+  };
+  EXPECT_NEAR(half_width(), 1.959964 * std::sqrt(0.02) / 2, 1e-6) << "nothing random";
+  fit.participants = 9;
+  fit.participant_variance = 0.18;
+  EXPECT_NEAR(half_width(), 2.306004 * std::sqrt(0.18 / 8) / 2, 1e-6);
+  // Half of the variance each: (0.1 / 8 + 0.3 / 2)^2 over the squares by their degrees.
+  fit.covariance = {{0.2, 0}, {0, 0}};
+  fit.participant_variance = 0.9;
+  fit.clip_variance = 0.3;
+  fit.clips = 3;
+  const double people = 0.1 * 9 / 8;
+  const double clips = 0.1 * 3 / 2;
+  const double degrees = (people + clips) * (people + clips) / (people * people / 8 + clips * clips / 2);
+  EXPECT_NEAR(half_width(), student_t_quantile(0.975, degrees) * std::sqrt(people + clips) / 2, 1e-9);
+  // Of many it is what it was.
+  fit.participants = fit.clips = 100000;
+  EXPECT_NEAR(half_width(), 1.959964 * std::sqrt(0.2) / 2, 1e-4);
 }
 
 TEST(MixedModel, QuadratureIsExactForPolynomials) {

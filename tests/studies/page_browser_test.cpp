@@ -1,14 +1,19 @@
 // The study's page in real browsers, headless, under its server: a simulated observer (tools/study_observer.mjs) takes
 // the whole study, and what the server keeps is what it chose.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/command_line.h"
+#include "core/screen_calibration.h"
 #include "store/store.h"
+#include "studies/analysis/analysis.h"
+#include "studies/analysis/analysis_output.h"
 #include "studies/page/page.h"
 #include "studies/plan/adaptive.h"
+#include "studies/server/answers_export.h"
 #include "test_paths.h"
 #include "tests/support/driver.h"
 #include "tests/support/running_driver.h"
@@ -53,6 +58,18 @@ class StudyBrowserSlow : public ::testing::Test {
     EXPECT_EQ(said.value("requests_elsewhere", nlohmann::json()), nlohmann::json::array())
         << "asked for from elsewhere";
     return said;
+  }
+  // Every record, every row of the table, and the report that is made of them.
+  void expect_said_to_be_simulated() const {
+    for (const StudyAnswerRow& row : kept().answers)
+      EXPECT_EQ(nlohmann::json::parse(row.data).value("observers", ""), "simulated") << row.item;
+    const StudyAnswers answers = read_study_answers({out_ / "answers.sqlite"}, support::kStudyHash);
+    const Table table = parse_table(answers_csv(answers, out_), "answers");
+    Answers rows;
+    add_answers(rows, table, columns_by_name(table));
+    const Analysis found = analyse(std::move(rows), {.resamples = 0});
+    EXPECT_EQ(found.simulated_rows, found.rows);
+    EXPECT_TRUE(analysis_markdown(found).starts_with("# What simulated observers answered\n\nSIMULATED: "));
   }
   StoreContents kept() const { return read_store(out_ / "answers.sqlite"); }
 
@@ -122,6 +139,7 @@ TEST_F(StudyBrowserSlow, AWholeStudyInChromium) {
   const nlohmann::json browser = page_record(all, "browser-1");
   EXPECT_LE(browser.at("tried")[0].at("worst_difference").get<double>(), 16.0);
   EXPECT_EQ(browser.at("clip_type"), "video/mp4; codecs=\"avc1.F4000A\"");
+  expect_said_to_be_simulated();
   EXPECT_EQ(page_record(all, "vision").at("plates").size(), 5U);
   EXPECT_EQ(page_record(all, "demographics").at("response").at("question-1"), "simulated");
   for (const char* screen : {"consent", "card", "spot", "plate", "clip", "answer", "break", "comments", "finished"})
@@ -200,6 +218,14 @@ TEST(StudyPage, AnswersSurviveWhatStandsBetween) {
       support::run_shell("node " + shell_quoted((sources / "tests/studies/session_check.mjs").string()) + " " +
                          shell_quoted((sources / "studies/page").string()) + " 2>&1");
   EXPECT_EQ(outcome.status, 0) << outcome.text;
+}
+
+TEST(StudyPage, CalibratesWithinTheBoundsThatTheServerTakes) {
+  const support::ScratchFolder folder;
+  write_page(folder.path());
+  const std::string screen = read_text(folder / "screen.js");
+  EXPECT_NE(screen.find(fmt::format("const kLeastPixelsPerDegree = {}\n", kLeastPixelsPerDegree)), std::string::npos);
+  EXPECT_NE(screen.find(fmt::format("const kMostPixelsPerDegree = {}\n", kMostPixelsPerDegree)), std::string::npos);
 }
 
 TEST(StudyPage, IsWholeAndAsksForNothingElsewhere) {

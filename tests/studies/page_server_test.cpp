@@ -101,6 +101,12 @@ TEST_F(StudyServer, ServesThePageAndNothingElse) {
   const HttpAnswer parts = http_request(port_, "GET", "/clip.mp4", "Range: bytes=0-,0-,0-\r\n");
   EXPECT_EQ(parts.status, 416) << "a file many times over";
   EXPECT_EQ(parts.body, "");
+  const HttpAnswer behind = http_request(port_, "GET", "/clip.mp4", "Range: bytes=99-\r\n");
+  EXPECT_EQ(behind.status, 416) << "the library said 206, and a length of minus 89 as a whole number";
+  EXPECT_NE(behind.head.find("Content-Range: bytes */10"), std::string::npos) << behind.head;
+  const HttpAnswer over = http_request(port_, "GET", "/clip.mp4", "Range: bytes=7-99\r\n");
+  EXPECT_EQ(over.body, "789");
+  EXPECT_NE(over.head.find("Content-Range: bytes 7-9/10"), std::string::npos) << over.head;
   EXPECT_EQ(nlohmann::json::parse(http_request(port_, "GET", "/api/study").body).at("study"), support::kStudyHash);
   for (const char* path :
        {"/../sides.json", "/%2e%2e/sides.json", "/..%2fsides.json", "/clips/../../sides.json", "/link.json",
@@ -108,6 +114,16 @@ TEST_F(StudyServer, ServesThePageAndNothingElse) {
     EXPECT_NE(http_request(port_, "GET", path).status, 200) << path;
   EXPECT_EQ(http_request(port_, "DELETE", "/index.html").status, 405);
   EXPECT_EQ(http_request(port_, "POST", "/index.html", "Content-Type: application/json\r\n", "{}").status, 404);
+}
+
+TEST_F(StudyServer, TakesHeaderFieldsUpToABound) {
+  serve();
+  std::string fields;
+  for (int i = 0; i < 200; ++i) fields += "X-" + std::to_string(i) + ": " + std::string(40, 'x') + "\r\n";
+  EXPECT_EQ(http_request(port_, "GET", "/", fields).status, 200) << "more than any browser says";
+  while (fields.size() < (1 << 20)) fields += "X-More: " + std::string(4000, 'x') + "\r\n";
+  EXPECT_NE(http_request(port_, "GET", "/", fields).status, 200) << "they stay in memory";
+  EXPECT_EQ(http_request(port_, "GET", "/").status, 200);
 }
 
 TEST_F(StudyServer, RefusesWhatIsNotOfItsPage) {
@@ -178,7 +194,7 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
     EXPECT_EQ(send(token, changed), 400) << name << " " << value;
   }
   for (const auto& [pixels, spread] : std::vector<std::pair<nlohmann::json, nlohmann::json>>{
-           {1e300, 1}, {4.9, 1}, {501, 1}, {-40, 1}, {40, -1}, {40, 1e9}, {40, nullptr}, {nullptr, 3}, {"40", 3}})
+           {1e300, 1}, {4.9, 1}, {501, 1}, {-40, 1}, {40, -1}, {40, 41}, {40, nullptr}, {nullptr, 3}, {"40", 3}})
     EXPECT_EQ(send(token, {{"item", "calibration"},
                            {"kind", "page"},
                            {"pixels_per_degree", pixels},

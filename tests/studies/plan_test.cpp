@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -10,11 +11,14 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "scene/crowd/crowd.h"
+#include "studies/plan/default_texts.h"
 #include "studies/plan/design.h"
 #include "studies/plan/export.h"
 #include "studies/plan/frozen.h"
 #include "studies/plan/page_files.h"
 #include "studies/plan/plan_cast.h"
+#include "studies/stimuli/bodies.h"
 #include "test_paths.h"
 #include "tests/support/scratch_folder.h"
 
@@ -301,6 +305,35 @@ TEST(StudyPlan, ShippedOnesAreWhole) {
     EXPECT_LT(estimate.page_bytes, 4e9) << plan.name;
   }
   EXPECT_EQ(plans, 6U);
+}
+
+// Between every two switch distances that a shipped plan compares stand a twentieth of those in view, or more: else its
+// conditions show the same.
+TEST(StudyPlan, ShippedDistancesPartTheCrowd) {
+  const StudyPlan plan =
+      read_study_plan(fs::path(CROWDBENCH_SOURCE_DIR) / "studies" / "plans" / "switch_distance.toml");
+  const std::vector<double> limits = {0, 10, 15, 1e9};
+  ASSERT_EQ(plan.conditions.size(), limits.size());
+  for (const char* const name : {"switch_m=0", "switch_m=10", "switch_m=15", "switch_m=inf"})
+    EXPECT_TRUE(std::any_of(plan.conditions.begin(), plan.conditions.end(), [name](const StudyCondition& condition) {
+      return condition.name == name;
+    })) << name;
+  scene::Scenario scenario = plan.conditions[0].scenario;
+  const scene::Cast cast = scene::load_cast(scenario, plan.folder);
+  scenario.crowd.spacing = spacing_of_bodies(scenario, cast);
+  const scene::Crowd crowd = scene::make_crowd(scenario, cast, scene::stage_view(scenario));
+  const scene::Camera camera = scenario.camera.at(0);
+  std::vector<size_t> between(limits.size() - 1);
+  size_t all = 0;
+  for (uint64_t tick = 0; tick < 1500; tick += 300)
+    for (const auto& agents : scene::make_frame(scenario, cast, crowd, camera, tick).agents)
+      for (const scene::FrameAgent& agent : agents) {
+        const double distance = glm::length(glm::dvec3(agent.position));  // of the eye
+        ++all;
+        for (size_t i = 0; i + 1 < limits.size(); ++i)
+          between[i] += distance >= limits[i] && distance < limits[i + 1] ? 1 : 0;
+      }
+  for (const size_t each : between) EXPECT_GT(static_cast<double>(each), 0.05 * static_cast<double>(all));
 }
 
 class FrozenPlans : public testing::Test {

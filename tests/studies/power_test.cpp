@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <string>
 
+#include "core/progress.h"
 #include "studies/analysis/equivalence.h"
 
 namespace crowdbench::studies {
@@ -39,6 +42,41 @@ TEST(ThresholdPower, IntervalsHoldTheTruthAndNarrowWithParticipants) {
   s.design.participants = 40;
   const ThresholdPower many = simulate_threshold_power(s);
   EXPECT_NEAR(many.median_width / few.median_width, 0.5, 0.15) << "four times as many";
+}
+
+// By participants, so that rows of more of them count for as much as they take.
+TEST(Power, SaysHowFarItIs) {
+  const auto said = [](size_t total, const auto& simulate) {
+    std::string lines;
+    int64_t seconds = 0;
+    ProgressBoard board({.write = [&](std::string_view text) { lines += text; },
+                         .now = [&] { return std::chrono::seconds(seconds += 11); }});
+    Progress progress("simulated participants", total, board);
+    simulate(&progress);
+    return lines;
+  };
+  const std::string one = said(240, [](Progress* progress) {
+    simulate_power({.participants = 12, .clips = 2, .simulations = 10, .threads = 1, .progress = progress});
+  });
+  EXPECT_NE(one.find("simulated participants: 12/240, "), std::string::npos) << one;
+  EXPECT_NE(one.find(" left"), std::string::npos) << one;
+  EXPECT_NE(one.find("simulated participants: 120/240, "), std::string::npos) << one;
+  EXPECT_EQ(one.find("132/"), std::string::npos) << one;
+  ThresholdPowerSettings threshold = falling_levels();
+  threshold.simulations = 2;
+  EXPECT_NE(said(20,
+                 [&](Progress* progress) {
+                   threshold.progress = progress;
+                   simulate_threshold_power(threshold);
+                 })
+                .find("20/20"),
+            std::string::npos);
+  EXPECT_NE(said(72,
+                 [](Progress* progress) {
+                   simulate_equivalence_power({.participants = 36, .simulations = 2, .progress = progress});
+                 })
+                .find("72/72"),
+            std::string::npos);
 }
 
 TEST(EquivalencePower, IsSaidOfEqualsAndSeldomAtTheMargin) {

@@ -25,7 +25,7 @@ function page(respond, files = ['text.js', 'session.js']) {
   world.window = world
   Object.assign(world, { location: { search: '', pathname: '/' }, localStorage: storage(), sessionStorage: storage() })
   for (const file of files) vm.runInContext(readFileSync(join(process.argv[2], file), 'utf8'), world)
-  return { Study: world.Study ?? vm.runInContext('Study', world), asked }
+  return { Study: world.Study ?? vm.runInContext('Study', world), asked, world }
 }
 const answers = (status) => ({ status, ok: status === 200, json: async () => ({}) })
 function session(statuses) {
@@ -42,6 +42,19 @@ for (const status of [403, 404, 408, 421, 429, 502]) {
   await made.send()
   assert.equal(asked.length, 3, `after ${status} twice`)
   assert.equal(made.state.outbox.length, 0)
+}
+// Where a program drives the browser, every record says that its observer is simulated.
+for (const [webdriver, mark] of [[true, 'simulated'], [false, undefined], [undefined, undefined]]) {
+  const { Study, asked, world } = page(() => answers(200))
+  world.navigator = { webdriver }
+  const made = new Study.Session('a'.repeat(64))
+  made.add({ item: 't001', answer: 'upper' })
+  made.add({ item: 'comments', kind: 'page' })
+  assert.deepEqual([...made.rows()].map((row) => row.observers), [mark, mark])
+  made.served = true
+  made.add({ item: 't002' })
+  await made.send()
+  assert.equal(JSON.parse(asked[0].body).observers, mark)
 }
 // What the server refuses it would refuse again.
 for (const status of [400, 409, 413]) {
@@ -76,6 +89,23 @@ for (const status of [400, 409, 413]) {
   assert.equal(made.given('t002').answer, 'lower')
   assert.equal(made.given('screen-1'), undefined)
   assert.equal(JSON.parse(JSON.stringify(new Study.Session('a'.repeat(64)).given('t002'))).stimulus, 's003', 'after a reload')
+}
+// One pixel of a clip is one of the screen where the window has room for that, with what belongs to it below or beside.
+{
+  const { Study, world } = page(() => answers(200), ['text.js', 'trial.js'])
+  world.document.getElementById = () => ({ offsetHeight: 53 })
+  const fit = (width, height, ratio, ...clip) => {
+    Object.assign(world, { innerWidth: width, innerHeight: height, devicePixelRatio: ratio })
+    world.document.documentElement = { clientWidth: width }
+    const { scale, beside } = Study.fit(...clip)
+    return [Math.round(1000 * scale), beside]
+  }
+  assert.deepEqual(fit(1280, 800, 1, 320, 496), [1000, false])
+  assert.deepEqual(fit(1920, 1080, 1, 640, 976), [1000, true], 'a full screen of the most common size')
+  assert.deepEqual(fit(1920, 1080, 2, 640, 976), [1000, false], 'two pixels of the screen a CSS pixel')
+  assert.deepEqual(fit(1280, 800, 1, 640, 976), [745, true])
+  assert.deepEqual(fit(390, 640, 1, 320, 496), [907, false])
+  assert.deepEqual(fit(200, 100, 1, 640, 976), [123, false], 'never nothing')
 }
 // A clip is asked for under its contents, and one that was compressed on its way is whole.
 {

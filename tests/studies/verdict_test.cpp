@@ -238,6 +238,35 @@ TEST(Rankings, SayWhichPairsAreApartWhereTheWidestGapIsNot) {
   EXPECT_NE(none.find("none is distinguishable from another"), std::string::npos) << none;
 }
 
+TEST(Rankings, SayWhatMayStandAtTheEndsAsWell) {
+  const auto said = [](const char* text) {
+    const AnalysisSettings settings{.random = RandomEffects::none, .resamples = 0};
+    const Analysis a = analyse(answers_of(text), settings);
+    return verdict_sentences(a.tasks[0], settings).back();
+  };
+  const std::string sure = said("item_a,item_b,yes,no\na,b,80,20\nb,c,80,20\na,c,95,5\n");
+  EXPECT_NE(sure.find("a stands highest and c lowest"), std::string::npos) << sure;
+  EXPECT_EQ(sure.find("distinguishable"), std::string::npos) << sure;
+  const std::string unsure = said("item_a,item_b,yes,no\na,b,11,9\nb,c,16,4\na,c,17,3\n");
+  EXPECT_NE(unsure.find("a stands highest and c lowest"), std::string::npos) << unsure;
+  EXPECT_NE(unsure.find("; not distinguishable from a: b."), std::string::npos) << unsure;
+  const std::string unbeaten = said("item_a,item_b,yes,no\na,b,20,0\nb,c,16,4\na,c,20,0\n");
+  EXPECT_NE(unbeaten.find("which of them differ is not known (unbeaten"), std::string::npos) << unbeaten;
+  EXPECT_EQ(said("item_a,item_b,yes,ties,no\na,b,0,20,0\n"), "There is no ranking: nobody preferred anything.");
+}
+
+// Five who all say yes ten times differ by nothing, which does not make their mean exact.
+TEST(Verdicts, IntervalsAreNoNarrowerThanThatOfTheTrials) {
+  std::string text = "participant,yes,no\n";
+  for (int p = 0; p < 5; ++p) text += fmt::format("p{},10,0\n", p);
+  const AnalysisSettings settings{.margin = 0.1, .random = RandomEffects::none, .resamples = 0};
+  const Analysis a = analyse(answers_of(text), settings);
+  const std::string said = verdict_sentences(a.tasks[0], settings).front();
+  // Clopper and Pearson's 90 % of 50 of 50 begins at 0.05^(1/50).
+  EXPECT_NE(said.find(fmt::format("90 % interval {:.3f} to 1.000", std::pow(0.05, 1.0 / 50))), std::string::npos)
+      << said;
+}
+
 TEST(Scores, RefuseWithTheLine) {
   const std::pair<const char*, const char*> wrong[] = {
       {"name,s\na,1\n", "s.csv:1: has no column that says whose scores they are"},

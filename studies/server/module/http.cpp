@@ -1,5 +1,7 @@
 // cpp-httplib behind the interface of http_api.h. The one source that includes it.
 #include <httplib.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,15 +11,59 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
+#include "studies/server/module/byte_range.h"
+#include "studies/server/module/connection.h"
 #include "studies/server/module/http_api.h"
 
 namespace crowdbench::studies::http {
+namespace {
+
+// The library's own connections wait for each piece of a request anew, and take header fields without end.
+class BoundedStream : public httplib::Stream {
+ public:
+  BoundedStream(int socket, const ConnectionLimits& limits) : connection_(socket, limits) {}
+  bool is_readable() const override { return connection_.is_readable(); }
+  bool is_writable() const override { return connection_.is_writable(); }
+  ssize_t read(char* to, size_t size) override { return connection_.read(to, size); }
+  ssize_t write(const char* from, size_t size) override { return connection_.write(from, size); }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    name_of(connection_.socket(), false, ip, port);
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override {
+    name_of(connection_.socket(), true, ip, port);
+  }
+  socket_t socket() const override { return connection_.socket(); }
+
+ private:
+  Connection connection_;
+};
+
+// One request a connection: nothing that is left of a refused body is ever read as a request, and no idle browser holds
+// a thread.
+class BoundedServer : public httplib::Server {
+ public:
+  ConnectionLimits limits;
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    BoundedStream stream(socket, limits);
+    bool closed = false;
+    // Ranges are ours (send()): the library's may lie outside of the file.
+    const bool answered = process_request(stream, true, closed, [](httplib::Request& r) { r.ranges.clear(); });
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return answered;
+  }
+};
+
+}  // namespace
 
 struct Server {
-  httplib::Server server;
+  BoundedServer server;
   Settings settings;
   std::atomic<bool> ended{false};  // serve() has returned
   int socket = -1;                 // that was bound last
@@ -76,36 +122,46 @@ bool send_part(const std::string& path, size_t offset, size_t length, httplib::D
   return true;
 }
 
-void send(const Reply& reply, httplib::Response& response) {
-  if (reply.status != 200) response.status = reply.status;  // 200, or 206 where a range was asked for, is the library's
+// A file, or the part of it that the field Range asks for.
+void send_file(const Reply& reply, const std::string& wanted, httplib::Response& response) {
+  response.set_header("Accept-Ranges", "bytes");
+  ByteRange part{0, reply.file_bytes};
+  if (!wanted.empty()) {
+    const std::optional<ByteRange> found = byte_range(wanted, reply.file_bytes);
+    response.status = found ? 206 : 416;
+    response.set_header("Content-Range", found ? "bytes " + std::to_string(found->offset) + "-" +
+                                                     std::to_string(found->offset + found->length - 1) + "/" +
+                                                     std::to_string(reply.file_bytes)
+                                               : "bytes */" + std::to_string(reply.file_bytes));
+    if (!found) return;
+    part = *found;
+  }
+  response.set_content_provider(
+      part.length, reply.content_type,
+      [path = std::string(reply.file), begin = part.offset](size_t offset, size_t length, httplib::DataSink& sink) {
+        return send_part(path, begin + offset, length, sink);
+      });
+}
+
+void send(const Reply& reply, const httplib::Request& request, httplib::Response& response) {
+  if (reply.status != 200) response.status = reply.status;
   response.set_header("X-Content-Type-Options", "nosniff");
   response.set_header("Referrer-Policy", "no-referrer");
   response.set_header("X-Frame-Options", "DENY");
   response.set_header("Cross-Origin-Resource-Policy", "same-origin");
   response.set_header("Cache-Control", reply.keep != 0 ? "private, max-age=86400" : "no-store");
-  if (reply.file == nullptr) {
+  if (reply.file != nullptr)
+    send_file(reply, request.get_header_value("Range"), response);
+  else
     response.set_content(reply.body, reply.body_bytes, reply.content_type);
-    return;
-  }
-  response.set_header("Accept-Ranges", "bytes");
-  response.set_content_provider(
-      reply.file_bytes, reply.content_type,
-      [path = std::string(reply.file)](size_t offset, size_t length, httplib::DataSink& sink) {
-        return send_part(path, offset, length, sink);
-      });
 }
 
 void answer(const Server& of, const httplib::Request& request, httplib::Response& response) {
-  // Many ranges of one file are many times the file; no browser asks for more than one.
-  if (request.ranges.size() > 1) {
-    response.status = 416;
-    return;
-  }
   Reply reply{};
   const Fields fields(request);
   const Request seen = fields.request(request, true);
   of.settings.handle(of.settings.user, &seen, &reply);
-  send(reply, response);
+  send(reply, request, response);
   of.settings.release(&reply);
 }
 
@@ -114,7 +170,7 @@ bool refused(const Server& of, const httplib::Request& request, httplib::Respons
   const Fields fields(request);
   const Request seen = fields.request(request, false);
   if (of.settings.refuse(of.settings.user, &seen, &reply) == 0) return false;
-  send(reply, response);
+  send(reply, request, response);
   of.settings.release(&reply);
   return true;
 }
@@ -123,13 +179,9 @@ void set_up(Server& made) {
   httplib::Server& server = made.server;
   const int threads = made.settings.threads;
   server.new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<size_t>(threads)); };
-  // One request a connection: nothing that is left of a refused body is ever read as a request, and no idle browser
-  // holds a thread.
-  server.set_keep_alive_max_count(1);
-  // Of each wait for more, not of the whole: a browser sends what it has at once.
-  server.set_keep_alive_timeout(3);  // for the first byte
-  server.set_read_timeout(4);
-  server.set_write_timeout(30);
+  // Browsers send some 2 KiB of header fields.
+  constexpr size_t kMostHeadBytes = 32 << 10;
+  made.server.limits.most_received = kMostHeadBytes + made.settings.most_body_bytes;
   server.set_payload_max_length(made.settings.most_body_bytes);
   server.set_tcp_nodelay(true);
   // Not SO_REUSEPORT, by which two servers would share one port in silence.
