@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/error.h"
 #include "core/files.h"
 #include "store/store.h"
 #include "tests/support/driver.h"
