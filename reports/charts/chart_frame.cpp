@@ -8,7 +8,6 @@ constexpr const char* kGrid = "#e4e7eb";
 
 Json config() {
   return {{"background", "transparent"},
-          {"font", "inherit"},
           {"view", {{"stroke", nullptr}}},
           {"axis",
            {{"labelFontSize", 12},

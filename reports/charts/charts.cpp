@@ -305,7 +305,8 @@ std::string score_chart(const Scene& scene, const ScoreDoc& score) {
   const Json y = {{"field", "mean"},
                   {"type", "quantitative"},
                   {"scale", {{"zero", false}, {"nice", true}}},
-                  {"axis", {{"title", heading(score)}, {"tickCount", 5}}}};
+                  // The heading above names the score.
+                  {"axis", {{"title", score.unit}, {"tickCount", 5}}}};
   Json least = y;
   least["field"] = "least";
   spec["data"] = {{"values", values}};

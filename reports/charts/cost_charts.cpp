@@ -37,6 +37,12 @@ Json axis_of(const char* field, const char* title, bool log) {
        {{"title", title}, {"tickCount", 5}, {"format", "~g"}, {"labelOverlap", "greedy"}, {"labelSeparation", 10}}}};
 }
 
+// Of a vertical axis whose title is a sentence: it lies over the axis, from the plot's left edge on. Upright beside a
+// low chart it would be longer than the chart is high, and cut off.
+Json title_above() {
+  return {{"titleAngle", 0}, {"titleAlign", "left"}, {"titleBaseline", "bottom"}, {"titleX", 0}, {"titleY", -10}};
+}
+
 Json tip(const char* field, const char* title) { return {{"field", field}, {"type", "nominal"}, {"title", title}}; }
 
 double in_ms(double ns) { return 1e-6 * ns; }
@@ -150,7 +156,8 @@ std::string front_chart(const Scene& scene, const ParetoFront& front) {
   Json spec = chart_frame(260);
   spec["data"] = {{"values", values}};
   const std::string title = heading(front.score);
-  const Json y = axis_of("error", title.c_str(), false);
+  Json y = axis_of("error", title.c_str(), false);
+  y["axis"].update(title_above());
   spec["layer"] = Json::array(
       {{{"mark", {{"type", "rule"}}},
         {"encoding",
