@@ -64,6 +64,9 @@ struct Range {
   }
 };
 
+// Around a chart with names at the ends of its lines: Vega's fit leaves them up to 35 pixels too little on the right.
+Json end_label_padding() { return {{"left", 5}, {"top", 5}, {"right", 40}, {"bottom", 5}}; }
+
 // The name of each line at its end, instead of a legend; names that would overlap are moved apart.
 Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, const char* y, double height) {
   std::sort(ends.begin(), ends.end(),
@@ -154,6 +157,7 @@ std::string time_chart(const Scene& scene, double occupancy) {
   const double least = range.least / 1.3;
   const double greatest = range.greatest * 1.3;
   Json spec = chart_frame(kHeight);
+  spec["padding"] = end_label_padding();
   const Json x = agents_x(scene);
   Json y = {
       {"field", "ms"},
@@ -234,6 +238,7 @@ std::string speed_chart(const Scene& scene) {
   const double least = range.least / 1.3;
   const double greatest = range.greatest * 1.3;
   Json spec = chart_frame(kHeight);
+  spec["padding"] = end_label_padding();
   const Json x = agents_x(scene);
   const Json y = {{"field", "ratio"},
                   {"type", "quantitative"},
