@@ -1,9 +1,11 @@
 // The outside oracle of what is scored through ids, depths and successive frames: a rendered crowd whose figures hide
 // each other and are cut off on three sides, and silhouettes at the edge of what exists. The expected values are those
 // of SciPy, scikit-image and NumPy: tests/data/ground-truth/crowd/make_expected.py.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>

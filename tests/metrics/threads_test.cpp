@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core/utility.hpp>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "core/random.h"
 #include "metrics/cvvdp/cvvdp.h"
