@@ -20,6 +20,7 @@ constexpr double kImproves = 0.9;                  // the same of a motion by fr
 constexpr double kUncovered = 0.15;                // of the changed outline, what such a motion may leave unexplained
 constexpr double kLeastMotion = 0.08;              // pixels, of the point that moves most
 constexpr size_t kLeastOutline = 4;                // changed pixels of an outline that say where it went
+constexpr double kMatched = 0.5;                   // of the agent's pixels, what a motion must bring to the agent
 
 // The samples around a place, with their weights.
 struct Cell {
@@ -248,7 +249,15 @@ class Search {
     return AgentMove{best, std::nullopt, before, after};
   }
 
-  double cost(const Motion& motion) const { return mismatch_of(agent_, motion, range_, stride_).cost; }
+  // Where another agent stood nothing is known and nothing costs: a motion that fetches all of the agent from behind
+  // others explains everything, and is told by nothing.
+  double cost(const Motion& motion) const {
+    const Mismatch of = mismatch_of(agent_, motion, range_, stride_);
+    const auto least = static_cast<double>(std::min(from_.pixels, to_.pixels));
+    if (!motion.none() && static_cast<double>(of.matched) < kMatched * least)
+      return std::numeric_limits<double>::infinity();
+    return of.cost;
+  }
 
   Motion best_motion(const Motion* whole) const {
     Motion best = at({});
@@ -441,6 +450,7 @@ Mismatch mismatch_of(const AgentPictures& agent, const Motion& motion, const Ran
       const Cell cell = sampler.cell(x, y);
       if (!cell.inside || (!in_test && sampler.behind(here))) continue;
       const double cover = sampler.cover(cell);
+      out.matched += in_test && cover > 0 ? 1 : 0;
       if (in_test && cover < 1 - 1e-9 && sampler.unknown(cell)) continue;
       const double gap = cover - (in_test ? 1 : 0);
       wrong += gap * gap;
@@ -459,6 +469,7 @@ Mismatch mismatch_of(const AgentPictures& agent, const Motion& motion, const Ran
   out.cost = stride * (out.residual * pixels + kOutlinePixel * wrong);
   out.outline *= static_cast<size_t>(stride);
   out.uncovered *= static_cast<size_t>(stride);
+  out.matched *= static_cast<size_t>(stride);
   return out;
 }
 

@@ -65,6 +65,7 @@ struct Mismatch {
   double residual = 0;   // of the colours alone, a pixel
   size_t outline = 0;    // pixels that differ in whether they show the agent, by the nearest sample
   size_t uncovered = 0;  // of these, what the samples around do not explain
+  size_t matched = 0;    // pixels of the agent to which the motion brings some of the agent
 };
 // stride: only every so many pixels are looked at, and counts are scaled.
 Mismatch mismatch_of(const AgentPictures& agent, const Motion& motion, const Range& range, int stride = 1);

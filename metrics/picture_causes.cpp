@@ -35,6 +35,42 @@ void copy_pixel(const Layer& from, size_t pixel, Layer& to) {
   if (!to.depth.empty() && !from.depth.empty()) to.depth.data[pixel] = from.depth.data[pixel];
 }
 
+constexpr double kPlane = 1e-4;  // of the depth: as far as what is drawn in a plane may lie beside it
+constexpr double kRelief = 0.1;  // of a body's pixels, those that lie beside any plane
+
+// The share of the pixels that lie farther from the best plane than `tolerance` metres. In the picture the reciprocal
+// of a plane's depth is a linear function of the place, whatever the lens.
+double beside_plane(const ImageF& depth, const std::vector<size_t>& pixels, double tolerance) {
+  const auto place = [&](size_t i) {
+    const auto width = static_cast<size_t>(depth.width);
+    return std::array{static_cast<double>(i % width), static_cast<double>(i / width)};
+  };
+  const auto reciprocal = [&](size_t i) { return 1 / static_cast<double>(depth.data[i]); };
+  double n = 0, mx = 0, my = 0, mq = 0;
+  for (const size_t i : pixels) {
+    const auto [x, y] = place(i);
+    n += 1, mx += x, my += y, mq += reciprocal(i);
+  }
+  mx /= n, my /= n, mq /= n;
+  double xx = 0, xy = 0, yy = 0, xq = 0, yq = 0;
+  for (const size_t i : pixels) {
+    const auto [px, py] = place(i);
+    const double x = px - mx, y = py - my, q = reciprocal(i) - mq;
+    xx += x * x, xy += x * y, yy += y * y, xq += x * q, yq += y * q;
+  }
+  const double determinant = xx * yy - xy * xy;
+  if (!(determinant > 1e-9 * xx * yy)) return 0;  // a line of pixels lies in a plane
+  const double a = (xq * yy - yq * xy) / determinant;
+  const double b = (yq * xx - xq * xy) / determinant;
+  size_t beside = 0;
+  for (const size_t i : pixels) {
+    const auto [x, y] = place(i);
+    const double plane = 1 / (mq + a * (x - mx) + b * (y - my));
+    if (!(std::abs(static_cast<double>(depth.data[i]) - plane) <= tolerance)) ++beside;
+  }
+  return static_cast<double>(beside) / n;
+}
+
 class Telling {
  public:
   explicit Telling(const PicturesWithIds& pictures)
@@ -63,7 +99,10 @@ class Telling {
     else
       reason(Cause::pose) = "no picture of the reference in other poses was given (--pose-ref)";
     put_in_places();
-    if (!now_.depth.empty()) measure_gaps();
+    if (!now_.depth.empty()) {
+      measure_gaps();
+      find_cards();
+    }
     put_in_order();
     put_in_silhouettes();
     if (now_.depth.empty())
@@ -212,9 +251,25 @@ class Telling {
     }
   }
 
+  void find_cards() {
+    std::map<uint32_t, std::vector<size_t>> own, shown;
+    for (size_t i = 0; i < pixels(); ++i) {
+      if (const uint32_t id = pictures_.reference_ids.data[i]; id != 0) own[id].push_back(i);
+      if (const uint32_t id = test_.ids.data[i]; id != 0) shown[id].push_back(i);
+    }
+    for (auto& [id, change] : changes_) {
+      if (!own.contains(id) || !shown.contains(id)) continue;
+      const std::vector<size_t>& drawn = shown.at(id);
+      const double plane = kPlane * static_cast<double>(test_.depth.data[drawn[0]]);
+      change.card = beside_plane(test_.depth, drawn, plane) == 0 &&
+                    beside_plane(*pictures_.reference_depth, own.at(id), kSurfaceTolerance) > kRelief;
+    }
+  }
+
   void put_in_surfaces() {
     put_in_where(Cause::surface, [&](size_t i) {
-      if (test_.ids.data[i] == 0) return false;
+      const uint32_t id = test_.ids.data[i];
+      if (id == 0 || changes_.at(id).card) return false;
       return std::abs(static_cast<double>(now_.depth.data[i]) - static_cast<double>(test_.depth.data[i])) >
              kSurfaceTolerance;
     });

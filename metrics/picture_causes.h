@@ -4,6 +4,10 @@
 // Differs from what is told with a renderer (metrics/surface_causes.h): who stands before whom, and what is shading and
 // what is texture, is concluded, not known.
 //
+// Wrong surfaces are told by depth. A flat impostor's are those of its card, which is recognised (AgentChange::card):
+// what is painted on it is shading and texture. One that is put together of several cards has depths beside the body's
+// nearly everywhere, and wrong surfaces there.
+//
 // What cannot be told apart: a grey repainting from a change of the light (it counts as shading); a shift by less than
 // about 0.1 pixel from nothing; a shift of the colours alone, under ids that stayed, from another texture; an agent
 // nearer and one drawn larger, without depths; an agent that is a frame late from a wrong outline, without that frame
@@ -44,8 +48,11 @@ struct AgentChange {
   // With depths: how much farther the surface that the test draws for it is than the reference's, at the same points of
   // the body, the median over its pixels; and from the nearest to the farthest of the reference's, 5 % of either end
   // left out. What is within `thickness` is another surface of the same body.
-  std::optional<double> surface_farther;      // metres
-  double thickness = 0;                       // metres; 0 without depths
+  std::optional<double> surface_farther;  // metres
+  double thickness = 0;                   // metres; 0 without depths
+  // With depths: those of the test lie in one plane, the reference's do not. They say where a flat impostor stands and
+  // not which surface a pixel shows, so that none of its pixels counts as a wrong surface.
+  bool card = false;
   std::vector<uint32_t> changed_places_with;  // that it stood before, and which stand before it now
 };
 

@@ -1,6 +1,7 @@
 // Opens a page that crowdbench wrote in a real browser, headless, wide and narrow, light and dark, and says what is wrong
 // with it: messages in the console, charts that were not drawn, requests to elsewhere, sideways scroll, text that a chart
-// cuts off, tick labels that overlap. Prints JSON, with how long the page took to open and the text of every table that has an id.
+// cuts off, tick labels or names in a legend that overlap. Prints JSON, with how long the page took to open and the text of
+// every table that has an id.
 //
 //   node tools/page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS]   that long at most for the charts
 //
@@ -47,14 +48,16 @@ function look() {
       if (box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1)
         said.clipped.push(text.textContent)
     }
-    const labels = [...svg.querySelectorAll('.role-axis-label text')].filter((text) => getComputedStyle(text).opacity !== '0')
-    for (let i = 0; i < labels.length; ++i)
-      for (let k = i + 1; k < labels.length; ++k) {
-        const a = labels[i].getBoundingClientRect()
-        const b = labels[k].getBoundingClientRect()
-        if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 2)
-          said.overlapping.push(`${labels[i].textContent} | ${labels[k].textContent}`)
-      }
+    for (const kind of ['.role-axis-label text', '.role-legend-label text']) {
+      const labels = [...svg.querySelectorAll(kind)].filter((text) => getComputedStyle(text).opacity !== '0')
+      for (let i = 0; i < labels.length; ++i)
+        for (let k = i + 1; k < labels.length; ++k) {
+          const a = labels[i].getBoundingClientRect()
+          const b = labels[k].getBoundingClientRect()
+          if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 2)
+            said.overlapping.push(`${labels[i].textContent} | ${labels[k].textContent}`)
+        }
+    }
   }
   return said
 }

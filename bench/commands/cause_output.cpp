@@ -32,6 +32,7 @@ void put_change(Json& row, const CauseErrors& errors, const metrics::AgentChange
   row["displaced_m"] = json_number(change.farther);
   row["surface_m"] = json_number(change.surface_farther);
   row["thickness_m"] = change.surface_farther ? Json(change.thickness) : Json(nullptr);
+  row["card"] = change.surface_farther ? Json(change.card) : Json(nullptr);
   row["late"] = errors.available(metrics::Cause::pose) ? Json(change.posed) : Json(nullptr);
   row["changed_places_with"] = Json::array();
   for (const uint32_t other : change.changed_places_with) row["changed_places_with"].push_back(other);
@@ -50,6 +51,7 @@ std::string change_text(const metrics::AgentChange& change) {
     text += "; " + far(*change.farther);
   else if (!change.farther && change.surface_farther && std::abs(*change.surface_farther) > change.thickness)
     text += "; the surface that is drawn for it " + far(*change.surface_farther);
+  if (change.card) text += "; drawn on a card";
   for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);
   return text;
 }

@@ -314,7 +314,8 @@ void add_compare(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench compare old.png new.png --ignore 0,0,640,24 --fail-above mae=0.5    status 1 where it is more\n"
       "  crowdbench compare a.png b.png --over '#808080'       pictures with alpha, in front of grey\n"
       "  crowdbench compare a.mp4 b.mp4 --maps maps --chart c.html    every frame, the worst with its map\n"
-      "  crowdbench compare clip.mp4                           the two halves of a clip that `pair` wrote\n"
+      "  crowdbench compare clip.mp4                           the two halves of a clip that `pair` wrote,\n"
+      "                                          on the display of its scenario\n"
       "  crowdbench compare a.png b.png --ids-ref a.exr --ids-test b.exr    one row an agent as well,\n"
       "                                          and the squared error by cause (`schema --results` documents it)");
   auto options = std::make_shared<CompareOptions>();

@@ -11,10 +11,12 @@
 #include "bench/experiments/clip_scores.h"
 #include "bench/experiments/frame_pairs.h"
 #include "bench/experiments/score_rows.h"
+#include "bench/stage/scenario_display.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
 #include "reports/page/clip_page.h"
+#include "scene/scenario/scenario_toml.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -100,8 +102,22 @@ std::vector<metrics::Scored> whole_scores(const Result& result) {
   return out;
 }
 
-Result run(const CompareSetup& setup, const CompareOptions& options) {
+// A stacked clip is looked at where the scenario that drew it is, unless --display says where.
+void look_where_the_scenario_is(const FramePairs& pairs, CompareSetup& setup) {
+  if (setup.display.given || pairs.scenario.empty()) return;
+  try {
+    scene::KeyPlaces places;
+    const scene::Scenario scenario = scene::parse_scenario(pairs.scenario, pairs.scenario_in + ": scenario", &places);
+    setup.display = display_of_scenario(scenario, std::filesystem::path(pairs.scenario_in).parent_path(), places);
+  } catch (const Error& error) {
+    throw Error(error.where, error.wrong, "say with --display where the clip is looked at");
+  }
+  if (setup.display.given) setup.display_from = pairs.scenario_in;
+}
+
+Result run(CompareSetup& setup, const CompareOptions& options) {
   const std::unique_ptr<FramePairs> pairs = open_pairs(options);
+  look_where_the_scenario_is(*pairs, setup);
   Result result;
   result.reference = pairs->reference;
   result.test = pairs->test;
@@ -164,6 +180,7 @@ Json to_json(const CompareOptions& options, const CompareSetup& setup, const Res
   if (Json conditions = conditions_json(whole); !conditions.empty()) out["conditions"] = conditions;
   if (Json details = details_json(whole); !details.empty()) out["details"] = details;
   out["display"] = display_json(setup.display);
+  if (!setup.display_from.empty()) out["display"]["from"] = setup.display_from;
   if (result.floats)
     out["not_finite"] = {{"reference", not_finite_json(result.not_finite_reference)},
                          {"test", not_finite_json(result.not_finite_test)}};
@@ -207,7 +224,7 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
   page.fps = result.fps;
   page.width = result.width;
   page.height = result.height;
-  page.display = metrics::display_text(setup.display);
+  page.display = setup.display_from.empty() ? metrics::display_text(setup.display) : display_line(setup);
   for (const ClipScore& of : result.scores) {
     reports::ClipSeries& series = page.scores.emplace_back();
     const metrics::Score* score = of.score;
@@ -229,7 +246,7 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
 }  // namespace
 
 int compare_clips(const CompareOptions& options, metrics::ScoreTable table) {
-  const CompareSetup setup = compare_setup(options, table);
+  CompareSetup setup = compare_setup(options, table);
   const Result result = run(setup, options);
   if (!options.chart.empty()) write_chart(options, setup, result);
   for (const std::string& warning : result.warnings) fmt::print(stderr, "crowdbench: warning: {}\n", warning);

@@ -231,12 +231,18 @@ std::vector<std::string> write_map(const std::filesystem::path& folder, const st
   return files;
 }
 
+std::string display_line(const CompareSetup& setup) {
+  if (setup.display_from.empty()) return display_line(setup.display);
+  return fmt::format("{}; by the scenario in {}, --display goes first", metrics::display_text(setup.display),
+                     printable(setup.display_from));
+}
+
 void print_display(const CompareSetup& setup, std::span<const metrics::Scored> scores) {
   if (std::none_of(scores.begin(), scores.end(), [](const metrics::Scored& scored) {
         return (scored.score->needs & metrics::kNeedsDisplay) != 0 && scored.result.value;
       }))
     return;
-  fmt::print("  display {}\n", display_line(setup.display));
+  fmt::print("  display {}\n", display_line(setup));
 }
 
 }  // namespace crowdbench::bench

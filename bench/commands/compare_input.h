@@ -49,6 +49,7 @@ struct CompareSetup {
   std::optional<std::array<uint8_t, 3>> over;
   metrics::OverRounding over_rounding = metrics::OverRounding::down;
   metrics::ChosenDisplay display;
+  std::string display_from;  // the manifest whose scenario chose it; empty: --display or nobody
   metrics::Padding padding = metrics::Padding::replicate;
   metrics::MapColours colours = metrics::MapColours::own;
 };
@@ -84,7 +85,9 @@ std::vector<std::string> write_map(const std::filesystem::path& folder, const st
                                    const metrics::Score& score, const metrics::ScoreResult& result,
                                    metrics::MapColours colours);
 
-// A line, where one of the scores needs a display.
+// What it is looked at on and who chose that, for people.
+std::string display_line(const CompareSetup& setup);
+// That line, where one of the scores needs a display.
 void print_display(const CompareSetup& setup, std::span<const metrics::Scored> scores);
 
 }  // namespace crowdbench::bench

@@ -130,6 +130,8 @@ class Halves : public FramePairs {
       };
       reference = name(true);
       test = name(false);
+      if (manifest.contains("scenario")) scenario = manifest.at("scenario").at("toml").get<std::string>();
+      scenario_in = where;
     } catch (const nlohmann::json::exception&) {
       throw Error(where, "is not a manifest of a stacked clip", "name a clip that `crowdbench pair` wrote");
     }

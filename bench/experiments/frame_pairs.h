@@ -37,6 +37,8 @@ class FramePairs {
   std::string reference, test;  // what the sides are called
   double fps = 0;               // 0: they do not say
   size_t frames = 0;            // as many as to expect; 0: unknown
+  // What drew them, as TOML, and the file that says so; empty: nobody says.
+  std::string scenario, scenario_in;
 };
 
 // Whether the path names a sequence and not one picture: a folder, or a file whose name ends as a video's does.

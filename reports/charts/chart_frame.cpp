@@ -12,7 +12,6 @@ constexpr const char* kGrid = "#e4e7eb";
 
 Json config() {
   return {{"background", "transparent"},
-          {"font", "inherit"},
           {"view", {{"stroke", nullptr}}},
           {"axis",
            {{"labelFontSize", 12},
@@ -36,18 +35,9 @@ Json config() {
             {"title", nullptr}}}};
 }
 
-constexpr double kChartWidth = 480;  // the narrowest on a page that is no phone's
-
 }  // namespace
 
 double name_px(const std::string& name) { return 7.4 * static_cast<double>(name.size()); }
-
-Json legend_columns(const std::vector<std::string>& names) {
-  double widest = 1;
-  for (const std::string& name : names) widest = std::max(widest, name_px(name) + 30);  // with its symbol
-  const int columns = std::max(1, static_cast<int>(kChartWidth / widest));
-  return {{"expr", fmt::format("{} ? 1 : {}", kNarrowScreen, columns)}};
-}
 
 Json chart_frame() { return {{"$schema", kSchema}, {"config", config()}}; }
 

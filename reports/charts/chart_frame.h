@@ -15,9 +15,7 @@ Json chart_frame(int height);
 inline constexpr const char* kChartInk = "#1f2933";
 // A condition in Vega's expressions: of a phone, where neither names beside lines nor a row of a legend fit.
 inline constexpr const char* kNarrowScreen = "windowSize()[0] < 600";
-// About what a name takes in a legend or beside a line, pixels.
+// About what a name takes beside a line, pixels.
 double name_px(const std::string& name);
-// "columns" of a legend: as many names in a row as a chart of half the page's width holds, on a phone one.
-Json legend_columns(const std::vector<std::string>& names);
 
 }  // namespace crowdbench::reports

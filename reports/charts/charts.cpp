@@ -20,9 +20,7 @@ Json colour_of(const Scene& scene, bool legend) {
       {"field", "representation"},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend",
-       legend ? Json({{"title", nullptr}, {"symbolOpacity", 1}, {"columns", legend_columns(scene.representations)}})
-              : Json(nullptr)}};
+      {"legend", legend ? Json({{"title", nullptr}, {"symbolOpacity", 1}}) : Json(nullptr)}};
 }
 
 // 1, 2, 5, 10, 20, 50, ... within a factor of the data.
@@ -318,7 +316,8 @@ std::string score_chart(const Scene& scene, const ScoreDoc& score) {
   const Json y = {{"field", "mean"},
                   {"type", "quantitative"},
                   {"scale", {{"zero", false}, {"nice", true}}},
-                  {"axis", {{"title", heading(score)}, {"tickCount", 5}}}};
+                  // The heading above names the score.
+                  {"axis", {{"title", score.unit}, {"tickCount", 5}}}};
   Json least = y;
   least["field"] = "least";
   spec["data"] = {{"values", values}};

@@ -35,7 +35,8 @@ std::string clip_chart(const ClipSeries& series, double fps) {
   const Json y = {{"field", "value"},
                   {"type", "quantitative"},
                   {"scale", {{"zero", false}, {"nice", true}, {"padding", 20}}},
-                  {"axis", {{"title", heading(series.doc)}, {"tickCount", 5}}}};
+                  // The heading above names the score.
+                  {"axis", {{"title", series.doc.unit}, {"tickCount", 5}}}};
   const auto tip = [](const char* field, const char* title) {
     return Json{{"field", field}, {"type", "nominal"}, {"title", title}};
   };

@@ -20,7 +20,7 @@ Json colours(const Scene& scene, const char* field) {
       {"field", field},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend", {{"title", nullptr}, {"symbolOpacity", 1}, {"columns", legend_columns(scene.representations)}}}};
+      {"legend", {{"title", nullptr}, {"symbolOpacity", 1}}}};
 }
 
 Json axis_of(const char* field, const char* title, bool log) {
@@ -35,6 +35,12 @@ Json axis_of(const char* field, const char* title, bool log) {
       {"scale", scale},
       {"axis",
        {{"title", title}, {"tickCount", 5}, {"format", "~g"}, {"labelOverlap", "greedy"}, {"labelSeparation", 10}}}};
+}
+
+// Of a vertical axis whose title is a sentence: it lies over the axis, from the plot's left edge on. Upright beside a
+// low chart it would be longer than the chart is high, and cut off.
+Json title_above() {
+  return {{"titleAngle", 0}, {"titleAlign", "left"}, {"titleBaseline", "bottom"}, {"titleX", 0}, {"titleY", -10}};
 }
 
 Json tip(const char* field, const char* title) { return {{"field", field}, {"type", "nominal"}, {"title", title}}; }
@@ -152,7 +158,8 @@ std::string front_chart(const Scene& scene, const ParetoFront& front) {
   Json spec = chart_frame(260);
   spec["data"] = {{"values", values}};
   const std::string title = heading(front.score);
-  const Json y = axis_of("error", title.c_str(), false);
+  Json y = axis_of("error", title.c_str(), false);
+  y["axis"].update(title_above());
   spec["layer"] = Json::array(
       {{{"mark", {{"type", "rule"}}},
         {"encoding",

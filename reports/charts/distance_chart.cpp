@@ -59,7 +59,7 @@ Json colour_of(const DistanceGraph& graph) {
   return {{"field", "representation"},
           {"type", "nominal"},
           {"scale", {{"domain", names}, {"range", colours}}},
-          {"legend", {{"title", nullptr}, {"symbolOpacity", 1}, {"columns", legend_columns(names)}}}};
+          {"legend", {{"title", nullptr}, {"symbolOpacity", 1}}}};
 }
 
 Json tip(const char* field, const std::string& title) {

@@ -3,8 +3,28 @@
   // Shown dark, the charts' inks change places with lighter ones.
   var lighter = { "#1f2933": "#e4e7eb", "#e4e7eb": "#323f4b", "#334155": "#cbd2d9", "#52606d": "#9aa5b1" };
   var dark = window.matchMedia("screen and (prefers-color-scheme: dark)").matches;
-  function specification(text) {
-    return JSON.parse(dark ? text.replace(/#[0-9a-f]{6}/g, function (ink) { return lighter[ink] || ink; }) : text);
+  // Vega measures texts before it draws them, by the font's name: with one that it cannot resolve, as "inherit", it leaves
+  // too little room for titles, labels and legends.
+  var family = getComputedStyle(document.body).fontFamily;
+  var pen = document.createElement("canvas").getContext("2d");
+  // As many of a legend's names beside each other as there is room for; one that is wider than that is written smaller.
+  function fit_legends(node, room) {
+    if (node === null || typeof node !== "object") return;
+    var names = node.legend && node.scale && node.scale.domain;
+    if (Array.isArray(names) && names.every(function (name) { return typeof name === "string"; })) {
+      pen.font = "12px " + family;
+      var symbol = 28, widest = Math.max.apply(null, names.map(function (name) { return pen.measureText(name).width; }));
+      node.legend.columns = Math.max(1, Math.min(names.length, Math.floor(room / (widest + symbol))));
+      if (widest + symbol > room) node.legend.labelFontSize = Math.max(7, 12 * (room - symbol) / widest);
+    }
+    Object.keys(node).forEach(function (key) { if (key !== "values") fit_legends(node[key], room); });
+  }
+  function specification(text, width) {
+    var spec = JSON.parse(dark ? text.replace(/#[0-9a-f]{6}/g, function (ink) { return lighter[ink] || ink; }) : text);
+    spec.config.font = family;
+    var beside = 80; // the axis' labels, and the button in the corner
+    fit_legends(spec, width - beside);
+    return spec;
   }
   var plots = document.querySelectorAll("script[type='application/json'][data-plot]");
   // Those in view are drawn at once, the others one after another when there is nothing else to do: a page of many charts
@@ -13,7 +33,7 @@
   function draw(holder) {
     var target = document.getElementById(holder.dataset.plot);
     waiting.splice(waiting.indexOf(holder), 1);
-    return vegaEmbed(target, specification(holder.textContent), {
+    return vegaEmbed(target, specification(holder.textContent, target.clientWidth || 700), {
       renderer: "svg",
       actions: { export: { svg: true, png: true }, source: false, compiled: false, editor: false },
       downloadFileName: holder.dataset.plot

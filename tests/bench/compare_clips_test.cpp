@@ -20,6 +20,7 @@
 #include "core/image_io.h"
 #include "metrics/flip.h"
 #include "reports/page/libraries.h"
+#include "scene/scenario/scenario_writer.h"
 #include "studies/stimuli/clip.h"
 #include "studies/stimuli/stack.h"
 #include "test_paths.h"
@@ -285,6 +286,43 @@ TEST(CompareClips, AClipAndItsStackedHalves) {
   EXPECT_EQ(halves["worst_frames"]["mae"]["frame"], 3);
   EXPECT_EQ(halves["by_frame"]["mae"][3], mae);
   EXPECT_EQ(halves["by_frame"]["mae"][1], 0);
+  EXPECT_EQ(halves["display"]["name"], "standard_4k");
+  EXPECT_EQ(halves["display"]["given"], false);
+
+  // The display is that of the scenario which drew the clip, as a model, as keys or as a file beside it.
+  const auto on_the_display_of = [&](const std::string& toml, std::vector<std::string> more = {}) {
+    json said = manifest;
+    said["scenario"] = {{"toml", toml}};
+    write_file(folder / "stacked.json", std::string_view(said.dump()));
+    more.insert(more.begin(), (folder / "stacked.mp4").string());
+    return compared(std::move(more));
+  };
+  scene::Scenario scenario;
+  scenario.display.model = "standard_fhd";
+  const json modelled = on_the_display_of(scene::to_toml(scenario), {"--scores", "flip,cvvdp"});
+  EXPECT_EQ(modelled["display"]["name"], "standard_fhd");
+  EXPECT_EQ(modelled["display"]["given"], true);
+  EXPECT_EQ(modelled["display"]["from"], (folder / "stacked.json").string());
+  const json asked =
+      compared({(folder / "stacked.mp4").string(), "--scores", "flip,cvvdp", "--display", "standard_fhd"});
+  EXPECT_EQ(modelled["scores"], asked["scores"]);
+  EXPECT_EQ(modelled["conditions"], asked["conditions"]);
+  EXPECT_FALSE(asked["display"].contains("from"));
+  EXPECT_NE(modelled["scores"], on_the_display_of("", {"--scores", "flip,cvvdp"})["scores"]);
+  const json other = on_the_display_of(scene::to_toml(scenario), {"--scores", "mae", "--display", "standard_phone"});
+  EXPECT_EQ(other["display"]["name"], "standard_phone") << "--display goes first";
+  scenario.display = {};
+  scenario.display.pixels_per_degree = 31;
+  scenario.display.max_luminance = 120;
+  EXPECT_EQ(on_the_display_of(scene::to_toml(scenario), {"--scores", "mae"})["display"]["pixels_per_degree"], 31);
+  scenario.display = {};
+  scenario.display.model = "mine.json";
+  const std::string gone = on_the_display_of(scene::to_toml(scenario)).value("error", "");
+  EXPECT_NE(gone.find("mine.json"), std::string::npos) << gone;
+  EXPECT_NE(gone.find("--display"), std::string::npos) << gone;
+  write_file(folder / "mine.json", std::string_view(R"({"pixels_per_degree": 42, "max_luminance": 100})"));
+  EXPECT_EQ(on_the_display_of(scene::to_toml(scenario), {"--scores", "mae"})["display"]["pixels_per_degree"], 42);
+  EXPECT_NE(on_the_display_of("display = [").value("error", "").find("stacked.json"), std::string::npos);
   write_file(folder / "stacked.json", std::string_view("{}"));
   EXPECT_NE(error_of({(folder / "stacked.mp4").string()}).find("is not a manifest"), std::string::npos);
   write_file(folder / "stacked.json",

@@ -13,6 +13,7 @@
 #include "renderers/gl/context.h"
 #include "renderers/representation.h"
 #include "scene/mannequin/mannequin.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -190,6 +191,51 @@ TEST_F(PictureCausesGl, PaintedDarkenedLateAndSwappedAgentsAreNamed) {
   const PictureCauses causes = told(draw(swapped), true, &posed);
   expect_cause(causes, 3, Cause::order, 0.01);
   EXPECT_EQ(change(causes, 3).changed_places_with, std::vector<uint32_t>{4});
+}
+
+// What is judged is an impostor: its own errors lie over all agents, and the one that something happened to is named
+// beside them. Flat ones are cards, reliefs have the body's depths.
+TEST_F(PictureCausesGl, OfAnImpostorTheAgentThatChangedIsNamedToo) {
+  CROWDBENCH_SKIP_SANITIZED("PaintedDarkenedLateAndSwappedAgentsAreNamed");
+  for (const char* spec : {"flat:views=hemi-8,frames=8,texels=64", "relief:map=64"}) {
+    SCOPED_TRACE(spec);
+    const auto impostor = renderers::make_representation(
+        {.context = world_->context, .cast = world_->cast, .use_cache = false, .progress = false},
+        renderers::parse_spec(spec));
+    const auto shown = [&](const scene::Frame& frame) { return world_->renderer->capture(frame, *impostor); };
+    const auto only_moved = [](const PictureCauses& causes, uint32_t id) {
+      for (const AgentChange& of : causes.changes) {
+        if (of.id == id) continue;
+        EXPECT_LT(std::hypot(of.dx, of.dy), 1) << of.id;
+        EXPECT_TRUE(of.changed_places_with.empty()) << of.id;
+      }
+    };
+    const bool card = std::string_view(spec).starts_with("flat");
+    const PictureCauses as_is = told(shown(world_->frame), true);
+    only_moved(as_is, 0);
+    for (const AgentChange& of : as_is.changes) EXPECT_EQ(of.card, card) << of.id;
+    for (const uint32_t id : {1U, 2U}) {
+      SCOPED_TRACE(id);
+      scene::Frame moved = world_->frame;
+      agent(moved, id).position.x += static_cast<float>(4 * pixel(id));
+      const PictureCauses place = told(shown(moved), true);
+      EXPECT_EQ(place.errors.agent(id)->largest(), Cause::place);
+      EXPECT_NEAR(change(place, id).dx, 4, 1);
+      only_moved(place, id);
+      scene::Frame painted = world_->frame;
+      agent(painted, id).outfit = 1;
+      const PictureCauses texture = told(shown(painted), true);
+      EXPECT_EQ(texture.errors.agent(id)->largest(), Cause::texture);
+      EXPECT_GT(share(*texture.errors.agent(id), Cause::texture), 0.6);
+      only_moved(texture, 0);
+    }
+    scene::Frame swapped = world_->frame;
+    agent(swapped, 4).position *= 0.8F;
+    agent(swapped, 4).scale *= 0.8F;
+    const PictureCauses order = told(shown(swapped), true);
+    EXPECT_EQ(order.errors.agent(3)->largest(), Cause::order);
+    EXPECT_EQ(change(order, 3).changed_places_with, std::vector<uint32_t>{4});
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <tuple>
@@ -103,6 +104,72 @@ TEST_F(PoppingGl, FindsAllSwitchesAndNoOthers) {
   const SwitchPictures& pictures = result.switches[0].pictures;
   EXPECT_EQ(pictures.with.width, pictures.box.width);
   EXPECT_NE(pictures.with.data, pictures.without.data);
+}
+
+// An eye that goes back and forth, so that an agent may turn far, near and far again: what switches is worked out here
+// from where the agents stand and the rule of renderers/hybrid/README.md alone. A fade changes how a switch looks, not
+// when it begins; one that turns back before it is over is the same switch.
+TEST_F(PoppingGl, HysteresisAndFadesSwitchWhereTheRuleSays) {
+  CROWDBENCH_SKIP_SANITIZED("PoppingCommandGl.SweepsOptionsAndWritesTheWorst");
+  scenario_.crowd.agents = 30;
+  scenario_.width = 120;
+  scenario_.height = 80;
+  scene::CameraKey key = scenario_.camera.keys[0];
+  key.camera.target = {0, 0.5, 0};
+  key.camera.fov_y = 1.5;  // nobody is ever out of the picture, which would let an agent begin anew
+  scenario_.camera.keys.clear();
+  for (const auto& [time, z] : {std::pair{0.0, 9.0}, {0.25, 12.0}, {0.5, 8.5}, {0.8, 13.0}}) {
+    key.time = time;
+    key.camera.eye = {0, 4, z};
+    scenario_.camera.keys.push_back(key);
+  }
+  staged_ = stage_scenario(scenario_, cast_, context_);
+  constexpr double kDistance = 11;
+  struct Agent {
+    bool far = false;
+    std::optional<uint64_t> begun;
+    uint64_t over = 0;  // the last tick of its fade
+  };
+  using Begun = std::set<std::pair<uint64_t, uint32_t>>;
+  const auto by_rule = [&](double hysteresis, uint64_t fade) {
+    Begun out;
+    std::map<uint32_t, Agent> agents;
+    for (uint64_t tick = 0; tick < request_.frames; ++tick) {
+      const scene::Frame frame = frame_at(tick);
+      for (const scene::FrameAgent& shown : frame.agents[0]) {
+        Agent& agent = agents[shown.id];
+        const double d = glm::length(shown.position);
+        const bool now = tick == 0   ? d > kDistance
+                         : agent.far ? d >= kDistance / (1 + hysteresis)
+                                     : d > kDistance * (1 + hysteresis);
+        if (tick > 0 && now != agent.far) {
+          if (agent.begun && tick <= agent.over) {
+            agent.over = 2 * tick - *agent.begun;
+          } else {
+            out.emplace(tick, shown.id);
+            agent.begun = tick;
+            agent.over = tick + fade;
+          }
+        }
+        agent.far = now;
+      }
+    }
+    return out;
+  };
+  const size_t without = by_rule(0, 0).size();
+  EXPECT_GT(without, by_rule(0.04, 0).size()) << "or hysteresis has nothing to do";
+  EXPECT_GT(by_rule(0.04, 0).size(), by_rule(0.15, 0).size());
+  EXPECT_GT(without, by_rule(0, 6).size()) << "or no fade turns back";
+  EXPECT_GE(by_rule(0.15, 6).size(), 5U);
+  for (const auto& [hysteresis, fade] : {std::pair<double, uint64_t>{0, 0}, {0.15, 0}, {0, 6}, {0.04, 2}}) {
+    SCOPED_TRACE(fmt::format("hysteresis {}, fade {}", hysteresis, fade));
+    const PoppingResult result =
+        measure(fmt::format("hybrid(mesh,({}),distance={},hysteresis={},fade={})", kFlat, kDistance, hysteresis, fade));
+    Begun found;
+    for (const Switch& s : result.switches) found.emplace(s.tick, s.id);
+    EXPECT_EQ(found, by_rule(hysteresis, fade));
+    EXPECT_EQ(found.size(), result.switches.size()) << "none twice";
+  }
 }
 
 // Agents held together are those held one by one, by the frames themselves.

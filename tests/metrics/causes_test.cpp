@@ -406,6 +406,67 @@ TEST(PictureCauses, AFlatCardAtItsPlaceIsNotFartherAway) {
   EXPECT_NEAR(block.thickness, 0.15, 1e-6);
 }
 
+// What is painted on a card is told from what stands behind or before its plane.
+TEST(PictureCauses, APaintedCardIsTexture) {
+  Pictures a = Pictures::of({});
+  Pictures b = Pictures::of({.red = 60});
+  for (int y = 0; y < a.ids.height; ++y)
+    for (int x = 0; x < a.ids.width; ++x) {
+      if (*a.ids.at(x, y) != 3) continue;
+      const float across = std::min(1.0F, std::abs(static_cast<float>(x) - 38.5F) / 6);  // a cylinder
+      *a.depth.at(x, y) = 5 + 0.3F * (1 - std::sqrt(1 - across * across));
+      // A plane that leans and turns, seen through a lens: the reciprocal of its depth is linear.
+      *b.depth.at(x, y) = 1 / (0.19F + 2e-4F * static_cast<float>(x) - 1e-4F * static_cast<float>(y));
+    }
+  const PictureCauses causes = told(a, b, true);
+  expect_only(causes.errors, "texture", 3);
+  EXPECT_TRUE(change(causes, 3).card);
+  for (const uint32_t id : {1U, 2U, 4U}) EXPECT_FALSE(change(causes, id).card) << "as flat in the reference";
+  // One pixel beside the plane, and it is a surface.
+  for (int y = 0; y < a.ids.height; ++y)
+    for (int x = 0; x < a.ids.width; ++x)
+      if (*a.ids.at(x, y) == 3 && y > 25) *b.depth.at(x, y) += 0.01F;
+  const PictureCauses bent = told(a, b, true);
+  EXPECT_FALSE(change(bent, 3).card);
+  EXPECT_EQ(bent.errors.agent(3)->largest(), Cause::surface);
+}
+
+// Nothing is known of what another agent hides, so that a motion which fetches all of the agent from behind it
+// contradicts nothing: it is no evidence. Here the reference shows a foot below the wall, the test does not, and the
+// heads differ.
+TEST(PictureCauses, AnAgentBehindAnotherDidNotMoveBecauseNothingSaysOtherwise) {
+  Pictures a;
+  a.figure(1, 10, 4, 6);
+  Pictures b;
+  b.figure(1, 10, 4, 6, false, 20);
+  // A head that is less high and wider on both sides, which no shift explains.
+  for (const int x : {14, 15, 16}) {
+    *b.ids.at(x, 4) = 0;
+    for (int c = 0; c < 3; ++c) b.codes.at(x, 4)[c] = 128;
+  }
+  for (const int x : {13, 17})
+    for (const int y : {5, 6}) {
+      *b.ids.at(x, y) = 1;
+      *b.depth.at(x, y) = 6;
+      std::copy_n(b.codes.at(15, y), 3, b.codes.at(x, y));
+    }
+  for (Pictures* of : {&a, &b})
+    for (int y = 12; y < 30; ++y)
+      for (int x = 2; x < 40; ++x) {
+        if (of == &a && y == 27 && x == 14) continue;  // the foot
+        *of->ids.at(x, y) = 9;
+        *of->depth.at(x, y) = 4;
+        for (int c = 0; c < 3; ++c) of->codes.at(x, y)[c] = static_cast<uint8_t>(60 + y);
+      }
+  for (const bool depths : {false, true}) {
+    const PictureCauses causes = told(a, b, depths);
+    EXPECT_EQ(change(causes, 1).dx, 0);
+    EXPECT_EQ(change(causes, 1).dy, 0);
+    EXPECT_EQ(causes.errors.agent(1)->amount(Cause::place), 0);
+    EXPECT_GT(causes.errors.agent(1)->amount(Cause::silhouette), 0);
+  }
+}
+
 // A slanted body that only moved in the picture is as far away as it was, point by point.
 TEST(PictureCauses, AMovedAgentsDepthIsThatOfItsOwnPoints) {
   Pictures a = Pictures::of({});

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -98,6 +100,101 @@ TEST(Cvvdp, AUniformChangeOfLuminanceHasNoEffect) {
   Image8 red = flat(64, 48, 128);
   for (size_t i = 0; i < red.data.size(); i += 3) red.data[i] = 160;
   EXPECT_LT(cvvdp(flat(64, 48, 128), red, default_display()).jod, 9.99) << "a uniform change of colour has one";
+}
+
+// All of it worked by hand. Of 2 x 2 pixels the pyramid keeps the base band alone, which has no masking and no gain; on
+// a display of linear light in a dark room a value is its cd/m2. The reference is grey and its A (close to luminance)
+// 100.
+//
+// From R, G, B to A, RG, YV (LMS of 2006 in DKL of D65, of BT.709's primaries; each row's sum is of R = G = B = 1):
+//   A    0.2332012  0.7288308  0.0889959    1.0510279
+//   RG   0.1276208 -0.0870681 -0.0367774    0.0037753
+//   YV  -0.2148225 -0.6262537  0.8514033    0.0103271
+// so that the grey is 100 / 1.0510279 = 95.14496 in R, G, B, its RG 0.3592001, its YV 0.9825740. Each picture is
+// divided by its own mean A: the grey's contrasts are 1, 0.003592001, 0.009825740. At 0.1 cycles per degree and 100
+// cd/m2 the reference program's sensitivities are 14.53437, 183.0639, 37.41817.
+//
+// Every power P(x, p) is (x + e)^p - e^p with e = 1e-5: a root of what is not small takes e^(1/2) = 0.0031623 or
+// e^(1/4) = 0.0562341 off, a square or a fourth power next to nothing.
+//
+// A uniform red more, 10 cd/m2: A 102.332012, RG 1.635408, YV -1.165651. Contrasts 1, 0.01598139, -0.01139087.
+//   D                           0, 0.01238939 * 183.0639 = 2.268050, 0.02121661 * 37.41817 = 0.7938869, in every pixel
+//   Q, root of mean square      0, 2.264900, 0.7907409
+//   * weight of the base band   0, 1.662772 * 2.264900 = 3.766013, 4.118745 * 0.7907409 = 3.256860
+//   root over bands             0, 3.709789, 3.200636
+//   root over channels          (189.4094 + 104.9423)^(1/4) - 0.0562341 = 4.085828
+//   * weight of stills          0.5779183 * 4.085828 = 2.361275
+//   JOD                         10 - 0.04395694 * 2.361275^0.9302043 = 10 - 0.0977530 = 9.9022470
+// Two pixels lighter and two darker by a fifth: A 120, 120, 80, 80, RG and YV by a fifth too, the mean A unchanged.
+//   D                           0.2 * 14.53437 = 2.906874, 0.2 * 0.003592001 * 183.0639 = 0.1315131, 0.0735322
+//   Q                           2.903723, 0.1283989, 0.0704479
+//   * weight of the base band   0.0105505, 0.2134981, 0.2901570
+//   root over bands             1.7e-5, 0.1575304, 0.2340352
+//   root over channels          (6.2e-4 + 3.0005e-3)^(1/4) - 0.0562341 = 0.1891647
+//   * weight of stills, JOD     0.1093217; 10 - 0.0056083 = 9.9943917
+TEST(Cvvdp, FourPixelsByHand) {
+  constexpr double kRows[3][3] = {{0.2332012107, 0.728830789, 0.08899586934},
+                                  {0.1276207712, -0.08706808759, -0.03677739062},
+                                  {-0.2148225086, -0.6262536922, 0.851403327}};
+  constexpr double kSensitivity[3] = {14.53437, 183.0639, 37.41817};
+  constexpr double kBase[3] = {0.0036334486, 1.6627724, 4.1187453};
+  const auto power = [](double x, double p) { return std::pow(x + 1e-5, p) - std::pow(1e-5, p); };
+  const Display display = find_display("standard_hdr_linear_dark", "");
+  using Pixels = std::array<std::array<double, 3>, 4>;
+  // Q before the weight of stills.
+  const auto by_hand = [&](const Pixels& reference, const Pixels& test) {
+    double contrast[2][3][4];
+    for (int p = 0; p < 2; ++p) {
+      const Pixels& picture = p == 0 ? reference : test;
+      double mean = 0;
+      for (size_t i = 0; i < 4; ++i)
+        for (size_t c = 0; c < 3; ++c) {
+          contrast[p][c][i] = kRows[c][0] * picture[i][0] + kRows[c][1] * picture[i][1] + kRows[c][2] * picture[i][2];
+          mean += c == 0 ? contrast[p][c][i] / 4 : 0;
+        }
+      for (auto& channel : contrast[p])
+        for (double& v : channel) v /= mean;
+    }
+    double sum = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      double squares = 0;
+      for (size_t i = 0; i < 4; ++i)
+        squares += power(std::fabs(contrast[0][c][i] - contrast[1][c][i]) * kSensitivity[c], 2) / 4;
+      const double band = power(power(kBase[c] * power(squares, 0.5), 4), 0.25);  // over bands: there is one
+      sum += power(band, 4);
+    }
+    return power(sum, 0.25);
+  };
+  const auto floats = [](const Pixels& pixels) {
+    ImageF out(2, 2, 3);
+    for (size_t i = 0; i < 12; ++i) out.data[i] = static_cast<float>(pixels[i / 3][i % 3]);
+    return out;
+  };
+  const auto jod = [](double q) { return 10 - 0.0439569391 * std::pow(q, 0.9302042723); };  // above 0.1
+
+  constexpr double kGrey = 100 / 1.0510278691;
+  Pixels grey{};
+  for (auto& pixel : grey) pixel = {kGrey, kGrey, kGrey};
+  Pixels red = grey;
+  for (auto& pixel : red) pixel[0] += 10;
+  Pixels blocks = grey;
+  for (size_t i = 0; i < 4; ++i)
+    for (double& v : blocks[i]) v *= i < 2 ? 1.2 : 0.8;
+  EXPECT_NEAR(by_hand(grey, red), 4.085828, 1e-5) << "the arithmetic above";
+  EXPECT_NEAR(cvvdp(floats(grey), floats(red), display).jod, 9.9022470, 1e-5) << "the arithmetic above";
+  EXPECT_NEAR(cvvdp(floats(grey), floats(blocks), display).jod, 9.9943917, 1e-5) << "the arithmetic above";
+  for (const Pixels& test : {red, blocks}) {
+    const double q = by_hand(grey, test);
+    const CvvdpResult still = cvvdp(floats(grey), floats(test), display);
+    EXPECT_NEAR(still.q, 0.5779182911 * q, 1e-5 * q);
+    EXPECT_NEAR(still.jod, jod(0.5779182911 * q), 1e-6);
+    // Frames that do not change: the filters' taps over time add up to 1 and the transient channel sees nothing. What
+    // is left out is the weight of stills.
+    Cvvdp clip(display, {.fps = 30});
+    for (int f = 0; f < 3; ++f) clip.take(floats(grey), floats(test));
+    const double of_clip = power(power(q, 2), 0.5);  // over frames, which are alike
+    EXPECT_NEAR(clip.finish().jod, jod(of_clip), 2e-6);
+  }
 }
 
 TEST(Cvvdp, ALargerDifferenceAndALargerPixelAreSeenMoreEasily) {

@@ -188,6 +188,46 @@ TEST(Ssim, OnePointInTheWindowByHand) {
   EXPECT_NEAR(s->mean, 6.5025 / (mu * mu + 6.5025) * 58.5225 / (variance + 58.5225), 1e-12);
 }
 
+// 13 x 11 pixels hold three windows, at x = 5, 6 and 7 of row 5. a = 0; b = 0 but for one pixel of value v in column 0,
+// which the first window alone sees, at its left edge, with the weight w = exp(-25 / 4.5) / sum. There mu_b = w v and
+// s_b = w v^2 - (w v)^2, so that its SSIM is C1 / (mu_b^2 + C1) * C2 / (s_b + C2); the other two are 1.
+TEST(Ssim, OfARegionByHand) {
+  double norm = 0;
+  for (int y = -5; y <= 5; ++y)
+    for (int x = -5; x <= 5; ++x) norm += std::exp(-(x * x + y * y) / 4.5);
+  const double w = std::exp(-25 / 4.5) / norm;
+  const double mu = w * 200;
+  const double variance = w * 200 * 200 - mu * mu;
+  const double first = 6.5025 / (mu * mu + 6.5025) * 58.5225 / (variance + 58.5225);
+  EXPECT_LT(first, 0.9) << "it shows";
+  const Image8 a(13, 11, 1);
+  Image8 b = a;
+  *b.at(0, 5) = 200;
+  const auto score = [&](const Mask& region, bool by_agent) -> std::optional<double> {
+    const ImageU32 ids = ids_of(region);
+    ScoreInput input{with_ids(a, ids), with_ids(b, ids)};
+    input.region = &region;
+    Shared shared;
+    if (by_agent) {
+      const AgentScores agents = score_agents(scores(), input, shared);
+      for (size_t s = 0; s < agents.scores.size(); ++s)
+        if (agents.scores[s]->name == "ssim_union") return agents.agents.at(0).values[s];
+      return std::nullopt;
+    }
+    for (const Scored& one : score_pictures(scores(), input, shared))
+      if (one.score->name == "ssim_union") return one.result.value;
+    return std::nullopt;
+  };
+  for (const bool by_agent : {false, true}) {
+    // One window, two of them, all three; what lies beside the windows, the changed pixel too, adds nothing.
+    EXPECT_NEAR(score(rectangle(13, 11, 5, 5, 1, 1), by_agent).value(), first, 1e-12);
+    EXPECT_NEAR(score(rectangle(13, 11, 0, 3, 7, 6), by_agent).value(), (first + 1) / 2, 1e-12);
+    EXPECT_NEAR(score(rectangle(13, 11, 0, 0, 13, 11), by_agent).value(), (first + 2) / 3, 1e-12);
+    EXPECT_NEAR(score(rectangle(13, 11, 6, 5, 7, 1), by_agent).value(), 1, 1e-12);
+    EXPECT_FALSE(score(rectangle(13, 11, 0, 0, 5, 11), by_agent)) << "no window has its centre there";
+  }
+}
+
 TEST(Ssim, DoesNotExistBelowElevenPixels) {
   EXPECT_FALSE(ssim(Plane(10, 40, 1), Plane(10, 40, 1)));
   EXPECT_FALSE(ssim(Plane(40, 10, 1), Plane(40, 10, 1)));
