@@ -11,6 +11,7 @@
 #include "bench/commands/scene_options.h"
 #include "bench/commands/stability_output.h"
 #include "bench/timing/run_facts.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "renderers/gl/context.h"
