@@ -170,7 +170,10 @@ std::optional<LevelTable> table_at(const Scene& scene, double occupancy) {
 
 }  // namespace
 
-bool is_level(const Scene& scene, const std::string& name) { return name.starts_with(scene.reference + ":"); }
+bool is_level(const Scene& scene, const std::string& name) {
+  // What changes between levels by itself has no number of triangles that it could be set by.
+  return name.starts_with(scene.reference + ":") && name.find("lods=") == std::string::npos;
+}
 
 std::vector<LevelTable> level_tables(const Scene& scene) {
   std::vector<LevelTable> out;

@@ -10,7 +10,7 @@
 
 namespace crowdbench::reports {
 
-// A level of detail of the reference: the reference with options.
+// A level of detail of the reference: the reference with options, but not one that changes between levels by itself.
 bool is_level(const Scene& scene, const std::string& name);
 
 // A place among the levels, as triangles an agent.
