@@ -1,5 +1,6 @@
 // The levels of detail of the mesh that figures of speed are told against.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -15,9 +16,11 @@ inline renderers::Spec level_spec(size_t triangles) {
   return spec;
 }
 
-// Whether it is the reference with options.
+// Whether it is the reference with options, but not with several levels between which it changes by itself.
 inline bool is_level(const renderers::Spec& spec) {
-  return spec.name == renderers::reference_spec().name && !spec.options.empty() && !renderers::is_floor(spec);
+  const auto several = [](const auto& option) { return option.first == "lods"; };
+  return spec.name == renderers::reference_spec().name && !spec.options.empty() && !renderers::is_floor(spec) &&
+         std::ranges::none_of(spec.options, several);
 }
 
 // What a user would reach for instead of an impostor: every figure of speed is also told against it.

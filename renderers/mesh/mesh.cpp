@@ -11,6 +11,7 @@
 #include "renderers/frame/frame_resources.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "renderers/mesh/mesh_level.h"
+#include "renderers/mesh/mesh_lods.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -76,6 +77,8 @@ class MeshRepresentation : public Representation {
   MeshLevels levels_;  // by character; none where the characters' own meshes are drawn
 };
 
+bool has_lods(const Spec& spec) { return OptionReader(mesh_type, spec).text("lods") != "none"; }
+
 MeshLevelOptions level_options(const Spec& spec) {
   const OptionReader reader(mesh_type, spec);
   MeshLevelOptions out;
@@ -83,8 +86,10 @@ MeshLevelOptions level_options(const Spec& spec) {
   out.request.ratio = reader.number("ratio", 0, 1);
   out.request.error = reader.number("error", 0, 100);
   out.lod = static_cast<size_t>(reader.integer("lod", 0, 63));
-  if ((out.request.triangles > 0) + (out.request.ratio > 0) + (out.request.error > 0) + (out.lod > 0) > 1)
-    throw Error("representation 'mesh'", "more than one of triangles, ratio, error and lod is given",
+  if ((out.request.triangles > 0) + (out.request.ratio > 0) + (out.request.error > 0) + (out.lod > 0) +
+          (has_lods(spec) ? 1 : 0) >
+      1)
+    throw Error("representation 'mesh'", "more than one of triangles, ratio, error, lod and lods is given",
                 "give the one that says how coarse");
   return out;
 }
@@ -104,18 +109,28 @@ const RepresentationType mesh_type = {
          {"error", "0..100", "0",
           "instead: as few as stay within so many metres of the whole mesh in the poses of the clips in use; 0: all"},
          {"lod", "0..63", "0", "instead: the level that the character's file holds (MSFT_lod, or names in _LOD1)"},
+         {"lods", "LEVEL/LEVEL/...", "none",
+          "instead: the whole mesh near by, and the coarsest of these whose error spans at most `pixels` elsewhere; "
+          "from "
+          "fine to coarse, triangles, shares below 1, or own: those of the file"},
+         {"pixels", "0.01..100", "1",
+          "with lods: pixels that the error of what is drawn may span, by its stated largest"},
          {"passes", "1..16", "1", "times that a frame draws the triangles: all but the last write depth alone"}},
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(mesh_type, spec);
-      return std::make_unique<MeshRepresentation>(
-          context, reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level_options(spec),
-          static_cast<int>(reader.integer("passes", 1, 16)));
+      const MeshLevelOptions level = level_options(spec);
+      if (has_lods(spec)) return make_mesh_lods(context, spec);
+      return std::make_unique<MeshRepresentation>(context,
+                                                  reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level,
+                                                  static_cast<int>(reader.integer("passes", 1, 16)));
     },
     .reference = true,
     .level = [](const Spec& spec, const std::shared_ptr<const scene::Character>& character,
                 const std::shared_ptr<const scene::PoseBank>& bank,
                 const BakePolicy& policy) -> std::optional<LevelMesh> {
       const MeshLevelOptions options = level_options(spec);
+      if (has_lods(spec))
+        throw Error("representation 'mesh'", "lods is several levels", "ask for one: triangles, ratio, error or lod");
       if (options.is_whole()) return std::nullopt;
       return std::move(load_mesh_levels({character}, {bank}, options, policy).levels.front());
     },

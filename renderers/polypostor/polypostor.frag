@@ -11,7 +11,7 @@ layout(binding = CB_POLYPOSTOR_TEXTURE_EMISSION) uniform sampler2DArray emission
 layout(location = CB_POLYPOSTOR_LOCATION_PEAK) uniform float emission_peak;
 #endif
 
-layout(location = 0) in vec3 v_texel;
+layout(location = 0) noperspective in vec3 v_texel;
 layout(location = 1) flat in vec3 v_light;
 layout(location = 2) flat in uint v_outfit;
 #ifdef CB_IDS

@@ -9,7 +9,8 @@ layout(location = CB_POLYPOSTOR_ATTRIBUTE_CLIP) in mat4 in_clip_from_units;
 layout(location = CB_POLYPOSTOR_ATTRIBUTE_LIGHT) in vec4 in_light_blend;
 layout(location = CB_POLYPOSTOR_ATTRIBUTE_POSE) in uvec4 in_pose;
 
-layout(location = 0) out vec3 v_texel;       // page coordinates in [0, 1], layer
+// Page coordinates in [0, 1], layer. Affine on the screen, as polygons are fitted: images are what an eye sees.
+layout(location = 0) noperspective out vec3 v_texel;
 layout(location = 1) flat out vec3 v_light;  // towards the light, in the key image's axes
 layout(location = 2) flat out uint v_outfit;
 #ifdef CB_IDS

@@ -432,22 +432,31 @@ bool lies_within(const Polyline& closed, const glm::dvec2& p, double distance, s
   return false;
 }
 
+// How many of the places `reach` to the left, right, above and below of a point the figure covers.
+int covered_around(const PartMask& figure, const glm::dvec2& p, double reach) {
+  int count = 0;
+  for (const glm::dvec2& side :
+       {glm::dvec2(reach, 0), glm::dvec2(-reach, 0), glm::dvec2(0, reach), glm::dvec2(0, -reach)}) {
+    const glm::dvec2 q = (p + side) * double{kMaskSamples};
+    count +=
+        figure.at(static_cast<int>(std::floor(q.x)) - figure.x, static_cast<int>(std::floor(q.y)) - figure.y) ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace
+
+double area_between(const Polyline& points, const Polyline& wanted) {
+  double apart = 0;
+  for (const glm::dvec2& p : points) apart += nearest_point(wanted, p).distance;
+  return points.empty() ? 0 : apart / static_cast<double>(points.size()) * perimeter(wanted);
+}
+
+bool is_on_outline(const PartMask& figure, const glm::dvec2& p) { return covered_around(figure, p, 1) < 4; }
 
 double torn_area(const Polyline& shown, const Polyline& wanted, const PartMask& figure, double slack) {
   constexpr size_t kPoints = 96;
   if (shown.empty() || wanted.empty()) return 0;
-  // How many of the places `reach` to the left, right, above and below of a point the figure covers.
-  const auto covered = [&](const glm::dvec2& p, double reach) {
-    int count = 0;
-    for (const glm::dvec2& side :
-         {glm::dvec2(reach, 0), glm::dvec2(-reach, 0), glm::dvec2(0, reach), glm::dvec2(0, -reach)}) {
-      const glm::dvec2 q = (p + side) * double{kMaskSamples};
-      count +=
-          figure.at(static_cast<int>(std::floor(q.x)) - figure.x, static_cast<int>(std::floor(q.y)) - figure.y) ? 1 : 0;
-    }
-    return count;
-  };
   const auto beyond = [&](const Polyline& line, const Polyline& other, const auto& seen) {
     double area = 0;
     size_t edge = 0;
@@ -457,8 +466,8 @@ double torn_area(const Polyline& shown, const Polyline& wanted, const PartMask& 
     }
     return area * perimeter(line) / kPoints;
   };
-  return beyond(shown, wanted, [&](const glm::dvec2& p) { return covered(p, slack) == 0; }) +
-         beyond(wanted, shown, [&](const glm::dvec2& p) { return covered(p, 1) < 4; });
+  return beyond(shown, wanted, [&](const glm::dvec2& p) { return covered_around(figure, p, slack) == 0; }) +
+         beyond(wanted, shown, [&](const glm::dvec2& p) { return is_on_outline(figure, p); });
 }
 
 Polyline resample(const Polyline& closed, size_t count) {

@@ -67,6 +67,12 @@ NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p);
 // seen in front of the figure, and what is missing is not where the figure goes on beyond the outline.
 double torn_area(const Polyline& shown, const Polyline& wanted, const PartMask& figure, double slack);
 
+// The area, square texels, between evenly spread points of an outline and the line that is wanted: their mean distance
+// times its length.
+double area_between(const Polyline& points, const Polyline& wanted);
+// Whether the figure leaves one of the four places a texel away from a point of one of its parts uncovered.
+bool is_on_outline(const PartMask& figure, const glm::dvec2& p);
+
 // A simple polygon of at most `corners` (4..32) that holds every point of the contour, `margin` texels wider than it
 // need be, and reaches at most `room` texels beyond the contour's bounding box. Corners go where that adds the least
 // area, and never cut anything off; where the outcome crosses itself, has too many corners or is the larger, the

@@ -71,12 +71,26 @@ struct Fit {
   size_t repaired = 0;             // frames in which triangles would have been inverted
 };
 
+// Who says how well a frame's outline is shown. Functions that are not given: what lies between the outlines, and all
+// is seen.
+inline constexpr double kHidden = 0.25;  // of what is amiss where nobody sees it, beside as much that shows
+struct Onlooker {
+  // What it costs to show `moved`, the key's outline as a pose has it, for the frame's: square texels, of what is torn
+  // wholly, of what lies between the outlines kHidden.
+  std::function<double(size_t frame, const Polyline& moved)> cost;
+  // Whether a point of the frame's outline is one of the whole figure's.
+  std::function<bool(size_t frame, const glm::dvec2& p)> sees;
+};
+
 // image: the outline of the key's image. contours: where outlines are to be, one a frame, empty where the part is not
 // seen; the key's is the image's own where both are seen alike. carry(p): where the part's own motion takes a point
 // beside the image's outline, one point a frame. Where that motion alone explains a frame's outline it is taken as it
-// is. No triangle is inverted in any frame, nor half-way between two in which it is seen (where that can be had by
-// making the two more alike to the image; `repaired` counts). An image without outline gives an empty polygon.
+// is; elsewhere the cost decides between that motion, what it becomes when it is moved onto the frame's outline, and
+// what corners become that start from the correspondence. No triangle is inverted in any frame, nor half-way between
+// two in which it is seen (where that can be had by making the two more alike to the image; `repaired` counts). An
+// image without outline gives an empty polygon.
 Fit fit_part(const Polyline& image, std::span<const Polyline> contours, size_t key,
-             const std::function<Polyline(const glm::dvec2& p)>& carry, const FitOptions& options);
+             const std::function<Polyline(const glm::dvec2& p)>& carry, const FitOptions& options,
+             const Onlooker& onlooker = {});
 
 }  // namespace crowdbench::renderers

@@ -129,6 +129,7 @@ std::vector<Tile> capture_images(gl::Context& context, const PolypostorPlan& pla
                             {.centre = plan.sphere.centre,
                              .texel = plan.texel,
                              .range = plan.sphere.radius,
+                             .eye = plan.eye * plan.texel,
                              .peak = plan.emission_peak});
         capture.capture(wanted, [&](std::span<const size_t> page, std::span<const std::vector<CapturedTexel>> images) {
           parallel_for(page.size(), threads, [&](size_t k) {

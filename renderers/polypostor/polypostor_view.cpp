@@ -35,11 +35,10 @@ glm::dvec3 from_eye(const PolypostorPlan& plan, const PolypostorTier& tier, cons
   return {k * p.x, k * p.y, p.z};
 }
 
-// Where skinning takes points of an image's plane, as the eye sees them, by the nearest edge of the part's mesh at the
-// key.
+// Where skinning takes points of the image, which is the eye's, by the nearest edge of the part's mesh at the key.
 class Carrier {
  public:
-  // key: a pose of the clip; seen: all vertices in it, view axes, texels.
+  // key: a pose of the clip; seen: all vertices in it, as from_eye has them.
   Carrier(const PolypostorPlan& plan, const PolypostorTier& tier, const ViewBasis& basis, const StoredClip& clip,
           size_t part, size_t key, std::span<const glm::dvec3> seen)
       : mesh_(tier.cut.character->mesh),
@@ -73,8 +72,10 @@ class Carrier {
       along = t;
       height = a.z + (b.z - a.z) * t;
     }
-    const glm::dvec3 point = plan_.sphere.centre + plan_.texel * tier_.texel *
-                                                       (p.x * basis_.right + p.y * basis_.up + height * basis_.to_eye);
+    const glm::dvec2 away = p * ((plan_.eye - height * tier_.texel) / plan_.eye);  // from_eye, backwards
+    const glm::dvec3 point =
+        plan_.sphere.centre +
+        plan_.texel * tier_.texel * (away.x * basis_.right + away.y * basis_.up + height * basis_.to_eye);
     const std::array<glm::dvec3, 2> bound = {unposed(edge[0], point), unposed(edge[1], point)};
     Polyline out;
     for (size_t f = first_; f < first_ + frames_; ++f) {
@@ -134,7 +135,6 @@ struct SeenPart {
 };
 struct SeenView {
   std::vector<std::vector<glm::dvec3>> positions;  // by pose and vertex: from_eye
-  std::vector<std::vector<glm::dvec3>> parallel;   // in_view, of stored frames: as images are captured
   std::vector<SeenPart> parts;
   std::vector<PartMask> figures;  // by pose: all parts
 };
@@ -177,12 +177,8 @@ SeenView see_parts(const PolypostorPlan& plan, const PolypostorTier& tier, const
   const glm::mat3 to_view = glm::transpose(glm::mat3(basis.right, basis.up, basis.to_eye));
   for (uint32_t f = 0; f < clip.frames; ++f) {
     auto& points = out.positions.emplace_back();
-    auto& parallel = out.parallel.emplace_back();
-    for (const glm::vec3& p : tier.positions[clip.first_frame + f]) {
-      const glm::dvec3 q = in_view(plan, tier, basis, glm::dvec3(p));
-      points.push_back(from_eye(plan, tier, q));
-      if (f % pose_step(clip.frames) == 0) parallel.push_back(q);
-    }
+    for (const glm::vec3& p : tier.positions[clip.first_frame + f])
+      points.push_back(from_eye(plan, tier, in_view(plan, tier, basis, glm::dvec3(p))));
     auto& turned = normals.emplace_back();
     for (const glm::vec3& n : tier.normals[clip.first_frame + f]) turned.push_back(to_view * n);
   }
@@ -256,24 +252,31 @@ class KeyFitter {
     for (const size_t k : keys) {
       KeyFit one = judged(k, false);
       if (one.fit.polygon.empty()) continue;
-      if (refines_ && one.torn[k] > kTorn / 2) {  // in its own frame, too
+      if (refines_ && torn_around(one, k) > kTorn) {
         KeyFit fine = judged(k, true);
-        if (!fine.fit.polygon.empty() && sum(fine.torn) < sum(one.torn)) one = std::move(fine);
+        if (!fine.fit.polygon.empty() && torn_around(fine, k) < torn_around(one, k)) one = std::move(fine);
       }
       out.push_back(std::move(one));
     }
     return out;
   }
 
+  // In the key's own pose and those beside it: its own step and the one before.
+  static double torn_around(const KeyFit& fit, size_t key) {
+    const size_t poses = fit.torn.size();
+    return fit.torn[(key + poses - 1) % poses] + fit.torn[key] + fit.torn[(key + 1) % poses];
+  }
+
   KeyFit judged(size_t key, bool finely) const {
-    constexpr double kOutline = 3;  // square texel between the outlines
+    constexpr double kOutline = 3;  // of looks, a square texel between the outlines
+    constexpr double kTear = 12;    // one that is torn
     KeyFit one = fit_(key, finely);
     if (one.fit.polygon.empty()) return one;
     one.costs = part_.errors[key];
     one.costs.resize(part_.areas.size());
     for (size_t f = 0; f < part_.areas.size(); ++f) {
       one.torn.push_back(torn_area(one.fit.outlines[f], part_.contours[f], figures_[f], slack_));
-      one.costs[f] += kOutline * (one.fit.errors[f] * perimeter(part_.contours[f]) + one.torn[f]);
+      one.costs[f] += kOutline * one.fit.errors[f] * perimeter(part_.contours[f]) + kTear * one.torn[f];
     }
     one.fit.outlines.clear();
     return one;
@@ -351,6 +354,15 @@ class KeyFitter {
   std::function<KeyFit(size_t, bool)> fit_;
 };
 
+// It refers to both.
+Onlooker onlooker_of(const SeenPart& part, std::span<const PartMask> figures, double slack) {
+  return {[&part, figures, slack](size_t f, const Polyline& moved) {
+            const Polyline& wanted = part.contours[f];
+            return torn_area(moved, wanted, figures[f], slack) + kHidden * area_between(moved, wanted);
+          },
+          [figures](size_t f, const glm::dvec2& p) { return is_on_outline(figures[f], p); }};
+}
+
 // To texels of level 0.
 void enlarge(Fit& fit, double texel) {
   for (glm::dvec2& p : fit.polygon) p *= texel;
@@ -370,14 +382,15 @@ void fit_view(const PolypostorPlan& plan, const ViewBasis& basis, KeyChoice choi
   for (size_t part = 0; part < seen.parts.size(); ++part) {
     const SeenPart& of = seen.parts[part];
     const double slack = tier.texel > 1 ? 0.5 : plan.slack;
+    const Onlooker onlooker = onlooker_of(of, seen.figures, slack);
     KeyFitter fitter(of, seen.figures, slack, [&](size_t key, bool finely) {
       std::vector<glm::dvec2> corners;
-      for (const uint32_t v : tier.corners[part]) corners.emplace_back(seen.parallel[key][v]);
+      for (const uint32_t v : tier.corners[part]) corners.emplace_back(seen.positions[key][v]);
       const Polyline image = trace_contour(rasterise(corners));
-      const Carrier carrier(plan, tier, basis, clip, part, key, seen.parallel[key]);
+      const Carrier carrier(plan, tier, basis, clip, part, key, seen.positions[key]);
       FitOptions options = tier.fit;
       if (finely) options.corners = std::min(2 * options.corners, kMostCorners);
-      return KeyFit{fit_part(simplify(image, kSmooth), of.contours, key, carrier, options),
+      return KeyFit{fit_part(simplify(image, kSmooth), of.contours, key, carrier, options, onlooker),
                     rect_around(image, tier.texel),
                     {},
                     {}};

@@ -182,7 +182,10 @@ std::optional<LevelTable> table_at(const Scene& scene, double occupancy) {
 
 }  // namespace
 
-bool is_level(const Scene& scene, const std::string& name) { return name.starts_with(scene.reference + ":"); }
+bool is_level(const Scene& scene, const std::string& name) {
+  // What changes between levels by itself has no number of triangles that it could be set by.
+  return name.starts_with(scene.reference + ":") && name.find("lods=") == std::string::npos;
+}
 
 bool is_ruler(const Scene& scene, const std::string& name) {
   const auto answers = [&](const std::string& other) { return other != scene.reference && !is_level(scene, other); };

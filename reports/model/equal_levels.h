@@ -10,7 +10,7 @@
 
 namespace crowdbench::reports {
 
-// A level of detail of the reference: the reference with options.
+// A level of detail of the reference: the reference with options, but not one that changes between levels by itself.
 bool is_level(const Scene& scene, const std::string& name);
 // A level that nobody asked for: `bench` and `demo` add some to set the others against. One that the run's command line
 // does not name, beside others that are no levels; what a sweep's plan lists is asked for.

@@ -190,6 +190,7 @@ bool CollapsingMesh::is_sound(uint32_t from, uint32_t to, Care care) const {
 
 void CollapsingMesh::kill(uint32_t triangle) {
   dead_[triangle] = true;
+  if (changes_ != nullptr) changes_->push_back({triangle, Change::kGone, 0});
   --live_;
   --live_of_material_[static_cast<size_t>(character_.mesh.primitives[primitive_of_[triangle]].material)];
 }
@@ -201,9 +202,12 @@ void CollapsingMesh::collapse(uint32_t from, uint32_t to, const Moves& moves) {
       kill(t);
       continue;
     }
-    for (uint32_t& v : faces_[t])
-      if (point_of_[v] == from)
-        v = std::ranges::find_if(moves, [&](const auto& move) { return move.first == v; })->second;
+    for (uint32_t corner = 0; corner < 3; ++corner) {
+      uint32_t& v = faces_[t][corner];
+      if (point_of_[v] != from) continue;
+      v = std::ranges::find_if(moves, [&](const auto& move) { return move.first == v; })->second;
+      if (changes_ != nullptr) changes_->push_back({t, corner, v});
+    }
     around_[to].push_back(t);
   }
   around_[from].clear();

@@ -54,6 +54,17 @@ class CollapsingMesh {
   size_t count_with(uint32_t a, uint32_t b) const;
   const std::vector<uint32_t>& around(uint32_t point) const { return around_[point]; }  // with dead ones
   uint32_t primitive_of(uint32_t triangle) const { return primitive_of_[triangle]; }
+  const std::vector<bool>& dead() const { return dead_; }  // by triangle
+
+  // What became of triangles, in order: a corner that is another vertex now, or the triangle's end.
+  struct Change {
+    static constexpr uint32_t kGone = 3;
+    uint32_t triangle;
+    uint32_t corner;  // 0..2, or kGone
+    uint32_t vertex;
+  };
+  // From now on all changes are written there; it must outlive this.
+  void write_to(std::vector<Change>& changes) { changes_ = &changes; }
 
  private:
   void name_charts();
@@ -74,6 +85,7 @@ class CollapsingMesh {
   std::vector<size_t> live_of_material_;
   std::vector<uint32_t> vertex_primitive_;
   size_t live_ = 0;
+  std::vector<Change>* changes_ = nullptr;
 };
 
 // Whether the pictures of a material make texture coordinates matter.

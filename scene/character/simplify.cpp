@@ -103,6 +103,18 @@ class Simplifier {
 
   const CollapsingMesh& mesh() const { return mesh_; }
 
+  // After each collapse: triangles that are left, and the changes so far.
+  struct Step {
+    size_t triangles;
+    size_t changes;
+  };
+  // What happens from now on is written there; both must outlive this.
+  void write_to(std::vector<CollapsingMesh::Change>& changes, std::vector<Step>& steps) {
+    mesh_.write_to(changes);
+    changes_so_far_ = &changes;
+    steps_ = &steps;
+  }
+
  private:
   struct Edge {
     double cost;
@@ -221,6 +233,7 @@ class Simplifier {
     mesh_.drop_doubles(edge.to, [&](const Faces& face) { return kLossFactor * cost_of_loss(face) <= edge.cost; });
     for (size_t pose = 0; pose < poses_.size(); ++pose) place(edge.to, pose).add(place(edge.from, pose));
     for (const auto& [a, b] : moves) looks_[b].add(looks_[a]);
+    if (steps_ != nullptr) steps_->push_back({mesh_.triangles(), changes_so_far_->size()});
     ++changes_[edge.from];
     ++changes_[edge.to];
   }
@@ -246,21 +259,27 @@ class Simplifier {
   std::vector<uint32_t> changes_;        // of a point's surroundings
   size_t all_ = 0;                       // triangles at first
   size_t collapsed_ = 0;                 // edges
+  const std::vector<CollapsingMesh::Change>* changes_so_far_ = nullptr;
+  std::vector<Step>* steps_ = nullptr;
 };
 
-Mesh with_faces(const Mesh& mesh, const CollapsingMesh& reduced) {
+// The mesh with those of the faces that are not dead, in the order of its primitives.
+Mesh with_faces(const Mesh& mesh, const CollapsingMesh& reduced, const std::vector<Faces>& faces,
+                const std::vector<bool>& dead) {
   Mesh out = mesh;
   out.indices.clear();
   uint32_t t = 0;
   for (uint32_t p = 0; p < out.primitives.size(); ++p) {
     out.primitives[p].first_index = static_cast<uint32_t>(out.indices.size());
-    for (; t < reduced.faces().size() && reduced.primitive_of(t) == p; ++t)
-      if (reduced.is_live(t))
-        out.indices.insert(out.indices.end(), reduced.faces()[t].begin(), reduced.faces()[t].end());
+    for (; t < faces.size() && reduced.primitive_of(t) == p; ++t)
+      if (!dead[t]) out.indices.insert(out.indices.end(), faces[t].begin(), faces[t].end());
     out.primitives[p].index_count = static_cast<uint32_t>(out.indices.size()) - out.primitives[p].first_index;
   }
   return out;
 }
+
+constexpr const char* kWhyMore =
+    "every material keeps a triangle, and none of the edges left can go without turning faces over";
 
 }  // namespace
 
@@ -269,9 +288,58 @@ SimplifiedMesh simplify(const Character& character, std::span<const std::vector<
   if (character.triangles() <= triangles) return {character.mesh, {}};
   Simplifier simplifier(character, poses, size_of(poses.front()), progress);
   simplifier.reduce_to(triangles);
-  SimplifiedMesh out{with_faces(character.mesh, simplifier.mesh()), {}};
-  if (simplifier.mesh().triangles() > triangles)
-    out.why_more = "every material keeps a triangle, and none of the edges left can go without turning faces over";
+  const CollapsingMesh& reduced = simplifier.mesh();
+  SimplifiedMesh out{with_faces(character.mesh, reduced, reduced.faces(), reduced.dead()), {}};
+  if (reduced.triangles() > triangles) out.why_more = kWhyMore;
+  return out;
+}
+
+struct Simplification::Steps {
+  const Character& character;
+  Simplifier simplifier;
+  std::vector<Faces> faces;  // before the first collapse
+  std::vector<bool> dead;
+  size_t triangles;  // likewise
+  std::vector<CollapsingMesh::Change> changes;
+  std::vector<Simplifier::Step> steps;
+  Steps(const Character& of, std::span<const std::vector<glm::vec3>> poses, const Simplifier::Progress& progress)
+      : character(of),
+        simplifier(of, poses, size_of(poses.front()), progress),
+        faces(simplifier.mesh().faces()),
+        dead(simplifier.mesh().dead()),
+        triangles(simplifier.mesh().triangles()) {
+    simplifier.write_to(changes, steps);
+  }
+};
+
+Simplification::Simplification(const Character& character, std::span<const std::vector<glm::vec3>> poses, size_t least,
+                               const std::function<void(size_t gone, size_t total)>& progress)
+    : steps_(std::make_unique<Steps>(character, poses, progress)) {
+  steps_->simplifier.reduce_to(least);
+}
+
+Simplification::~Simplification() = default;
+
+SimplifiedMesh Simplification::at(size_t triangles) const {
+  const Steps& all = *steps_;
+  if (all.character.triangles() <= triangles) return {all.character.mesh, {}};
+  size_t left = all.triangles;
+  size_t end = 0;  // of the changes
+  for (size_t i = 0; left > triangles && i < all.steps.size(); ++i) {
+    left = all.steps[i].triangles;
+    end = all.steps[i].changes;
+  }
+  std::vector<Faces> faces = all.faces;
+  std::vector<bool> dead = all.dead;
+  for (size_t i = 0; i < end; ++i) {
+    const CollapsingMesh::Change& change = all.changes[i];
+    if (change.corner == CollapsingMesh::Change::kGone)
+      dead[change.triangle] = true;
+    else
+      faces[change.triangle][change.corner] = change.vertex;
+  }
+  SimplifiedMesh out{with_faces(all.character.mesh, all.simplifier.mesh(), faces, dead), {}};
+  if (left > triangles) out.why_more = kWhyMore;
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,5 +24,23 @@ struct SimplifiedMesh {
 // work.
 SimplifiedMesh simplify(const Character& character, std::span<const std::vector<glm::vec3>> poses, size_t triangles,
                         const std::function<void(size_t gone, size_t total)>& progress = {});
+
+// The same for every number of triangles, from one run: each is a moment on the way to the fewest.
+class Simplification {
+ public:
+  // As far as that goes, to `least` triangles. character and poses must outlive this; progress as above.
+  Simplification(const Character& character, std::span<const std::vector<glm::vec3>> poses, size_t least,
+                 const std::function<void(size_t gone, size_t total)>& progress = {});
+  ~Simplification();
+  Simplification(const Simplification&) = delete;
+  Simplification& operator=(const Simplification&) = delete;
+
+  // What `simplify` makes of so many triangles, `least` at the fewest: the same indices.
+  SimplifiedMesh at(size_t triangles) const;
+
+ private:
+  struct Steps;
+  std::unique_ptr<Steps> steps_;
+};
 
 }  // namespace crowdbench::scene

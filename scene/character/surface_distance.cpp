@@ -12,6 +12,8 @@
 #include <numeric>
 #include <vector>
 
+#include "scene/character/surface_gauge.h"
+
 namespace crowdbench::scene {
 namespace {
 
@@ -60,6 +62,29 @@ class Boxes {
 
   bool empty() const { return triangles_.empty(); }
 
+  // Whether distance(p) is at most `bound`.
+  bool is_within(const glm::vec3& p, double bound) const {
+    // Boxes are passed over beyond a little more, as both distances are rounded.
+    constexpr double kRounding = 1 + 1e-5;
+    const auto most = static_cast<float>(bound * bound * kRounding + 1e-30);
+    std::vector<uint32_t>& open = open_;
+    open.assign(1, 0);
+    while (!open.empty()) {
+      const Box& box = boxes_[open.back()];
+      open.pop_back();
+      if (box.squared_distance(p) > most) continue;
+      if (box.right == 0) {
+        for (uint32_t t = box.first; t < box.first + box.count; ++t) {
+          const glm::vec3 apart = nearest_on(triangles_[t], p) - p;
+          if (static_cast<double>(std::sqrt(glm::dot(apart, apart))) <= bound) return true;
+        }
+        continue;
+      }
+      open_both(box, p);
+    }
+    return false;
+  }
+
   float distance(const glm::vec3& p) const {
     float best = std::numeric_limits<float>::infinity();  // squared
     std::vector<uint32_t>& open = open_;
@@ -75,10 +100,7 @@ class Boxes {
         }
         continue;
       }
-      const auto left = static_cast<uint32_t>(&box - boxes_.data()) + 1;
-      const bool left_first = boxes_[left].squared_distance(p) < boxes_[box.right].squared_distance(p);
-      open.push_back(left_first ? box.right : left);
-      open.push_back(left_first ? left : box.right);
+      open_both(box, p);
     }
     return std::sqrt(best);
   }
@@ -94,6 +116,14 @@ class Boxes {
       return glm::dot(apart, apart);
     }
   };
+
+  // The nearer of the two boxes inside is looked at first.
+  void open_both(const Box& box, const glm::vec3& p) const {
+    const auto left = static_cast<uint32_t>(&box - boxes_.data()) + 1;
+    const bool left_first = boxes_[left].squared_distance(p) < boxes_[box.right].squared_distance(p);
+    open_.push_back(left_first ? box.right : left);
+    open_.push_back(left_first ? left : box.right);
+  }
 
   uint32_t build(size_t first, size_t end) {
     const auto self = static_cast<uint32_t>(boxes_.size());
@@ -191,6 +221,39 @@ SurfaceDistance surface_distance(const Surface& a, const Surface& b, const Surfa
   }
   out.rms = by_area > 0 ? std::sqrt(squares / static_cast<double>(by_area)) : 0;
   return out;
+}
+
+struct SurfaceGauge::Kept {
+  Boxes boxes;
+  SurfacePlaces places;
+  std::vector<glm::vec3> own;  // by area, then corners
+  size_t far = 0;              // of them: the last that was too far
+  Kept(const Surface& surface, const SurfacePlaces& where)
+      : boxes(surface), places(where), own(places_by_area(surface, where.by_area)) {
+    const std::vector<glm::vec3> corners = corners_of(surface, where);
+    own.insert(own.end(), corners.begin(), corners.end());
+  }
+};
+
+SurfaceGauge::SurfaceGauge(const Surface& surface, const SurfacePlaces& places)
+    : kept_(std::make_unique<Kept>(surface, places)) {}
+SurfaceGauge::~SurfaceGauge() = default;
+SurfaceGauge::SurfaceGauge(SurfaceGauge&&) noexcept = default;
+SurfaceGauge& SurfaceGauge::operator=(SurfaceGauge&&) noexcept = default;
+
+bool SurfaceGauge::is_within(const Surface& other, double bound) {
+  const Boxes boxes(other);
+  if (boxes.empty() || kept_->boxes.empty()) return true;
+  const std::vector<glm::vec3>& own = kept_->own;
+  if (!own.empty() && !boxes.is_within(own[kept_->far], bound)) return false;
+  for (size_t i = 0; i < own.size(); ++i) {
+    if (boxes.is_within(own[i], bound)) continue;
+    kept_->far = i;
+    return false;
+  }
+  const auto near = [&](const glm::vec3& p) { return kept_->boxes.is_within(p, bound); };
+  return std::ranges::all_of(places_by_area(other, kept_->places.by_area), near) &&
+         std::ranges::all_of(corners_of(other, kept_->places), near);
 }
 
 }  // namespace crowdbench::scene

@@ -3,11 +3,13 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "core/parallel.h"
 #include "scene/character/simplify.h"
 #include "scene/character/surface_distance.h"
+#include "scene/character/surface_gauge.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -57,28 +59,69 @@ std::vector<std::vector<glm::vec3>> shown_poses(const Character& character, cons
   return out;
 }
 
-// The fewest triangles whose error stays within the bound, by halving; the error is taken to fall as triangles are
-// added.
+// The poses that an error is judged in, and where surfaces are looked at in the i-th of so many.
+std::vector<Pose> judged_poses(const Character& character, const PoseBank& bank) {
+  return thinned(poses_of(bank, true), character.triangles(), kMostLodTriangles);
+}
+SurfacePlaces judged_places(size_t i, size_t poses) {
+  return {.by_area = kPlaces, .most_corners = kMostLodCorners / poses, .turn = i};
+}
+
+// Whether the largest error of a mesh, as lod_error measures it, is within a bound.
+class ErrorGauge {
+ public:
+  ErrorGauge(const Character& character, const PoseBank& bank) : bank_(bank), poses_(judged_poses(character, bank)) {
+    for (size_t i = 0; i < poses_.size(); ++i) {
+      const std::vector<glm::vec3> own = posed(character.mesh, bank, poses_[i]);
+      gauges_.emplace_back(Surface{own, character.mesh.indices}, judged_places(i, poses_.size()));
+    }
+  }
+  bool is_within(const Mesh& mesh, double bound) {
+    std::atomic<bool> within = true;
+    parallel_for(poses_.size(), 0, [&](size_t i) {
+      if (!within) return;
+      const std::vector<glm::vec3> other = posed(mesh, bank_, poses_[i]);
+      if (!gauges_[i].is_within({other, mesh.indices}, bound)) within = false;
+    });
+    return within;
+  }
+
+ private:
+  const PoseBank& bank_;
+  std::vector<Pose> poses_;
+  std::vector<SurfaceGauge> gauges_;
+};
+
+// The fewest triangles whose error stays within the bound, within a fiftieth; the error is taken to fall as triangles
+// are added. All that are tried are moments of one simplification.
 LodMesh within_error(const Character& character, const PoseBank& bank, double bound,
                      std::span<const std::vector<glm::vec3>> poses, const LodProgress& progress) {
-  size_t low = 0;
-  size_t high = character.triangles();
-  // Each try halves what is left; what it is at says the rest.
-  const auto advance = [&](size_t, size_t) {
-    if (progress) progress(character.triangles() - (high - low), character.triangles());
+  const size_t all = character.triangles();
+  const auto advance = [&](size_t done) {
+    if (progress) progress(done, 2 * all);
   };
-  LodMesh best{character.mesh, {}};
+  // Half of the work.
+  const Simplification made(character, poses, kLeastTriangles, [&](size_t gone, size_t) { advance(gone); });
+  ErrorGauge gauge(character, bank);
+  size_t low = 0;
+  size_t high = all;
+  Mesh best = character.mesh;
   while (high - low > std::max<size_t>(1, high / 50)) {
-    const size_t middle = (low + high) / 2;
-    SimplifiedMesh tried = simplify(character, poses, std::max(middle, kLeastTriangles), advance);
-    if (lod_error(character, tried.mesh, bank).max > bound) {
+    advance(2 * all - (high - low));
+    constexpr size_t kFirst = 8;  // coarse tries cost least
+    const size_t middle =
+        low == 0 ? std::max<size_t>(1, high / kFirst)
+                 : std::clamp(static_cast<size_t>(std::sqrt(static_cast<double>(low) * static_cast<double>(high))),
+                              low + 1, high - 1);
+    Mesh tried = made.at(std::max(middle, kLeastTriangles)).mesh;
+    if (!gauge.is_within(tried, bound)) {
       low = middle;
       continue;
     }
-    best.mesh = std::move(tried.mesh);
+    best = std::move(tried);
     high = middle;
   }
-  return best;
+  return {std::move(best), {}};
 }
 
 }  // namespace
@@ -102,13 +145,12 @@ Character with_mesh(const Character& character, Mesh mesh) {
 }
 
 LodError lod_error(const Character& character, const Mesh& mesh, const PoseBank& bank) {
-  const std::vector<Pose> poses = thinned(poses_of(bank, true), character.triangles(), kMostLodTriangles);
+  const std::vector<Pose> poses = judged_poses(character, bank);
   std::vector<SurfaceDistance> found(poses.size());
   parallel_for(poses.size(), 0, [&](size_t i) {
     const std::vector<glm::vec3> own = posed(character.mesh, bank, poses[i]);
     const std::vector<glm::vec3> other = posed(mesh, bank, poses[i]);
-    found[i] = surface_distance({own, character.mesh.indices}, {other, mesh.indices},
-                                {.by_area = kPlaces, .most_corners = kMostLodCorners / poses.size(), .turn = i});
+    found[i] = surface_distance({own, character.mesh.indices}, {other, mesh.indices}, judged_places(i, poses.size()));
   });
   LodError out;
   double squares = 0;

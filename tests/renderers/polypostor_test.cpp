@@ -10,6 +10,7 @@
 #include <span>
 
 #include "core/error.h"
+#include "renderers/impostor/tiles/tile_capture.h"
 #include "renderers/polypostor/polypostor_bake.h"
 #include "scene/cast/cast.h"
 #include "scene/pose/normalise.h"
@@ -139,6 +140,34 @@ TEST_F(PolypostorGl, LooksAsTheMeshInStoredFramesAndBetween) {
                             std::to_string(of_two.overlap));
   RecordProperty("colour", std::to_string(visible.colour) + " " + std::to_string(of_first.colour) + " " +
                                std::to_string(of_two.colour));
+}
+
+// A card of 0.8 x 0.8 metres, half a metre in front of the plane: an eye two metres away sees it 4 / 3 as large there,
+// and in the same colours.
+TEST_F(PolypostorGl, ImagesAreWhatAnEyeSees) {
+  const ViewBasis basis = parse_view_grid("sphere-4x1", 0, "test").basis(0);
+  scene::Character c = card(0.8F, 0.8F, {0.9F, 0.4F, 0.2F, 1.0F});
+  for (glm::vec3& p : c.mesh.positions) p += 0.5F * glm::vec3(basis.to_eye) - glm::vec3(0, 0.4F, 0);
+  const scene::Cast cast = cast_of(std::move(c));
+  const auto covered = [&](double eye) {
+    TileCapture capture(context(), cast.characters[0], cast.banks[0], {.texel = 0.02, .range = 1, .eye = eye});
+    glm::ivec2 size(0);
+    const TileRect rect{-32, -32, 64, 64};
+    capture.capture(std::vector<CaptureTile>{{cast.banks[0]->sample(0, 0.0), basis, rect}},
+                    [&](std::span<const size_t>, std::span<const std::vector<CapturedTexel>> texels) {
+                      for (int i = 0; i < rect.width; ++i) {
+                        const auto at = [&](int x, int y) {
+                          return texels[0][static_cast<size_t>(y * rect.width + x)].albedo[3] > 127 ? 1 : 0;
+                        };
+                        size += glm::ivec2(at(i, 32), at(32, i));
+                      }
+                    });
+    return size;
+  };
+  EXPECT_EQ(covered(0), glm::ivec2(40, 40));
+  const glm::ivec2 nearer = covered(2);
+  EXPECT_NEAR(nearer.x, 40 * 4 / 3.0, 1);
+  EXPECT_NEAR(nearer.y, 40 * 4 / 3.0, 1);
 }
 
 TEST_F(PolypostorGl, ACardThatTurnsIsItsOwnPicture) {

@@ -194,6 +194,8 @@ TEST(LodMesh, MeetsEachKindOfRequest) {
   const LodMesh near = make_lod_mesh(character, bank, {.error = 0.05});
   EXPECT_LE(lod_error(character, near.mesh, bank).max, 0.05);
   EXPECT_LT(triangles_of(near), character.triangles() / 2);
+  const LodMesh fewer = make_lod_mesh(character, bank, {.triangles = triangles_of(near) * 9 / 10});
+  EXPECT_GT(lod_error(character, fewer.mesh, bank).max, 0.05) << "a tenth fewer are too few";
   const LodMesh one = make_lod_mesh(character, bank, {.triangles = 1});
   EXPECT_GE(triangles_of(one), character.materials.size());
   EXPECT_FALSE(one.why_more.empty());

@@ -9,6 +9,7 @@
 
 #include "scene/character/flat_normals.h"
 #include "scene/character/surface_distance.h"
+#include "scene/character/surface_gauge.h"
 #include "scene/character/weld.h"
 #include "scene/mannequin/mannequin.h"
 
@@ -172,6 +173,21 @@ TEST(Simplify, KeepsTheBodyWithATenthOfItsTriangles) {
   EXPECT_EQ(simplify(full, bind_pose(full), 500).mesh.indices, draft.indices) << "the same every time";
 }
 
+TEST(Simplification, HasWhatSimplifyMakesOfEveryNumber) {
+  const Character full = make_mannequin({.triangles = 500});
+  const Poses poses = bind_pose(full);
+  const Simplification all(full, poses, 4);
+  for (const size_t triangles : {1000U, 499U, 300U, 120U, 40U, 4U}) {
+    const SimplifiedMesh alone = simplify(full, poses, triangles);
+    const SimplifiedMesh moment = all.at(triangles);
+    EXPECT_EQ(moment.mesh.indices, alone.mesh.indices) << triangles;
+    EXPECT_EQ(moment.why_more, alone.why_more) << triangles;
+    ASSERT_EQ(moment.mesh.primitives.size(), alone.mesh.primitives.size());
+    for (size_t p = 0; p < alone.mesh.primitives.size(); ++p)
+      EXPECT_EQ(moment.mesh.primitives[p].index_count, alone.mesh.primitives[p].index_count) << triangles;
+  }
+}
+
 TEST(Simplify, LeavesAloneWhatIsSmallEnough) {
   const Character small = make_mannequin({.triangles = 500});
   EXPECT_EQ(simplify(small, bind_pose(small), 5000).mesh.indices, small.mesh.indices);
@@ -207,6 +223,27 @@ TEST(SurfaceDistance, IsThatOfParallelSquaresAndOfASpike) {
   const std::vector<uint32_t> tent = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4};
   EXPECT_NEAR(surface_distance({spike, tent}, {low, square}, {.by_area = 100}).max, 2, 1e-6);
   EXPECT_NEAR(surface_distance({low, square}, {spike, tent}, {.by_area = 100}).max, 2, 1e-6);
+}
+
+// The distance, either way, and a hair less.
+TEST(SurfaceGauge, SaysWhatTheMeasuredDistanceSays) {
+  const Character body = make_mannequin({.triangles = 500});
+  const Mesh coarse = simplify(body, bind_pose(body), 200).mesh;
+  const Surface whole{body.mesh.positions, body.mesh.indices};
+  const Surface level{coarse.positions, coarse.indices};
+  for (const auto& [a, b] : {std::pair(whole, level), std::pair(level, whole)}) {
+    const SurfacePlaces places{.by_area = 300, .most_corners = 100, .turn = 1};
+    const double far = surface_distance(a, b, places).max;
+    ASSERT_GT(far, 0.01);
+    SurfaceGauge gauge(a, places);
+    EXPECT_TRUE(gauge.is_within(b, far));
+    EXPECT_FALSE(gauge.is_within(b, far * (1 - 1e-6)));
+    EXPECT_FALSE(gauge.is_within(b, far / 2)) << "the place that was too far is known";
+    EXPECT_TRUE(gauge.is_within(b, far));
+    EXPECT_TRUE(gauge.is_within(a, 1e-5));
+  }
+  SurfaceGauge nothing(Surface{body.mesh.positions, {}});
+  EXPECT_TRUE(nothing.is_within(whole, 0)) << "as the distance to it is 0";
 }
 
 // 100 corners in a row, the 38th of them raised: of every third corner only one turn in three meets it.

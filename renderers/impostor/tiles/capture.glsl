@@ -1,15 +1,18 @@
-// Captures for bakes: an orthographic view an agent, and the maps of a tile (renderers/impostor/tiles/tile.h) in place of a
-// picture. The depth target's value is one half at the capture plane.
+// Captures for bakes: a view an agent, and the maps of a tile (renderers/impostor/tiles/tile.h) in place of a picture. The
+// depth target's value is one half at the capture plane, of parallel views.
 struct CaptureView {
-  vec4 x;  // clip-space x = dot(x, (position, 1)); the same for y and z
+  vec4 x;  // where w is 1, clip-space x = dot(x, (position, 1)); the same for y and z
   vec4 y;
   vec4 z;
+  vec4 w;  // (0, 0, 0, 1) of parallel views
+  vec4 place;  // x, y: of the tile on the page, clip space; it is part of x and y, and lies beyond the division by w
 };
 layout(std430, binding = CB_STORAGE_CAPTURE) readonly restrict buffer CaptureViews { CaptureView capture_views[]; };
 
 vec4 capture_position(CaptureView view, vec3 position) {
   vec4 p = vec4(position, 1.0);
-  return vec4(dot(view.x, p), dot(view.y, p), dot(view.z, p), 1.0);
+  float w = dot(view.w, p);
+  return vec4(dot(view.x, p) + view.place.x * (w - 1.0), dot(view.y, p) + view.place.y * (w - 1.0), dot(view.z, p), w);
 }
 
 // To the view's axes; the rows of a view are those axes times a scale of their own.

@@ -23,7 +23,7 @@ constexpr int kPage = 1024;  // texels a side, unless a tile is larger
 
 // `CaptureView` of capture.glsl, std430.
 struct CaptureView {
-  glm::vec4 x, y, z;
+  glm::vec4 x, y, z, w, place;
 };
 
 }  // namespace
@@ -226,9 +226,19 @@ CaptureView capture_view(const CaptureTile& tile, const PackPlace& place, const 
   const auto row = [&](const glm::dvec3& axis, double by, double offset) {
     return glm::vec4(glm::dvec4(axis * by, offset - glm::dot(axis, scale.centre) * by));
   };
-  return {row(tile.basis.right, 2 / (scale.texel * packing.width), 2.0 * (place.x - tile.rect.x) / packing.width - 1),
-          row(tile.basis.up, 2 / (scale.texel * packing.height), 2.0 * (place.y - tile.rect.y) / packing.height - 1),
-          row(tile.basis.to_eye, 0.5 / scale.range, 0.5)};
+  const glm::dvec2 corner(2.0 * (place.x - tile.rect.x) / packing.width - 1,
+                          2.0 * (place.y - tile.rect.y) / packing.height - 1);
+  CaptureView view{row(tile.basis.right, 2 / (scale.texel * packing.width), corner.x),
+                   row(tile.basis.up, 2 / (scale.texel * packing.height), corner.y),
+                   row(tile.basis.to_eye, 0.5 / scale.range, 0.5),
+                   {0, 0, 0, 1},
+                   {corner.x, corner.y, 0, 0}};
+  if (scale.eye > 0) {
+    view.w = row(tile.basis.to_eye, -1 / scale.eye, 1);
+    // What is nearest stays within the depth range when it is divided.
+    view.z *= static_cast<float>(std::max(0.0, 1 - scale.range / scale.eye));
+  }
+  return view;
 }
 
 Packing pack_captures(std::span<const CaptureTile> tiles, const gl::Limits& limits) {

@@ -1,4 +1,4 @@
-// Tile capture: orthographic images of a posed character, drawn by the mesh's own code.
+// Tile capture: images of a posed character, by parallel rays or from an eye, drawn by the mesh's own code.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -46,6 +46,9 @@ struct CaptureScale {
   glm::dvec3 centre{0.0};  // that the planes of all views go through: metres, model space
   double texel = 0;        // metres
   double range = 0;        // metres that the depth code's ends stand for
+  // Metres from the centre at which an eye sees what is captured: places are those of the rays through the plane, as
+  // rect counts them, and depth codes are of no use. More than range; 0: parallel rays.
+  double eye = 0;
   float peak = 0;  // of the light that the whole character gives off (renderers/bake/emission.h); 0: none is captured
 };
 
