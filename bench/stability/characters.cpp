@@ -23,7 +23,9 @@ Found draw_odd(Fixture& fixture, const OddCharacter& odd) {
   const glm::dvec3 middle = (low + high) * 0.5;
   const double size = std::max(glm::length(high - low), 1e-6);
   const glm::dvec3 eye = middle + glm::dvec3(0, 0, 2.0 * size);
-  scene::Frame frame = empty_frame(eye, middle, 40, fixture.side(160), fixture.side(160));
+  // In the small form too: at half of it the needle is a pixel thick, and missed between pixels.
+  constexpr int kSide = 160;
+  scene::Frame frame = empty_frame(eye, middle, 40, kSide, kSide);
   frame.camera.near = 0.05 * size;
   add_agent(frame, cast, {0, 0, 0});
   renderers::MakeContext make{.context = fixture.context(), .cast = cast, .use_cache = false, .progress = false};

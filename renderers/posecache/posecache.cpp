@@ -9,7 +9,9 @@
 #include <chrono>
 
 #include "core/error.h"
+#include "renderers/bake/bake_loader.h"
 #include "renderers/frame/frame_resources.h"
+#include "renderers/impostor/tiles/stored_frames.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "renderers/mesh/skinned_buffer.h"
 #include "renderers/posecache/cache_trade.h"
@@ -119,6 +121,12 @@ class PoseCacheRepresentation : public Representation {
     const MeshUse use = options_.floor ? MeshUse::shared_pose : MeshUse::cached_poses;
     CharacterMesh mesh = upload_mesh(context_, character, bank.joints(), use, {});
     std::vector<KeyCircle> circles = key_circles(bank, options_.keys);
+    if (options_.keys > 0)  // else every sample of the bank
+      warn_of_bake(
+          "key poses",
+          coarse_clip_text(
+              character, bank, [&](const scene::BankClip&) { return static_cast<int>(options_.keys); },
+              [](const scene::BankClip&) { return std::string("leave keys out: all of its samples are shown"); }));
     const uint32_t keys = key_count(circles);
     const uint64_t pose_bytes = std::max<uint64_t>(mesh.vertex_count, 1) * kSkinnedVertexBytes;
     uint64_t wanted = options_.mib > 0 ? static_cast<uint64_t>(options_.mib * (1 << 20)) / pose_bytes : options_.poses;

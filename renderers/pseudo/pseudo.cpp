@@ -3,11 +3,14 @@
 #include "renderers/pseudo/pseudo.h"
 
 #include <epoxy/gl.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 
+#include "renderers/bake/bake_loader.h"
 #include "renderers/frame/frame_resources.h"
+#include "renderers/impostor/tiles/stored_frames.h"
 #include "renderers/mesh/mesh_draw.h"
 #include "renderers/mesh/skinned_buffer.h"
 #include "renderers/pseudo/pose_choice.h"
@@ -37,6 +40,13 @@ struct Shown {
   std::vector<uint32_t> sorted;  // agents by pose, those of one pose in the order of the list
 };
 
+// What there is to do about a clip of which few poses are shown.
+std::string more_poses_text(const scene::BankClip& clip) {
+  constexpr int kMost = 256;
+  const int enough = FrameCount{1, kFewFramesASecond}.of(clip.seconds);
+  return enough <= kMost ? fmt::format("poses={} shows {:g}", enough, kFewFramesASecond) : "shorten the clip";
+}
+
 class PseudoRepresentation : public Representation {
  public:
   PseudoRepresentation(const MakeContext& make, const PseudoOptions& options)
@@ -47,6 +57,10 @@ class PseudoRepresentation : public Representation {
       banks_.push_back(make.cast.banks[c]);
       const scene::PoseBank& bank = *banks_[c];
       meshes_.push_back(upload_mesh(make.context, *make.cast.characters[c], bank.joints(), MeshUse::shared_pose, {}));
+      warn_of_bake("pseudo-instances",
+                   coarse_clip_text(
+                       *make.cast.characters[c], bank,
+                       [&](const scene::BankClip&) { return static_cast<int>(options.poses); }, more_poses_text));
       const PoseError one = even_pose_error(*make.cast.characters[c], bank, options.poses);
       error_ = {std::max(error_.rms, one.rms), std::max(error_.max, one.max)};
       palette_bytes = std::max(palette_bytes, options.poses * bank.clips().size() * static_cast<size_t>(bank.joints()) *

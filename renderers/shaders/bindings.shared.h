@@ -41,6 +41,9 @@
 #define CB_LOCATION_RADIUS 5    // float: metres that a surfel's disc reaches
 #define CB_LOCATION_SAMPLES 6   // float: samples of the target along a pixel of the picture
 #define CB_LOCATION_OVERLAP 7   // float: share of a slice's depth that it shows of each neighbour's
+#define CB_LOCATION_REACH 8     // float: factor of how far a surfel's surface goes on
+#define CB_LOCATION_THIN 9      // float: factor of discs in figures of few pixels
+#define CB_LOCATION_TALL 10     // float: metres, a character's longest side
 
 // Vertex attributes of the mesh.
 #define CB_ATTRIBUTE_POSITION 0  // vec3 position, w = the material's index

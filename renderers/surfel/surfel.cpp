@@ -16,6 +16,7 @@
 #include "renderers/gl/program.h"
 #include "renderers/mesh/mesh_data.h"
 #include "renderers/shaders/bindings.shared.h"
+#include "renderers/surfel/surfel_area.h"
 #include "renderers/surfel/surfel_cloud.h"
 #include "renderers/surfel/surfel_level.h"
 #include "scene/cast/cast.h"
@@ -25,6 +26,7 @@ namespace {
 
 struct SurfelVertex {
   float position[3];
+  float reach;
   uint32_t normal;  // 10:10:10:2 signed normalised
   uint16_t joints[4];
   float weights[4];
@@ -38,6 +40,7 @@ struct CharacterSurfels {
   gl::VertexArray vertex_array;
   uint32_t joints = 0;
   std::vector<SurfelLevel> levels;
+  float tall = 0;  // metres
 };
 
 struct SurfelOptions {
@@ -53,6 +56,7 @@ SurfelVertex vertex_of(const Surfel& s) {
     v.colour[i] = s.colour[i];
     v.emissive[i] = s.emissive[i];
   }
+  v.reach = std::min(s.reach, 1e9F);
   v.normal = pack_normal(s.normal);
   for (int i = 0; i < 4; ++i) {
     v.joints[i] = s.joints[i];
@@ -86,7 +90,8 @@ class SurfelRepresentation : public Representation {
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const scene::PoseBank& bank = *make.cast.banks[c];
       const scene::Character& character = *make.cast.characters[c];
-      add(make_surfel_cloud(character, bank, options.points, bake_progress(make.policy(), "surfels", character.name)),
+      add(make_surfel_cloud(character, bank, options.points, options.rule.cover,
+                            bake_progress(make.policy(), "surfels", character.name)),
           bank);
     }
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -153,7 +158,8 @@ class SurfelRepresentation : public Representation {
     using V = SurfelVertex;
     CharacterSurfels& out = characters_.emplace_back();
     out.joints = static_cast<uint32_t>(bank.joints());
-    out.levels = surfel_levels(cloud.radius);
+    out.levels = cloud.levels;
+    out.tall = longest_side(bank);
     if (out.levels.empty()) return;
     std::vector<V> vertices;
     for (const Surfel& s : cloud.surfels) vertices.push_back(vertex_of(s));
@@ -161,7 +167,7 @@ class SurfelRepresentation : public Representation {
       for (V& v : vertices) pose(v, bank.palette(bank.sample(0, 0.0)));
     out.vertices = gl::Buffer(context_, vertices);
     std::vector<gl::Attribute> attributes = {
-        {CB_ATTRIBUTE_POSITION, 3, GL_FLOAT, false, false, offsetof(V, position)},
+        {CB_ATTRIBUTE_POSITION, 4, GL_FLOAT, false, false, offsetof(V, position)},
         {CB_ATTRIBUTE_NORMAL, 4, GL_INT_2_10_10_10_REV, true, false, offsetof(V, normal)},
         {CB_ATTRIBUTE_UV, 1, GL_UNSIGNED_INT, false, true, offsetof(V, bits)},
         {CB_ATTRIBUTE_COLOUR, 3, GL_FLOAT, false, false, offsetof(V, colour)},
@@ -212,17 +218,20 @@ class SurfelRepresentation : public Representation {
   void draw_batch(const CharacterSurfels& character, const gl::Program& program, const gl::Buffer& list, uint32_t first,
                   uint32_t count) {
     program.use();
+    program.set(CB_LOCATION_TALL, character.tall);
     if (!options_.floor) program.set(CB_LOCATION_JOINTS, character.joints);
     for (size_t k = 0; k < character.levels.size(); ++k) {
       const uint32_t from = std::max(first_[k], first);
       const uint32_t end = std::min(first_[k + 1], first + count);
       if (from >= end) continue;
       if (!options_.floor) program.set(CB_LOCATION_FIRST, from - first);
-      program.set(CB_LOCATION_RADIUS, static_cast<float>(character.levels[k].radius * options_.rule.cover));
+      const SurfelLevel& level = character.levels[k];
+      program.set(CB_LOCATION_RADIUS, static_cast<float>(level.radius * options_.rule.cover));
+      program.set(CB_LOCATION_REACH, static_cast<float>(level.reach));
+      program.set(CB_LOCATION_THIN, static_cast<float>(level.thin));
       character.vertex_array.set_instance_stream(CB_ATTRIBUTE_AGENT, list, from * sizeof(uint32_t));
       character.vertex_array.bind();
-      glDrawArraysInstanced(GL_POINTS, 0, static_cast<GLsizei>(character.levels[k].points),
-                            static_cast<GLsizei>(end - from));
+      glDrawArraysInstanced(GL_POINTS, 0, static_cast<GLsizei>(level.points), static_cast<GLsizei>(end - from));
     }
   }
 

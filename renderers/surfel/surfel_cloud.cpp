@@ -7,6 +7,9 @@
 #include <cmath>
 
 #include "core/colour.h"
+#include "renderers/surfel/surfel_area.h"
+#include "renderers/surfel/surfel_border.h"
+#include "renderers/surfel/surfel_grid.h"
 #include "renderers/surfel/surfel_order.h"
 #include "scene/character/alpha_coverage.h"
 
@@ -18,7 +21,8 @@ constexpr size_t kCandidates = 8;  // for each surfel
 struct Candidate {
   const scene::Primitive* primitive = nullptr;
   std::array<uint32_t, 3> corners{};
-  glm::vec3 at{0.0F};  // barycentric
+  glm::vec3 at{0.0F};   // barycentric
+  size_t triangle = 0;  // of the mesh's indices
 };
 
 template <typename T>
@@ -49,14 +53,23 @@ const scene::Texture* image_of(const scene::Character& character, int image) {
   return &character.images[static_cast<size_t>(image)];
 }
 
+// The base colour's image and the vertex colour at a place: linear light and alpha, before the material's factor.
+glm::vec4 painted(const scene::Character& character, const Candidate& c) {
+  const scene::Mesh& mesh = character.mesh;
+  const scene::Material& m = character.materials[static_cast<size_t>(c.primitive->material)];
+  glm::vec4 texel(1.0F);
+  if (const scene::Texture* image = image_of(character, m.base_colour_image))
+    texel = texel_of(*image, mesh.uvs.empty() ? glm::vec2(0.0F) : blend(mesh.uvs, c));
+  if (!mesh.colours.empty()) texel *= blend(mesh.colours, c);
+  return texel;
+}
+
 // Colour and light of a place; false where a mask cuts it out.
 bool look(const scene::Character& character, const Candidate& c, Surfel& out) {
   const scene::Mesh& mesh = character.mesh;
   const scene::Material& m = character.materials[static_cast<size_t>(c.primitive->material)];
   const glm::vec2 uv = mesh.uvs.empty() ? glm::vec2(0.0F) : blend(mesh.uvs, c);
-  glm::vec4 texel(1.0F);
-  if (const scene::Texture* image = image_of(character, m.base_colour_image)) texel = texel_of(*image, uv);
-  if (!mesh.colours.empty()) texel *= blend(mesh.colours, c);
+  const glm::vec4 texel = painted(character, c);
   if (texel.a < scene::alpha_threshold(m)) return false;
   out.colour = glm::vec3(m.base_colour) * glm::vec3(texel);
   out.emissive = m.unlit ? glm::vec3(0.0F) : m.emissive;
@@ -90,18 +103,20 @@ void blend_weights(const scene::Mesh& mesh, const Candidate& c, Surfel& out) {
   }
 }
 
-// `count` places, as many on each triangle as its area has a share in.
-std::vector<Candidate> candidates_of(const scene::Mesh& mesh, const std::vector<glm::vec3>& posed, size_t count) {
+// `count` places, as many on each triangle as its area has a share in. area: of all, square metres.
+std::vector<Candidate> candidates_of(const scene::Mesh& mesh, const std::vector<glm::vec3>& posed, size_t count,
+                                     double& area) {
   struct Triangle {
     Candidate corners;
     double end = 0;  // of its area, summed over those before it too
   };
   std::vector<Triangle> triangles;
-  double area = 0;
+  area = 0;
   for (const scene::Primitive& p : mesh.primitives)
     for (uint32_t i = 0; i + 2 < p.index_count; i += 3) {
       Triangle t;
       t.corners.primitive = &p;
+      t.corners.triangle = (p.first_index + i) / 3;
       for (uint32_t k = 0; k < 3; ++k) t.corners.corners[k] = mesh.indices[p.first_index + i + k];
       const auto& [a, b, c] = t.corners.corners;
       area += 0.5 * static_cast<double>(glm::length(glm::cross(posed[b] - posed[a], posed[c] - posed[a])));
@@ -146,31 +161,119 @@ void average_colours(const std::vector<Surfel>& candidates, const SurfelOrder& o
   }
 }
 
-}  // namespace
-
-SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count,
-                              const BakeProgress& progress) {
-  const scene::Mesh& mesh = character.mesh;
-  const std::vector<glm::vec3> posed = scene::skin_points(mesh, bank.palette(bank.sample(0, 0.0)));
+// What lies on the surface in the bank's first pose, and what lies beside it.
+struct Sampled {
   std::vector<Surfel> candidates;
-  std::vector<SurfacePlace> places;
-  for (const Candidate& c : candidates_of(mesh, posed, kCandidates * count)) {
+  std::vector<SheetPlace> on;      // of each
+  std::vector<SheetPlace> beside;  // where a mask cuts it out, and beyond its borders
+};
+
+// Reflects a place in the borders of its triangle, to beside the surface.
+struct Beyond {
+  SheetPlace sheet;
+  glm::vec3 edge{0.0F}, outward{0.0F};  // a place on the edge; unit
+};
+void reflect(const Candidate& c, const SheetPlace& sheet, const std::array<bool, 3>& borders,
+             const std::vector<glm::vec3>& posed, std::vector<Beyond>& out) {
+  for (size_t k = 0; k < 3; ++k) {
+    if (!borders[k]) continue;
+    const glm::vec3 a = posed[c.corners[k]];
+    const glm::vec3 along = posed[c.corners[(k + 1) % 3]] - a;
+    const glm::vec3 to = posed[c.corners[(k + 2) % 3]] - a;
+    const glm::vec3 height = to - along * (glm::dot(to, along) / std::max(glm::dot(along, along), 1e-30F));
+    const float length = glm::length(height);
+    if (length <= 0) continue;
+    Beyond b{sheet, a, -height / length};
+    b.sheet.place.position -= 2 * c.at[static_cast<int>((k + 2) % 3)] * height;
+    out.push_back(b);
+  }
+}
+
+// Leaves out what another triangle fills: of a neighbour whose corners lie elsewhere, as where parts meet.
+void keep_empty(const std::vector<Beyond>& beyond, float apart, Sampled& sampled) {
+  std::vector<SurfacePlace> on;
+  for (const SheetPlace& s : sampled.on) on.push_back(s.place);
+  const SurfaceGrid grid(on, apart);
+  for (const Beyond& b : beyond) {
+    bool filled = false;
+    grid.near(b.sheet.place.position, [&](uint32_t k) {
+      filled = filled || (glm::distance(on[k].position, b.sheet.place.position) < apart &&
+                          glm::dot(on[k].normal, b.sheet.place.normal) > 0.5F &&
+                          glm::dot(on[k].position - b.edge, b.outward) > 0.25F * apart);
+    });
+    if (!filled) sampled.beside.push_back(b.sheet);
+  }
+}
+
+Sampled sample_surface(const scene::Character& character, const std::vector<glm::vec3>& posed, size_t count) {
+  const scene::Mesh& mesh = character.mesh;
+  const std::vector<std::array<bool, 3>> borders = find_borders(mesh);
+  Sampled out;
+  std::vector<Beyond> beyond;
+  double area = 0;
+  const std::vector<Candidate> candidates = candidates_of(mesh, posed, count, area);
+  for (const Candidate& c : candidates) {
+    const auto& [i, j, k] = c.corners;
+    const glm::vec3 face = unit_or_up(glm::cross(posed[j] - posed[i], posed[k] - posed[i]));
+    const SheetPlace sheet{{blend(posed, c), c.primitive->mirrored ? -face : face},
+                           static_cast<uint32_t>(c.primitive - mesh.primitives.data())};
     Surfel s;
-    if (!look(character, c, s)) continue;
+    if (!look(character, c, s)) {
+      out.beside.push_back(sheet);
+      continue;
+    }
     s.position = blend(mesh.positions, c);
     s.normal = unit_or_up(blend(mesh.normals, c));
     blend_weights(mesh, c, s);
-    candidates.push_back(s);
-    const auto& [i, j, k] = c.corners;
-    const glm::vec3 face = unit_or_up(glm::cross(posed[j] - posed[i], posed[k] - posed[i]));
-    places.push_back({blend(posed, c), c.primitive->mirrored ? -face : face});
+    out.candidates.push_back(s);
+    out.on.push_back(sheet);
+    reflect(c, sheet, borders[c.triangle], posed, beyond);
   }
+  constexpr double kApart = 1.5;  // of the width of a square that a candidate stands for
+  if (!beyond.empty())
+    keep_empty(beyond, static_cast<float>(kApart * std::sqrt(area / static_cast<double>(count))), out);
+  return out;
+}
+
+// How far discs may reach at each level.
+void fit_discs(const scene::Character& character, const scene::PoseBank& bank, const Sampled& sampled,
+               const SurfelOrder& order, double cover, SurfelCloud& cloud) {
+  std::vector<SheetPlace> sheets;
+  for (const uint32_t i : order.order) sheets.push_back(sampled.on[i]);
+  cloud.levels = surfel_levels(cloud.radius);
+  const std::vector<float> reaches = find_reaches(sheets, sampled.beside, cloud.levels);
+  for (size_t i = 0; i < reaches.size(); ++i) cloud.surfels[i].reach = reaches[i];
+  for (SurfelLevel& level : cloud.levels)
+    level.reach = fit_reach(std::span(sheets).first(level.points), reaches, sampled.on, sampled.beside,
+                            static_cast<float>(level.radius * cover));
+  const std::vector<SurfelArea> areas = fit_areas(character, bank, cloud.surfels, cloud.levels, cover);
+  for (size_t k = 0; k < cloud.levels.size(); ++k) {
+    cloud.levels[k].thin = static_cast<double>(areas[k].thin);
+    cloud.levels[k].uneven = static_cast<double>(areas[k].uneven);
+  }
+}
+
+}  // namespace
+
+bool is_there(const scene::Character& character, const scene::Primitive& primitive,
+              const std::array<uint32_t, 3>& corners, const glm::vec3& at) {
+  const float least = scene::alpha_threshold(character.materials[static_cast<size_t>(primitive.material)]);
+  return least <= 0 || painted(character, {&primitive, corners, at, 0}).a >= least;
+}
+
+SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count,
+                              double cover, const BakeProgress& progress) {
+  const std::vector<glm::vec3> posed = scene::skin_points(character.mesh, bank.palette(bank.sample(0, 0.0)));
+  const Sampled sampled = sample_surface(character, posed, kCandidates * count);
   SurfelCloud out;
-  if (candidates.empty()) return out;
+  if (sampled.candidates.empty()) return out;
+  std::vector<SurfacePlace> places;
+  for (const SheetPlace& s : sampled.on) places.push_back(s.place);
   const SurfelOrder order = order_places(places, count, progress);
-  for (const uint32_t i : order.order) out.surfels.push_back(candidates[i]);
+  for (const uint32_t i : order.order) out.surfels.push_back(sampled.candidates[i]);
   out.radius = order.radius;
-  average_colours(candidates, order, out.surfels);
+  average_colours(sampled.candidates, order, out.surfels);
+  fit_discs(character, bank, sampled, order, cover, out);
   return out;
 }
 

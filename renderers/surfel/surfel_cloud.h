@@ -1,9 +1,12 @@
 // SurfelCloud: a character's surface as points in an order of which every beginning covers it.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "renderers/bake/bake_progress.h"
+#include "renderers/surfel/surfel_level.h"
 #include "scene/character/character.h"
 #include "scene/pose/pose_bank.h"
 
@@ -17,6 +20,8 @@ struct Surfel {
   glm::vec4 weights{1.0F, 0.0F, 0.0F, 0.0F};  // of the corners', the four largest; sum 1
   glm::vec3 colour{1.0F};                     // linear, before the outfit
   glm::vec3 emissive{0.0F};                   // linear
+  // Metres in the bank's first pose to where the surface ends (find_reaches); infinite: nowhere near.
+  float reach = std::numeric_limits<float>::infinity();
   uint8_t slot = 0;
   bool unlit = false, double_sided = false;
 };
@@ -26,12 +31,17 @@ struct SurfelCloud {
   // [n]: metres at scale 1, in the bank's first pose: discs of this radius about the first n + 1 surfels reach every
   // candidate (SurfelOrder::radius). Empty where nothing of the character is there.
   std::vector<float> radius;
+  std::vector<SurfelLevel> levels;  // surfel_levels(radius), with the factors of reaches and areas
 };
 
 // count: at most so many surfels, above 0. Candidates, eight for each, lie evenly by area in the bank's first pose;
 // where a mask cuts the surface out there are none. A surfel has the mean colour of the candidates nearest to it.
-// progress: of the ordering, which takes nearly all the time.
+// cover: SurfelRule::cover, for the levels' factors. progress: of the ordering, which takes most of the time.
 SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count,
-                              const BakeProgress& progress = {});
+                              double cover, const BakeProgress& progress = {});
+
+// Whether a mask leaves a place of a triangle. corners: of the mesh; at: barycentric.
+bool is_there(const scene::Character& character, const scene::Primitive& primitive,
+              const std::array<uint32_t, 3>& corners, const glm::vec3& at);
 
 }  // namespace crowdbench::renderers

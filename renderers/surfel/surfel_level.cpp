@@ -15,6 +15,7 @@ std::vector<SurfelLevel> surfel_levels(std::span<const float> radius) {
 
 size_t surfel_level(std::span<const SurfelLevel> levels, const SurfelRule& rule, double metre) {
   const auto found = std::find_if(levels.begin(), levels.end(), [&](const SurfelLevel& level) {
+    if (level.uneven > kEven && level.points < kPointsEnough) return false;
     return level.radius * rule.cover * metre <= rule.size;
   });
   return found == levels.end() ? levels.size() - 1 : static_cast<size_t>(found - levels.begin());

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <queue>
-#include <unordered_map>
+
+#include "renderers/surfel/surfel_grid.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -21,35 +22,6 @@ constexpr size_t kTime = 1000;
 size_t time_of(size_t rank, size_t most) {
   return static_cast<size_t>(kTime * std::log(static_cast<double>(rank)) / std::log(static_cast<double>(most) + 1));
 }
-
-// Places by the cubes that they lie in.
-class Grid {
- public:
-  Grid(std::span<const SurfacePlace> places, float cell) : cell_(std::max(cell, 1e-6F)) {
-    for (size_t i = 0; i < places.size(); ++i)
-      cells_[key(cube(places[i].position))].push_back(static_cast<uint32_t>(i));
-  }
-  float cell() const { return cell_; }
-  // Every place within a cell's width of a position, and others.
-  template <typename Visit>
-  void near(const glm::vec3& position, const Visit& visit) const {
-    const glm::ivec3 at = cube(position);
-    for (int x = -1; x <= 1; ++x)
-      for (int y = -1; y <= 1; ++y)
-        for (int z = -1; z <= 1; ++z)
-          if (const auto found = cells_.find(key(at + glm::ivec3(x, y, z))); found != cells_.end())
-            for (const uint32_t i : found->second) visit(i);
-  }
-
- private:
-  glm::ivec3 cube(const glm::vec3& p) const { return glm::ivec3(glm::floor(p / cell_)); }
-  static uint64_t key(const glm::ivec3& c) {
-    const auto bits = [](int v) { return static_cast<uint64_t>(static_cast<uint32_t>(v) & 0x1fffffU); };
-    return bits(c.x) | bits(c.y) << 21U | bits(c.z) << 42U;
-  }
-  float cell_;
-  std::unordered_map<uint64_t, std::vector<uint32_t>> cells_;
-};
 
 }  // namespace
 
@@ -79,7 +51,7 @@ SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count, con
   };
   std::priority_queue<Entry, std::vector<Entry>, decltype(later)> queue(later);
   for (uint32_t i = 0; i < n; ++i) queue.push({gap[i], i});
-  Grid grid(places, queue.top().first);
+  SurfaceGrid grid(places, queue.top().first);
   while (true) {
     while (queue.top().first != gap[queue.top().second]) queue.pop();
     const float radius = queue.top().first;
@@ -87,7 +59,7 @@ SurfelOrder order_places(std::span<const SurfacePlace> places, size_t count, con
     out.radius.push_back(radius);
     if (out.order.size() == most || radius <= 0) return out;
     // No place lies farther than `radius`, so a new point takes none over from farther.
-    if (radius < 0.5F * grid.cell()) grid = Grid(places, radius);
+    if (radius < 0.5F * grid.cell()) grid = SurfaceGrid(places, radius);
     const auto rank = static_cast<uint32_t>(out.order.size());
     if (progress && rank % kRanksBetweenReports == 1) progress(time_of(rank, most), kTime);
     out.order.push_back(place);

@@ -259,6 +259,45 @@ TEST(ReadImage, SixteenBitPngKeepsItsValues) {
   EXPECT_NE(error_of(bytes).find("16 bits"), std::string::npos);
 }
 
+// A clear texel's colour is what filters mix into its neighbours: (200, 100, 50) at alpha 0 beside (10, 20, 30),
+// opaque, in files made by hand.
+TEST(ReadImage, ColoursOfClearTexelsAreKeptInEveryFormat) {
+  const std::vector<uint8_t> wanted = {200, 100, 50, 0, 10, 20, 30, 255};
+  const std::vector<uint8_t> webp = {0x52, 0x49, 0x46, 0x46, 0x1e, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50, 0x56,
+                                     0x50, 0x38, 0x4c, 0x11, 0x00, 0x00, 0x00, 0x2f, 0x01, 0x00, 0x00, 0x10, 0x38,
+                                     0x05, 0xd9, 0x15, 0x90, 0xef, 0x21, 0x73, 0x80, 0xff, 0x38, 0x04, 0x00};
+  const std::vector<uint8_t> tga = {0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02,
+                                    0x00, 0x01, 0x00, 0x20, 0x28, 0x32, 0x64, 0xc8, 0x00, 0x1e, 0x14, 0x0a, 0xff};
+  // Little-endian, one strip, ExtraSamples 2: alpha that nothing is multiplied by.
+  std::vector<uint8_t> tiff = {'I', 'I', 42, 0, 8, 0, 0, 0, 11, 0};
+  const auto tag = [&](int name, int type, int count, int value) {
+    for (const int v : {name, type})
+      tiff.insert(tiff.end(), {static_cast<uint8_t>(v & 255), static_cast<uint8_t>(v >> 8)});
+    for (const int v : {count, value})
+      tiff.insert(tiff.end(), {static_cast<uint8_t>(v & 255), static_cast<uint8_t>(v >> 8), 0, 0});
+  };
+  tag(256, 3, 1, 2), tag(257, 3, 1, 1), tag(258, 3, 4, 146), tag(259, 3, 1, 1), tag(262, 3, 1, 2), tag(273, 4, 1, 154);
+  tag(277, 3, 1, 4), tag(278, 3, 1, 1), tag(279, 4, 1, 8), tag(284, 3, 1, 1), tag(338, 3, 1, 2);
+  tiff.insert(tiff.end(), {0, 0, 0, 0, 8, 0, 8, 0, 8, 0, 8, 0});
+  tiff.insert(tiff.end(), wanted.begin(), wanted.end());
+  Image8 picture(2, 1, 4);
+  picture.data = wanted;
+  const std::map<std::string, std::vector<uint8_t>> files = {
+      {"webp", webp}, {"tga", tga}, {"tif", tiff}, {"png", encode_png(picture)}};
+  const fs::path folder = fs::path(::testing::TempDir()) / "crowdbench_clear";
+  fs::create_directories(folder);
+  for (const auto& [extension, bytes] : files) {
+    EXPECT_EQ(std::get<Image8>(read_image(bytes, extension, "memory", 100)).data, wanted) << extension;
+    const fs::path path = folder / ("clear." + extension);
+    write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    EXPECT_EQ(std::get<Image8>(read_image(path)).data, wanted) << extension << " from a file";
+  }
+  fs::remove_all(folder);
+  // What is cut short is refused and not half read.
+  const std::vector<uint8_t> cut(webp.begin(), webp.end() - 6);
+  EXPECT_THROW(read_image(cut, "webp", "memory", 100), Error);
+}
+
 TEST(ReadImage, FewerBitsAndGreyWithAlphaAreWidened) {
   // Two samples of 2 bits: 1 and 3 of 3 are 85 and 255 of 255.
   const Image8 two_bits = decode_png(raw_png(2, 0, {0b01'11'00'00}), "x");

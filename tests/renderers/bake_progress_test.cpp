@@ -109,13 +109,13 @@ TEST(BakeProgressCalls, ReliefStopsWhenItIsToldTo) {
 
 TEST(BakeProgressCalls, SurfelsTellOfTheirOrder) {
   Told told;
-  make_surfel_cloud(*walker().characters[0], *walker().banks[0], 4096, told.progress());
+  make_surfel_cloud(*walker().characters[0], *walker().banks[0], 4096, 1.5, told.progress());
   ASSERT_GE(told.done.size(), 16U);
   EXPECT_EQ(told.advances(), told.done.size() - 1) << "each time farther than before";
   EXPECT_GT(told.done.back(), told.total * 9 / 10);
   EXPECT_LE(told.done.back(), told.total);
   EXPECT_THROW(
-      make_surfel_cloud(*walker().characters[0], *walker().banks[0], 4096, [](size_t, size_t) { throw Interrupted{}; }),
+      make_surfel_cloud(*walker().characters[0], *walker().banks[0], 4096, 1.5, [](size_t, size_t) { throw Interrupted{}; }),
       Interrupted);
 }
 

@@ -7,6 +7,7 @@
 #include "scene/mannequin/mannequin.h"
 #include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
+#include "tests/renderers/gl_test_support.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -74,6 +75,31 @@ TEST(StoredFrames, FewForTheMotionAreSaid) {
   const scene::PoseBank still(w.character, {-1});
   EXPECT_EQ(coarse_frames_text(w.character, still, {1, 0}), "");
 }
+
+// Whoever shows a clip in few poses says so, once a process: the walk of a second in three.
+class CoarsePosesGl : public testing::GlTest,
+                      public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
+
+TEST_P(CoarsePosesGl, AreSaidWhereThereAreFewerThanFourASecond) {
+  const auto& [spec, helps] = GetParam();
+  ::testing::internal::CaptureStderr();
+  testing::make(testing::walker(), std::string(spec) + "8");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr().find("a second of motion"), std::string::npos);
+  ::testing::internal::CaptureStderr();
+  testing::make(testing::walker(), std::string(spec) + "3");
+  const std::string text = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(text.find("3 stored frames of clip 'walk'"), std::string::npos) << text;
+  EXPECT_NE(text.find(helps), std::string::npos) << text;
+}
+
+INSTANTIATE_TEST_SUITE_P(Poses, CoarsePosesGl,
+                         ::testing::Values(std::pair{"rigid:poses=", "raise poses"},
+                                           std::pair{"pseudo:poses=", " shows 4"},
+                                           std::pair{"posecache:keys=", "leave keys out"}),
+                         [](const auto& test) {
+                           const std::string spec = test.param.first;
+                           return spec.substr(0, spec.find(':'));
+                         });
 
 TEST(StoredFrames, TheirNumberIsPartOfABakesKey) {
   const Walker w;

@@ -5,13 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderers/surfel/surfel_area.h"
+#include "renderers/surfel/surfel_border.h"
 #include "renderers/surfel/surfel_cloud.h"
+#include "renderers/surfel/surfel_grid.h"
 #include "renderers/surfel/surfel_level.h"
 #include "renderers/surfel/surfel_order.h"
 #include "scene/cast/cast.h"
 #include "scene/mannequin/mannequin.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
+#include "tests/renderers/solids.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -68,7 +72,7 @@ TEST(SurfelCloud, EveryBeginningReachesTheWholeSurface) {
 
 TEST(SurfelCloud, LiesOnTheSurfaceAndKeepsItsMaterials) {
   const scene::Cast cast = cast_of(testing::card(2, 1, {0.5F, 0.25F, 0.125F, 1.0F}));
-  const SurfelCloud cloud = make_surfel_cloud(*cast.characters[0], *cast.banks[0], 200);
+  const SurfelCloud cloud = make_surfel_cloud(*cast.characters[0], *cast.banks[0], 200, 1.5);
   ASSERT_EQ(cloud.surfels.size(), 200U);
   int left = 0;
   for (const Surfel& s : cloud.surfels) {
@@ -82,7 +86,7 @@ TEST(SurfelCloud, LiesOnTheSurfaceAndKeepsItsMaterials) {
   scene::Character gone = *cast.characters[0];
   gone.materials[0].base_colour.a = 0.2F;
   gone.materials[0].alpha_cutoff = 0.5F;
-  EXPECT_TRUE(make_surfel_cloud(gone, *cast.banks[0], 200).surfels.empty());
+  EXPECT_TRUE(make_surfel_cloud(gone, *cast.banks[0], 200, 1.5).surfels.empty());
 }
 
 TEST(SurfelLevels, AreTheFewestWhoseDiscsAreSmallEnough) {
@@ -101,7 +105,119 @@ TEST(SurfelLevels, AreTheFewestWhoseDiscsAreSmallEnough) {
   EXPECT_TRUE(surfel_levels({}).empty());
 }
 
+TEST(SurfelLevels, UnevenOnesAreLeftOut) {
+  std::vector<SurfelLevel> levels = {{64, 0.1}, {128, 0.1}, {4096, 0.1}};
+  const SurfelRule rule{.size = 2, .cover = 1};
+  levels[0].uneven = levels[2].uneven = 0.2;
+  EXPECT_EQ(surfel_level(levels, rule, 1), 1U);
+  levels[1].uneven = 0.2;
+  EXPECT_EQ(surfel_level(levels, rule, 1), 2U) << "so many points are enough";
+}
+
+TEST(SurfaceGrid, FindsWhatLiesWithinACell) {
+  const std::vector<SurfacePlace> places = {{{0, 0, 0}}, {{0.9F, 0, 0}}, {{-0.9F, -0.2F, 0.3F}}, {{5, 0, 0}}};
+  const SurfaceGrid grid(places, 1);
+  std::vector<uint32_t> found;
+  grid.near({0.1F, 0, 0}, [&](uint32_t i) { found.push_back(i); });
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, (std::vector<uint32_t>{0, 1, 2}));
+}
+
+// A square of two triangles ends at its sides and not at its diagonal, though that has vertices of its own on each.
+TEST(SurfelBorder, IsWhereNoOtherTriangleIs) {
+  scene::Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.indices = {0, 1, 2, 3, 4, 5};
+  using Three = std::array<bool, 3>;
+  EXPECT_EQ(find_borders(mesh), (std::vector<Three>{{true, true, false}, {false, true, true}}));
+  mesh.indices = {0, 1, 2, 3, 4, 5, 2, 1, 0, 5, 4, 3};
+  EXPECT_EQ(find_borders(mesh)[0], (Three{true, true, false})) << "the same from behind is the same square";
+}
+
+// A surfel 2 from the edge of a strip: discs up to 3 wide reach 2 to it, and with the factor that misses as many places
+// of the surface as it reaches beyond.
+TEST(SurfelBorder, ReachesAreFittedByCounting) {
+  const auto at = [](float x) { return SheetPlace{{{x, 0, 0}, {0, 1, 0}}, 0}; };
+  const std::vector<SheetPlace> surfels = {at(0)};
+  const std::vector<SheetPlace> beside = {at(2), at(2.5F), at(3.5F)};
+  SurfelLevel level{1, 1.5};
+  const std::vector<float> reaches = find_reaches(surfels, beside, std::span(&level, 1));
+  ASSERT_EQ(reaches.size(), 1U);
+  EXPECT_FLOAT_EQ(reaches[0], 2);
+  SheetPlace other = at(1);
+  other.primitive = 1;
+  EXPECT_TRUE(std::isinf(find_reaches(surfels, std::vector<SheetPlace>{other}, std::span(&level, 1))[0]));
+  // On the other side the strip goes on.
+  const std::vector<SheetPlace> on = {at(0), at(-1), at(-2.2F), at(-2.7F), at(-2.8F)};
+  EXPECT_FLOAT_EQ(fit_reach(surfels, reaches, on, beside, 3), 1.25F) << "reaches two beside, misses two on it";
+  EXPECT_FLOAT_EQ(fit_reach(surfels, reaches, on, {}, 3), 1);
+}
+
+// Discs without gaps reach over a ball's outline; of a card they end with it already.
+TEST(SurfelArea, IsTheCharactersOwn) {
+  const scene::Cast card = cast_of(testing::card(2, 1, {0.5F, 0.25F, 0.125F, 1.0F}));
+  EXPECT_FLOAT_EQ(longest_side(*card.banks[0]), 2);
+  const scene::Cast ball = cast_of(testing::sphere(0.5, 32));
+  for (const SurfelLevel& level : make_surfel_cloud(*ball.characters[0], *ball.banks[0], 256, 1.5).levels) {
+    EXPECT_LT(level.thin, 0.95) << level.points;
+    EXPECT_GT(level.thin, 0.1) << level.points;
+    EXPECT_LT(level.uneven, 0.1) << level.points;
+  }
+}
+
 class SurfelGl : public GlTest {};
+
+// Of a character that the battery does not show, from its side: 400 of them cover what as many pictures of a large one
+// do.
+TEST_F(SurfelGl, FiguresOfAPixelAndATenthCoverTheirArea) {
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 2200}), 10.0);
+  const auto surfel = make(cast, "surfel:points=4096");
+  Renderer renderer(context(), cast);
+  const auto covered = [](const Capture& c) {
+    return static_cast<double>(
+        std::count_if(c.ids.data.begin(), c.ids.data.end(), [](uint32_t id) { return id != 0; }));
+  };
+  constexpr float kSideways = 0.25F;
+  scene::Frame large = frame_of_one(1000.0, 0.9, 480, 480, 0.12);
+  add_agent(large, cast, {0, 0, 0}, 1, 0.2, kSideways);
+  const double metre = 480 / (2 * 1000 * std::tan(0.06 * 3.14159265358979 / 180));
+  const double area = covered(renderer.capture(large, *make(cast, "mesh"))) / (metre * metre);
+  struct Size {
+    double pixels;
+    int samples;  // along a pixel
+  };
+  for (const auto& [pixels, samples] : {Size{6, 1}, Size{1, 5}, Size{0.1, 21}}) {
+    constexpr int kPixels = 96;
+    const double of_pixel = 1.75 / pixels;  // metres
+    const double distance = of_pixel * kPixels / (2 * std::tan(0.5 * 3.14159265358979 / 180));
+    scene::Frame frame = frame_of_one(distance, 0, kPixels, kPixels, 1.0);
+    const int across = pixels > 2 ? 8 : 20;
+    for (int i = 0; i < across * across; ++i) {
+      const double step = (kPixels - 12.0) / across * of_pixel;
+      add_agent(frame, cast,
+                {(i % across - across / 2) * step + 0.37 * (i * 37 % 101) / 101 * of_pixel,
+                 (i / across - across / 2) * step + 0.61 * (i * 61 % 103) / 103 * of_pixel, 0},
+                static_cast<uint32_t>(i + 1), 0.2, kSideways);
+    }
+    const Target target(context(), kPixels * samples, kPixels * samples, {.ids = true});
+    renderer.draw(frame, *surfel, target);
+    const double wanted = across * across * area * samples * samples / (of_pixel * of_pixel);
+    EXPECT_NEAR(covered(target.read()) / wanted, 1, 0.05) << pixels << " pixels tall";
+  }
+}
+
+// A disc whose centre lies outside of the picture reaches in.
+TEST_F(SurfelGl, ReachesOverThePicturesBorder) {
+  const scene::Cast cast = cast_of(testing::card(4, 4, {0.5F, 0.25F, 0.125F, 1.0F}));
+  Renderer renderer(context(), cast);
+  const scene::Frame frame = [&] {
+    scene::Frame one = frame_of_one(1.0, 2.0, 60, 60, 20);
+    add_agent(one, cast, {0, 0, 0}, 1);
+    return one;
+  }();
+  const Capture capture = renderer.capture(frame, *make(cast, "surfel:points=256"));
+  EXPECT_EQ(std::count(capture.ids.data.begin(), capture.ids.data.end(), 0U), 0);
+}
 
 // From near, where discs are pixels wide, to far, where few points are drawn: no holes, and outlines within a pixel or
 // two.

@@ -2,11 +2,13 @@
 // may lack it.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <exception>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/oiio/oiio.h"
@@ -99,6 +101,29 @@ void check(const OIIO::ImageSpec& spec, const Limits& limits) {
     throw Refusal{"has a data window that differs from its display window", "save it cropped or padded to the display"};
 }
 
+// OpenImageIO's WebP reader multiplies colours by alpha whatever it is asked for, so that those of clear texels are
+// lost, and with them what filters take from the texels beside an outline. The library that it reads with gives them as
+// they are (https://developers.google.com/speed/webp/docs/api). False where that is not loaded or takes the file for no
+// still picture of this size: then nothing is written. out: RGBA, 8 bits.
+bool read_straight_webp(OIIO::Filesystem::IOProxy& bytes, const OIIO::ImageSpec& spec, unsigned char* out) {
+  using Decode = uint8_t* (*)(const uint8_t*, size_t, uint8_t*, size_t, int);
+  using Info = int (*)(const uint8_t*, size_t, int*, int*);
+  void* library = dlopen("libwebp.so.7", RTLD_NOW | RTLD_NOLOAD);
+  if (!library) return false;
+  const auto decode = reinterpret_cast<Decode>(dlsym(library, "WebPDecodeRGBAInto"));
+  const auto info = reinterpret_cast<Info>(dlsym(library, "WebPGetInfo"));
+  dlclose(library);  // OpenImageIO holds it
+  if (!decode || !info) return false;
+  std::vector<uint8_t> data(bytes.size());
+  if (bytes.pread(data.data(), data.size(), 0) != data.size()) return false;
+  int width = 0;
+  int height = 0;
+  if (!info(data.data(), data.size(), &width, &height) || width != spec.width || height != spec.height) return false;
+  constexpr size_t kPixel = 4;
+  const size_t row = kPixel * static_cast<size_t>(width);
+  return decode(data.data(), data.size(), out, row * static_cast<size_t>(height), static_cast<int>(row)) != nullptr;
+}
+
 // memory: where the bytes are; null: in the file.
 void read(const char* path, OIIO::Filesystem::IOProxy* memory, const Limits& limits, Allocate allocate, void* context) {
   set_up_library();
@@ -121,6 +146,15 @@ void read(const char* path, OIIO::Filesystem::IOProxy* memory, const Limits& lim
   if (!samples) throw std::bad_alloc();
   const size_t size = sample_size(header.sample);
   const auto pixel_stride = static_cast<OIIO::stride_t>(size * static_cast<size_t>(header.channels));
+  constexpr int kWithAlpha = 4;
+  if (std::string_view(input->format_name()) == "webp" && spec.nchannels == kWithAlpha &&
+      header.sample == Sample::kU8) {
+    OIIO::Filesystem::IOProxy* bytes = memory;
+    std::unique_ptr<OIIO::Filesystem::IOFile> opened;
+    if (!bytes)
+      bytes = (opened = std::make_unique<OIIO::Filesystem::IOFile>(path, OIIO::Filesystem::IOProxy::Read)).get();
+    if (read_straight_webp(*bytes, spec, samples)) return;
+  }
   if (!input->read_image(0, 0, 0, spec.nchannels, type_of(header.sample), samples, pixel_stride))
     throw Refusal{"is damaged (" + first_line(input->geterror()) + ")", "write the file again"};
   if (!widen) return;
