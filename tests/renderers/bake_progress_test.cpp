@@ -114,9 +114,9 @@ TEST(BakeProgressCalls, SurfelsTellOfTheirOrder) {
   EXPECT_EQ(told.advances(), told.done.size() - 1) << "each time farther than before";
   EXPECT_GT(told.done.back(), told.total * 9 / 10);
   EXPECT_LE(told.done.back(), told.total);
-  EXPECT_THROW(
-      make_surfel_cloud(*walker().characters[0], *walker().banks[0], 4096, 1.5, [](size_t, size_t) { throw Interrupted{}; }),
-      Interrupted);
+  EXPECT_THROW(make_surfel_cloud(*walker().characters[0], *walker().banks[0], 4096, 1.5,
+                                 [](size_t, size_t) { throw Interrupted{}; }),
+               Interrupted);
 }
 
 }  // namespace
