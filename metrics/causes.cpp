@@ -29,7 +29,7 @@ constexpr std::array<CauseDoc, kCauses> kDocs = {{
      "all other pixels that show another agent, or one against none"},
     {Cause::surface, "surface", "wrong surfaces",
      "pixels of the same agent whose depths differ by more than 1 % of its height",
-     "pixels of the same agent whose depths differ by more than 2 cm; none of an agent that is drawn on a flat card, "
+     "pixels of the same agent whose depths differ by more than 2 cm; none of an agent that is drawn on a card, "
      "which has depths of its own"},
     {Cause::shading, "shading", "the shading",
      "of pixels of the same surface the cosine between normal and light, over the mesh's own colour",
@@ -164,7 +164,7 @@ std::string causes_markdown() {
       "| `thickness_m` | metres | of `compare` with depths: from the nearest to the farthest of the body that the "
       "reference shows, 5 % of either end left out |\n"
       "| `card` | | of `compare` with depths: whether the test's depths of the agent lie in one plane and the "
-      "reference's do not, as those of a flat impostor do; they do not say which surface a pixel shows |\n"
+      "reference's do not, as those of a card do; they do not say which surface a pixel shows |\n"
       "| `late` | | of `compare --pose-ref`: whether the agent shows that picture's pose, whatever its colours |\n"
       "| `changed_places_with` | | of `compare`: ids of the agents that now stand before it |\n"
       "| `by_height` | | of `quality` and `distance`: `from_px`, `below_px`, `units` (views, or agents), each cause's "
