@@ -161,6 +161,20 @@ TEST_F(StabilityGl, PlantedFaultsFail) {
   EXPECT_FALSE(holds(surface.measure(fixture))) << "nobody is drawn";
 }
 
+TEST_F(StabilityGl, TheTruthFindsWhoIsNotDrawn) {
+  gl::Context context;
+  Fixture fixture(context, true, false, false);
+  const std::vector<StabilityCase> cases = stability_cases();
+  const StabilityCase& cameras = case_named(cases, "truth_cameras");
+  const Found right = cameras.measure(fixture);
+  EXPECT_TRUE(holds(right)) << right.place;
+  EXPECT_NE(right.note.find("pixels covered"), std::string::npos);
+  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.0F, true));
+  const Found wrong = cameras.measure(fixture);
+  EXPECT_GT(wrong.measured, 100);
+  EXPECT_FALSE(wrong.place.empty() || wrong.expected.empty() || wrong.got.empty() || wrong.before.empty());
+}
+
 TEST_F(StabilityGl, AWrongBoundAndAnErrorAreRowsThatFail) {
   StabilityRequest request;
   request.small = true;
