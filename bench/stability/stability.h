@@ -81,5 +81,6 @@ void add_character_cases(std::vector<StabilityCase>& cases);
 void add_number_cases(std::vector<StabilityCase>& cases);
 void add_statistics_cases(std::vector<StabilityCase>& cases);
 void add_truth_cases(std::vector<StabilityCase>& cases);
+void add_depth_cases(std::vector<StabilityCase>& cases);
 
 }  // namespace crowdbench::bench

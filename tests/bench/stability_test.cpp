@@ -175,6 +175,27 @@ TEST_F(StabilityGl, TheTruthFindsWhoIsNotDrawn) {
   EXPECT_FALSE(wrong.place.empty() || wrong.expected.empty() || wrong.got.empty() || wrong.before.empty());
 }
 
+// The usual depth buffer makes fewer errors than the others; who is not drawn at all is beyond what a step allows.
+TEST_F(StabilityGl, DepthBuffersAreAsGoodAsTheirStepsAndNoBetter) {
+  gl::Context context;
+  Fixture fixture(context, true, false, false);
+  const std::vector<StabilityCase> cases = stability_cases();
+  const StabilityCase& usual = case_named(cases, "depth_32f_reversed_100mm_inf");
+  const StabilityCase& coarse = case_named(cases, "depth_16_straight_100mm_inf");
+  const Found few = usual.measure(fixture);
+  const Found many = coarse.measure(fixture);
+  EXPECT_TRUE(holds(few)) << few.place << few.note;
+  EXPECT_TRUE(holds(many)) << many.place << many.note;
+  EXPECT_LT(few.bound, many.bound / 2);
+  EXPECT_LT(few.measured, many.measured / 100);
+  EXPECT_GT(many.measured, 500);
+  EXPECT_TRUE(holds(case_named(cases, "depth_default").measure(fixture)));
+  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.0F, true));
+  const Found missing = usual.measure(fixture);
+  EXPECT_FALSE(holds(missing));
+  EXPECT_FALSE(missing.place.empty() || missing.expected.empty() || missing.got.empty());
+}
+
 TEST_F(StabilityGl, AWrongBoundAndAnErrorAreRowsThatFail) {
   StabilityRequest request;
   request.small = true;
