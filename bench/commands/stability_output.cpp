@@ -82,12 +82,18 @@ std::vector<StabilityCaseRow> stability_rows(const StabilityReport& report, int6
 }
 
 std::string stability_text(const StabilityReport& report) {
-  std::string out =
-      fmt::format("{:<22} {:<26} {:>10} {:>10} {:<16}\n", "case", "representation", "measured", "bound", "unit");
+  size_t name = 22;
+  size_t unit = 16;
+  for (const StabilityRow& row : report.rows) {
+    name = std::max(name, row.asked.name.size());
+    unit = std::max(unit, row.asked.unit.size());
+  }
+  std::string out = fmt::format("{:<{}} {:<26} {:>10} {:>10} {:<{}}\n", "case", name, "representation", "measured",
+                                "bound", "unit", unit);
   for (const StabilityRow& row : report.rows) {
     const Found& found = row.found;
-    out += fmt::format("{:<22} {:<26} {:>10} {:>10} {:<16} {}\n", row.asked.name, row.representation,
-                       figure(found.measured), figure(found.bound), row.asked.unit, row.pass() ? "" : "FAILS");
+    out += fmt::format("{:<{}} {:<26} {:>10} {:>10} {:<{}} {}\n", row.asked.name, name, row.representation,
+                       figure(found.measured), figure(found.bound), row.asked.unit, unit, row.pass() ? "" : "FAILS");
     if (row.pass()) continue;
     if (!row.error.empty()) out += fmt::format("    {}\n", row.error);
     if (!found.place.empty()) out += fmt::format("    {}: {}, should be {}\n", found.place, found.got, found.expected);

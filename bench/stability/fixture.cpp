@@ -72,6 +72,11 @@ renderers::Capture Fixture::draw_mesh(const scene::Frame& frame) {
   return renderer_->capture(frame, mesh());
 }
 
+renderers::Capture Fixture::draw_stored(const scene::Frame& frame, const renderers::DepthStorage& storage) {
+  if (!renderer_) renderer_ = std::make_unique<renderers::Renderer>(context_, walker());
+  return renderers::capture_stored(context_, *renderer_, frame, representation(), storage);
+}
+
 scene::Frame empty_frame(const glm::dvec3& eye, const glm::dvec3& target, double fov_deg, int width, int height) {
   scene::Frame frame;
   frame.camera.eye = eye;

@@ -8,11 +8,14 @@
 
 #include "bench/stability/stability.h"
 #include "renderers/frame/capture.h"
+#include "renderers/frame/depth_storage.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
 #include "scene/crowd/crowd.h"
 
 namespace crowdbench::bench {
+
+struct DepthTruth;  // of depth.cpp
 
 class Fixture {
  public:
@@ -43,6 +46,10 @@ class Fixture {
   // linear: also Capture::linear, where a colour that is not a number shows.
   renderers::Capture draw(const scene::Frame& frame, bool linear = false);
   renderers::Capture draw_mesh(const scene::Frame& frame);
+  // What is asked about, drawing the walker into another depth buffer than every other picture.
+  renderers::Capture draw_stored(const scene::Frame& frame, const renderers::DepthStorage& storage);
+  // What the cases of depth buffers are held against, made by the first of them.
+  std::shared_ptr<const DepthTruth>& depth_truth() { return depth_truth_; }
   // Stands for what is asked about, drawing the walker, until the next ask(): for tests that plant a fault.
   void replace(std::unique_ptr<renderers::Representation> representation);
 
@@ -53,6 +60,7 @@ class Fixture {
   std::optional<scene::Cast> walker_;
   std::unique_ptr<renderers::Renderer> renderer_;
   std::unique_ptr<renderers::Representation> representation_, mesh_;
+  std::shared_ptr<const DepthTruth> depth_truth_;
 };
 
 // ---- frames

@@ -50,6 +50,8 @@ std::vector<StabilityCase> stability_cases() {
   add_character_cases(cases);
   add_number_cases(cases);
   add_statistics_cases(cases);
+  add_truth_cases(cases);
+  add_depth_cases(cases);
   return cases;
 }
 

@@ -80,5 +80,7 @@ void add_size_cases(std::vector<StabilityCase>& cases);
 void add_character_cases(std::vector<StabilityCase>& cases);
 void add_number_cases(std::vector<StabilityCase>& cases);
 void add_statistics_cases(std::vector<StabilityCase>& cases);
+void add_truth_cases(std::vector<StabilityCase>& cases);
+void add_depth_cases(std::vector<StabilityCase>& cases);
 
 }  // namespace crowdbench::bench

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
 #include <deque>
 
 #include "core/error.h"
@@ -161,6 +162,13 @@ void FrameResources::upload(const scene::Frame& frame) {
   reserve(s.context, s.outfits, frame.outfits.size() * sizeof(scene::Outfit));
   s.outfits.buffer.write(frame.outfits);
   s.upload_bytes = sizeof u + s.records.size() * sizeof(AgentRecord) + frame.outfits.size() * sizeof(scene::Outfit);
+}
+
+void FrameResources::set_projection(const scene::Frame& frame, const glm::dmat4& projection) const {
+  const glm::mat4 whole(projection * glm::dmat4(scene::view_rotation(frame.camera)));
+  const glm::mat4 alone(projection);
+  state_->uniforms.write(&whole, sizeof whole, offsetof(FrameUniforms, clip_from_world));
+  state_->uniforms.write(&alone, sizeof alone, offsetof(FrameUniforms, projection));
 }
 
 void FrameResources::bind() const {

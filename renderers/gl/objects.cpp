@@ -76,7 +76,8 @@ TexelSize texel_size(unsigned format) {
     case GL_R8:
     case GL_R8UI: return {1, 1};
     case GL_RG8:
-    case GL_R16: return {2, 1};
+    case GL_R16:
+    case GL_DEPTH_COMPONENT16: return {2, 1};
     case GL_RGB8: return {3, 1};
     case GL_RGB10_A2:
     case GL_RGBA8:
@@ -84,6 +85,7 @@ TexelSize texel_size(unsigned format) {
     case GL_RG16:
     case GL_R32F:
     case GL_R32UI:
+    case GL_DEPTH_COMPONENT24:
     case GL_DEPTH_COMPONENT32F: return {4, 1};
     case GL_RGBA16:
     case GL_RGBA16F:

@@ -28,10 +28,10 @@ class StabilityGl : public ::testing::Test {
   support::ScratchFolder folder_;
 };
 
-// Draws agents as another does, a hand's breadth beside; or nobody whose id is odd.
+// Draws agents as another does, a hand's breadth beside; or leaves out one of every `leave_out`, where that is not 0.
 class Wrong : public renderers::Representation {
  public:
-  Wrong(renderers::Representation& right, float aside, bool leave_out)
+  Wrong(renderers::Representation& right, float aside, uint32_t leave_out)
       : right_(right), aside_(aside), leave_out_(leave_out) {}
   void draw(const scene::Frame& frame, const renderers::FrameResources& resources, const renderers::AgentLists& agents,
             const renderers::Pass& pass) override {
@@ -41,7 +41,7 @@ class Wrong : public renderers::Representation {
       for (scene::FrameAgent& agent : moved.agents[0]) agent.position.x += aside_;
     resources.update_agents(moved);
     renderers::AgentLists some = agents;
-    if (leave_out_) std::erase_if(some[0], [](uint32_t i) { return i % 2 == 0; });
+    if (leave_out_ > 0) std::erase_if(some[0], [this](uint32_t i) { return i % leave_out_ == leave_out_ / 2 - 1; });
     right_.draw(moved, resources, some, pass);
   }
   renderers::Footprint footprint() const override { return right_.footprint(); }
@@ -50,7 +50,7 @@ class Wrong : public renderers::Representation {
  private:
   renderers::Representation& right_;
   float aside_;
-  bool leave_out_;
+  uint32_t leave_out_;  // even
 };
 
 const StabilityCase& case_named(const std::vector<StabilityCase>& cases, std::string_view name) {
@@ -153,12 +153,47 @@ TEST_F(StabilityGl, PlantedFaultsFail) {
   const StabilityCase& surface = case_named(cases, "eye_above");
   EXPECT_TRUE(holds(far.measure(fixture)));
   EXPECT_TRUE(holds(surface.measure(fixture)));
-  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.1F, false));
+  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.1F, 0));
   const Found moved = far.measure(fixture);
   EXPECT_FALSE(holds(moved)) << "agents moved far from the origin";
   EXPECT_FALSE(moved.place.empty() || moved.expected.empty() || moved.got.empty() || moved.before.empty());
-  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.0F, true));
+  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.0F, 2));
   EXPECT_FALSE(holds(surface.measure(fixture))) << "nobody is drawn";
+}
+
+TEST_F(StabilityGl, TheTruthFindsWhoIsNotDrawn) {
+  gl::Context context;
+  Fixture fixture(context, true, false, false);
+  const std::vector<StabilityCase> cases = stability_cases();
+  const StabilityCase& cameras = case_named(cases, "truth_cameras");
+  const Found right = cameras.measure(fixture);
+  EXPECT_TRUE(holds(right)) << right.place;
+  EXPECT_NE(right.note.find("pixels covered"), std::string::npos);
+  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.0F, 8));
+  const Found wrong = cameras.measure(fixture);
+  EXPECT_GT(wrong.measured, 10);
+  EXPECT_FALSE(wrong.place.empty() || wrong.expected.empty() || wrong.got.empty() || wrong.before.empty());
+}
+
+// The usual depth buffer makes fewer errors than the others; who is not drawn at all is beyond what a step allows.
+TEST_F(StabilityGl, DepthBuffersAreAsGoodAsTheirStepsAndNoBetter) {
+  gl::Context context;
+  Fixture fixture(context, true, false, false);
+  const std::vector<StabilityCase> cases = stability_cases();
+  const StabilityCase& usual = case_named(cases, "depth_32f_reversed_100mm_inf");
+  const StabilityCase& coarse = case_named(cases, "depth_16_straight_100mm_inf");
+  const Found few = usual.measure(fixture);
+  const Found many = coarse.measure(fixture);
+  EXPECT_TRUE(holds(few)) << few.place << few.note;
+  EXPECT_TRUE(holds(many)) << many.place << many.note;
+  EXPECT_LT(few.bound, many.bound / 2);
+  EXPECT_LT(few.measured, many.measured / 100);
+  EXPECT_GT(many.measured, 0.05);
+  EXPECT_TRUE(holds(case_named(cases, "depth_default").measure(fixture)));
+  fixture.replace(std::make_unique<Wrong>(fixture.mesh(), 0.0F, 2));
+  const Found missing = usual.measure(fixture);
+  EXPECT_FALSE(holds(missing));
+  EXPECT_FALSE(missing.place.empty() || missing.expected.empty() || missing.got.empty());
 }
 
 TEST_F(StabilityGl, AWrongBoundAndAnErrorAreRowsThatFail) {
