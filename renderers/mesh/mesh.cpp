@@ -119,7 +119,8 @@ const RepresentationType mesh_type = {
     .make = [](const MakeContext& context, const Spec& spec) -> std::unique_ptr<Representation> {
       const OptionReader reader(mesh_type, spec);
       const MeshLevelOptions level = level_options(spec);
-      if (has_lods(spec)) return make_mesh_lods(context, spec);
+      const double pixels = reader.number("pixels", 0.01, 100);
+      if (has_lods(spec)) return make_mesh_lods(context, spec, pixels);
       return std::make_unique<MeshRepresentation>(context,
                                                   reader.flag("floor") ? MeshUse::static_pose : MeshUse::skinned, level,
                                                   static_cast<int>(reader.integer("passes", 1, 16)));

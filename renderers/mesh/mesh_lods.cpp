@@ -176,7 +176,7 @@ void MeshLods::hold(const std::vector<AgentShares>& held) {
   }
 }
 
-std::unique_ptr<Representation> make_mesh_lods(const MakeContext& context, const Spec& spec) {
+std::unique_ptr<Representation> make_mesh_lods(const MakeContext& context, const Spec& spec, double pixels) {
   const OptionReader reader(mesh_type, spec);
   std::vector<Spec> specs = lod_specs(reader.text("lods"), context.cast);
   Spec whole;
@@ -190,8 +190,7 @@ std::unique_ptr<Representation> make_mesh_lods(const MakeContext& context, const
       if (key == "floor" || key == "passes") one.options.emplace_back(key, value);
     levels.push_back(mesh_type.make(context, one));
   }
-  return std::make_unique<MeshLods>(std::move(levels), std::move(names), context.cast,
-                                    reader.number("pixels", 0.01, 100));
+  return std::make_unique<MeshLods>(std::move(levels), std::move(names), context.cast, pixels);
 }
 
 }  // namespace crowdbench::renderers

@@ -53,7 +53,8 @@ class MeshLods : public Representation {
   std::vector<size_t> drawn_;
 };
 
-// Of a spec of the mesh with the option `lods`; what else it says (floor, passes) goes for all levels.
-std::unique_ptr<Representation> make_mesh_lods(const MakeContext& context, const Spec& spec);
+// Of a spec of the mesh with the option `lods`; what else it says (floor, passes) goes for all levels. pixels: that a
+// level's error may span.
+std::unique_ptr<Representation> make_mesh_lods(const MakeContext& context, const Spec& spec, double pixels);
 
 }  // namespace crowdbench::renderers
