@@ -108,6 +108,7 @@ std::set<std::string> names_in(const std::string& literal, const Strings& names)
   for (const std::string& line : lines_of(literal)) {
     if (is_example(line)) continue;
     for (const std::string& name : names) {
+      if (line.find(name) == std::string::npos) continue;
       const std::string pattern =
           name == "mesh" ? R"(^mesh($|[:(,]\w)|[ '(,]mesh[:(]\w|[(,]mesh[,)])" : "\\b" + name + "\\b";
       if (std::regex_search(line, std::regex(pattern))) found.insert(name);
