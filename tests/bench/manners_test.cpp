@@ -63,7 +63,9 @@ TEST_P(StopsGl, WithinThreeSecondsAndLeavesNothingHalfWritten) {
   driver.wait_for_end(1);  // it is well under way then
   if (driver.status() >= 0) GTEST_SKIP() << "this device is done with it in a second";
   driver.send(work.signal_number);
-  EXPECT_LE(driver.wait_for_end(60), kAnswerSeconds);
+  const double seconds = driver.wait_for_end(60);
+  EXPECT_LE(seconds, kAnswerSeconds);
+  if (driver.status() == 0 && seconds < 0.5) GTEST_SKIP() << "this device was about to end when it was told to";
   EXPECT_EQ(driver.status(), 128 + work.signal_number);
   const std::string said = driver.said();
   EXPECT_NE(said.find("crowdbench: interrupted; "), std::string::npos) << said;
