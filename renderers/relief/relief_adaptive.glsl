@@ -10,9 +10,9 @@ Hit search(Ray ray, Map map) {
   int steps = steps_across(ray, across);
   float inverse_steps = 1.0 / float(steps);
   vec2 move = across * inverse_steps;
-  float rise = ray.delta.z * inverse_steps;
+  float rise = (ray.delta.z + EARLIER) * inverse_steps;
   vec2 at = start + 0.5 * move;
-  float c = ray.from.z - SLACK;
+  float c = ray.from.z - EARLIER - SLACK;
   float half_step = 0.5 * rise + SLACK;
   vec2 mirror = ray.down ? vec2(1.0, -0.5) : vec2(0.0, 0.5);
   Hit hit = nothing(map);

@@ -10,13 +10,14 @@ Hit search(Ray ray, Map map) {
   int steps = steps_across(ray, across);
   float inverse_steps = 1.0 / float(steps);
   vec2 move = across * inverse_steps;
-  float rise = ray.delta.z * inverse_steps;
+  float from = ray.from.z - EARLIER;
+  float rise = (ray.delta.z + EARLIER) * inverse_steps;
   vec2 at = start + 0.5 * move;
   float thinner = rise * clamp(max(abs(move.x), abs(move.y)) - 0.5, 0.0, 0.5);
   float thickness = rise + 2.0 * SLACK;
   float grown = thickness - thinner;
   float upward = ray.down ? -rise : rise;
-  float middle = 2.0 * (ray.down ? 1.0 - ray.from.z : ray.from.z) + upward;
+  float middle = 2.0 * (ray.down ? 1.0 - from : from) + upward;
   Hit hit = nothing(map);
   bool met = false;
   int i = 0;
@@ -30,6 +31,6 @@ Hit search(Ray ray, Map map) {
     at += move;
   }
   if (met)
-    hit.depth = max(max(ray.down ? 1.0 - hit.solid.y : hit.solid.x, ray.from.z + float(i - 1) * rise - SLACK), 0.0);
+    hit.depth = max(max(ray.down ? 1.0 - hit.solid.y : hit.solid.x, from + float(i - 1) * rise - SLACK), 0.0);
   return hit;
 }

@@ -3,7 +3,10 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <unordered_set>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
 
@@ -16,37 +19,60 @@ using nlohmann::json;
 
 constexpr size_t kNameBytes = 1024;
 
-// Two members of one name mean different things to different parsers: finds the first, and stops there.
-class DuplicateFinder : public nlohmann::json_sax<json> {
+// Builds a document in one pass, and stops at the first member whose name its object has already: two members of one
+// name mean different things to different parsers. (nlohmann's parse with a callback takes quadratic time on long
+// arrays of objects.) GltfSource has limited the depth and the number of values.
+class DocumentBuilder : public nlohmann::json_sax<json> {
  public:
-  std::optional<std::string> name;
+  json root;
+  std::optional<std::string> twice;  // the member's name
+  std::string wrong;                 // why it does not parse
 
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool string(string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool start_array(size_t) override { return true; }
-  bool end_array() override { return true; }
-  bool start_object(size_t) override {
-    keys_.emplace_back();
-    return true;
+  bool null() override { return add(nullptr) != nullptr; }
+  bool boolean(bool value) override { return add(value) != nullptr; }
+  bool number_integer(number_integer_t value) override { return add(value) != nullptr; }
+  bool number_unsigned(number_unsigned_t value) override { return add(value) != nullptr; }
+  bool number_float(number_float_t value, const string_t&) override { return add(value) != nullptr; }
+  bool string(string_t& value) override { return add(std::move(value)) != nullptr; }
+  bool binary(binary_t&) override { return false; }  // text has none
+  bool start_object(size_t) override { return open(json::object()); }
+  bool start_array(size_t) override { return open(json::array()); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& name) override {
+    const auto [place, fresh] = opened_.back()->get_ref<json::object_t&>().try_emplace(std::move(name));
+    if (!fresh) twice = place->first;
+    member_ = &place->second;
+    return fresh;
   }
-  bool end_object() override {
-    keys_.pop_back();
-    return true;
+  bool parse_error(size_t, const std::string&, const nlohmann::detail::exception& e) override {
+    wrong = e.what();
+    return false;
   }
-  bool key(string_t& key) override {
-    if (!keys_.back().insert(key).second) name = key;
-    return !name;
-  }
-  // What does not parse is reported by the pass that builds the document.
-  bool parse_error(size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
 
  private:
-  std::vector<std::unordered_set<std::string>> keys_;
+  json* add(json value) {
+    json* place = &root;
+    if (!opened_.empty() && opened_.back()->is_array()) {
+      opened_.back()->push_back(nullptr);
+      place = &opened_.back()->back();
+    } else if (!opened_.empty()) {
+      place = member_;
+    }
+    *place = std::move(value);
+    return place;
+  }
+  bool open(json empty) {
+    opened_.push_back(add(std::move(empty)));  // stays where it is: what holds it only grows once it is closed
+    return true;
+  }
+  bool close() {
+    opened_.pop_back();
+    return true;
+  }
+
+  std::vector<json*> opened_;
+  json* member_ = nullptr;  // whose value comes next
 };
 
 }  // namespace
@@ -61,22 +87,19 @@ const json* GltfDocument::member(const json& object, const char* key) {
 GltfDocument::GltfDocument(const GltfSource& source, const GltfLimits& limits) : source_(source), limits_(limits) {
   std::string_view text = source_.json();
   while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
-  // A pass of its own: nlohmann's parse with a callback takes quadratic time on long arrays of objects.
-  DuplicateFinder duplicates;
-  json::sax_parse(text.begin(), text.end(), &duplicates);
-  if (duplicates.name)
-    throw Error(source_.where(),
-                fmt::format("JSON has the member {} twice in one object",
-                            duplicates.name->empty() ? "\"\"" : printable(*duplicates.name, 60)),
-                kAdvice);
-  try {
-    root_ = std::make_unique<json>(json::parse(text.begin(), text.end()));
-  } catch (const json::exception& e) {
-    std::string reason = e.what();
+  DocumentBuilder built;
+  if (!json::sax_parse(text.begin(), text.end(), &built)) {
+    if (built.twice)
+      throw Error(source_.where(),
+                  fmt::format("JSON has the member {} twice in one object",
+                              built.twice->empty() ? "\"\"" : printable(*built.twice, 60)),
+                  kAdvice);
+    std::string reason = built.wrong;
     const size_t bracket = reason.find("] ");
     if (bracket != std::string::npos) reason.erase(0, bracket + 2);
     throw Error(source_.where(), "JSON does not parse: " + printable(reason, 160), kAdvice);
   }
+  root_ = std::make_unique<json>(std::move(built.root));
   if (!root_->is_object()) throw Error(source_.where(), "JSON is not an object", kAdvice);
   static constexpr std::array<const char*, 14> kArrays = {
       "accessors", "animations", "bufferViews", "buffers", "images",   "materials", "meshes",

@@ -289,21 +289,31 @@ int clip_along_minus_z(const Character& character) {
   return -1;
 }
 
-// Does the character walk along -Z? What it looks like decides whether that is forwards: VRM 0.x files face -Z.
+// A VRM file, which says which node is which bone, that goes nowhere: only what it looks like tells version 0.x, which
+// faces -Z, from 1.0.
+bool is_still_and_named(const Character& character) {
+  return !character.skeleton.human_bones.empty() &&
+         std::ranges::none_of(character.motion, [](const ClipMotion& motion) { return motion.ground_speed > 0; });
+}
+
+// Does the character walk along -Z, or stand that way? What it looks like decides whether that is forwards: VRM 0.x
+// files face -Z.
 bool turn_was_guessed(Character& character, std::span<const glm::dvec3> bind, const std::vector<uint32_t>& soles) {
   const int clip = clip_along_minus_z(character);
-  if (clip < 0) return false;
-  const std::string& name = character.clips[static_cast<size_t>(clip)].name;
-  const std::string what = fmt::format("clip {} '{}' travels along -Z", clip, printable(name, 60));
+  if (clip < 0 && !is_still_and_named(character)) return false;
+  const std::string name = clip < 0 ? "" : printable(character.clips[static_cast<size_t>(clip)].name, 60);
+  const std::string what =
+      clip < 0 ? "no clip goes anywhere" : fmt::format("clip {} '{}' travels along -Z", clip, name);
   switch (compute_facing(character, bind, soles)) {
     case Facing::minus_z:
       add_turning_node(character, glm::dquat(0.0, 0.0, 1.0, 0.0));
-      character.warnings.push_back(what +
-                                   ", where feet and face point too (as in VRM 0.x): turned by 180 degrees to "
-                                   "face +Z; turn_deg = 0 leaves it as it is");
+      character.warnings.push_back(
+          fmt::format("{}{} (as in VRM 0.x): turned by 180 degrees to face +Z; turn_deg = 0 leaves it as it is", what,
+                      clip < 0 ? ", and feet and face point to -Z" : ", where feet and face point too"));
       return true;
     case Facing::unclear:
-      character.warnings.push_back(what + "; if that is forwards, turn_deg = 180 makes the character face +Z");
+      if (clip >= 0)
+        character.warnings.push_back(what + "; if that is forwards, turn_deg = 180 makes the character face +Z");
       break;
     case Facing::plus_z: break;
   }

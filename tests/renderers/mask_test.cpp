@@ -79,8 +79,27 @@ const Pattern kPatterns[] = {{"stripes", [](int x, int) { return x / 4 % 2 == 0;
                              {"net", [](int x, int y) { return x % 8 == 0 || y % 8 == 0; }, 15.0 / 64},
                              {"holes", [](int x, int y) { return x % 8 > 1 || y % 8 > 1; }, 60.0 / 64}};
 
+// The card with two specks before and behind it: it stands in the middle of a box that is so deep, metres.
+scene::Character amid(scene::Character card, float deep) {
+  scene::Mesh& mesh = card.mesh;
+  for (const float z : {-deep / 2, deep / 2}) {
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    for (const glm::vec2& at : {glm::vec2(0, 0.8F), glm::vec2(0.002F, 0.8F), glm::vec2(0, 0.802F)}) {
+      mesh.positions.emplace_back(at.x, at.y, z);
+      mesh.normals.emplace_back(0, 0, 1);
+      mesh.uvs.emplace_back(0.01F, 0.01F);
+      mesh.joints.push_back(mesh.joints.front());
+      mesh.weights.push_back(mesh.weights.front());
+    }
+    mesh.indices.insert(mesh.indices.end(), {first, first + 1, first + 2});
+  }
+  mesh.primitives.back().index_count += 6;
+  mesh.primitives.back().vertex_count += 6;
+  return card;
+}
+
 // Pixels that a crowd of cards covers which are so many pixels tall, at many places between pixels.
-double pixels_of(const scene::Character& card, const std::string& spec, double height) {
+double pixels_of(const scene::Character& card, const std::string& spec, double height, float turns = 0) {
   const scene::Cast cast = cast_of(card);
   constexpr double kFov = 8.0;
   constexpr int kSize = 360;
@@ -90,7 +109,7 @@ double pixels_of(const scene::Character& card, const std::string& spec, double h
   for (int i = 0; i < each * each; ++i)
     add_agent(frame, cast,
               {1.47 * (i % each - each / 2.0) + 0.37 * (i * 37 % 101) / 101, 1.83 * (i / each - each / 2.0), 0},
-              uint32_t(i + 1));
+              uint32_t(i + 1), 0.0, turns);
   Renderer renderer(context(), cast);
   const Capture capture = renderer.capture(frame, *make(cast, spec), {});
   return static_cast<double>(std::ranges::count_if(capture.ids.data, [](uint32_t id) { return id != 0; }));
@@ -156,6 +175,18 @@ TEST_F(MaskLevelsGl, ReliefsCoverWhatThePatternLeaves) {
       const double there = pixels_of(masked_card(128, 128, 0.5F, kPatterns[k].there), "relief:capture=bind", height);
       EXPECT_NEAR(there / all, kPatterns[k].covers, 0.05) << kPatterns[k].name << " " << height << " pixels tall";
     }
+  }
+}
+
+// A sheet in the middle of its box, seen aslant, lies where two steps of the search meet and is looked for in one of
+// them.
+TEST_F(MaskLevelsGl, ReliefsMeetASheetInTheMiddleOfItsBoxOnce) {
+  const std::string spec = "relief:capture=bind";
+  constexpr float kTurned = 0.045F;  // of a full turn: 16 degrees
+  for (const double height : {40.0, 12.0}) {
+    const double all = pixels_of(amid(masked_card(128, 128, 0.0F, kPatterns[0].there), 0.4F), spec, height, kTurned);
+    const double there = pixels_of(amid(masked_card(128, 128, 0.5F, kPatterns[2].there), 0.4F), spec, height, kTurned);
+    EXPECT_NEAR(there / all, kPatterns[2].covers, 0.05) << height << " pixels tall";
   }
 }
 

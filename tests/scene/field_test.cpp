@@ -575,6 +575,26 @@ TEST(Facing, AWalkAlongMinusZThatTheToesPointToIsTurned) {
   EXPECT_TRUE(warned(walker({0, -1}, false), "turn_deg = 180"));
 }
 
+// VRM 0.x files have no clips of their own, or clips on the spot, and face -Z; what is no VRM file is left as it is.
+TEST(Facing, AVrmFileThatGoesNowhereIsTurnedToWhereItsToesPoint) {
+  for (const float toes : {-0.5F, 0.5F}) {
+    Builder b = bending_card();
+    attributes(b)["POSITION"] = b.accessor<float>({0, 0, 0, 1, 0, 0, 0.5F, 0, toes, 0.5F, 2, 0}, "VEC3");
+    primitive(b)["indices"] = b.accessor<uint16_t>({0, 1, 2, 0, 1, 3}, "SCALAR");
+    EXPECT_FALSE(warned(load(b), "turned by 180 degrees"));
+    b.doc["extensions"]["VRM"]["humanoid"]["humanBones"] = {{{"bone", "hips"}, {"node", 1}}};
+    for (const bool with_clip : {true, false}) {
+      if (!with_clip) b.doc.erase("animations");
+      const Character c = load(b);
+      EXPECT_EQ(warned(c, "no clip goes anywhere, and feet and face point to -Z"), toes < 0) << toes;
+      EXPECT_GT(skin_positions(c.mesh, model_matrices(c, -1, 0))[2].z, 0.1) << "toes point to +Z";
+      LoadOptions as_it_is;
+      as_it_is.normalise.turn_deg = 0;
+      EXPECT_FALSE(warned(load(b, as_it_is), "turned by 180 degrees"));
+    }
+  }
+}
+
 TEST(Facing, AnyWalkTellsItNotTheDefaultClipAlone) {
   Builder b = walking_card();
   b.doc["animations"][0]["name"] = "walk_strafe";
