@@ -1,10 +1,13 @@
 #include "metrics/agents.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 
+#include "core/counted.h"
 #include "metrics/sizes.h"
 
 namespace crowdbench::metrics {
@@ -59,8 +62,25 @@ std::optional<double> depth_of_agent(const ScoreInput& input, Shared&, const Age
     sum += u == v ? 0 : std::abs(u - v);
     ++count;
   }
-  if (count == 0) return std::nullopt;
+  // Depths that are not a number, or infinite on one side, are no distance.
+  if (count == 0 || !std::isfinite(sum)) return std::nullopt;
   return sum / static_cast<double>(count);
+}
+
+// Why depths of pixels that show one agent in both pictures have no difference; empty where all have one.
+std::string no_difference(const ScoreInput& input, const AgentPixels& agent) {
+  size_t count = 0;
+  std::string first;
+  for (const auto& [x, y] : agent.pixels) {
+    if (*input.reference.ids->at(x, y) != *input.test.ids->at(x, y)) continue;
+    const double u = *input.reference.depth->at(x, y);
+    const double v = *input.test.depth->at(x, y);
+    if (u == v || std::isfinite(u - v)) continue;
+    if (count++ == 0) first = fmt::format("the first at ({}, {}): reference {}, test {}", x, y, u, v);
+  }
+  return count == 0 ? ""
+                    : fmt::format("depths of {} are no finite numbers where both show one agent, {}",
+                                  counted(count, "pixel", "pixels"), first);
 }
 
 constexpr std::string_view kNoneInBoth = "no pixel carries the same agent in both pictures";
@@ -77,7 +97,9 @@ ScoreResult depth_error(const ScoreInput& input, Shared& shared) {
       if (*reference.at(x, y) != 0) all.pixels.emplace_back(x, y);
   ScoreResult result;
   result.value = depth_of_agent(input, shared, all);
-  if (!result.value) result.reason = kNoneInBoth;
+  if (result.value) return result;
+  result.reason = no_difference(input, all);
+  if (result.reason.empty()) result.reason = kNoneInBoth;
   return result;
 }
 

@@ -43,7 +43,8 @@ constexpr double kRelief = 0.1;  // of a body's pixels, those that lie beside an
 double beside_plane(const ImageF& depth, const std::vector<size_t>& pixels, double tolerance) {
   const auto place = [&](size_t i) {
     const auto width = static_cast<size_t>(depth.width);
-    return std::array{static_cast<double>(i % width), static_cast<double>(i / width)};
+    const size_t row = i / width;
+    return std::array{static_cast<double>(i % width), static_cast<double>(row)};
   };
   const auto reciprocal = [&](size_t i) { return 1 / static_cast<double>(depth.data[i]); };
   double n = 0, mx = 0, my = 0, mq = 0;

@@ -64,7 +64,8 @@ scene::Frame extreme_frame(Fixture& fixture, uint64_t camera) {
   for (uint64_t i = 0; i < walkers; ++i) {
     const auto of = [&](uint64_t what) { return random_share(camera, kPlace + 1 + 4 * i + what); };
     const double x = static_cast<double>(static_cast<int>(i) % columns) - (columns - 1) / 2.0 + 0.5 * of(0);
-    const double z = static_cast<double>(static_cast<int>(i) / columns) - (columns - 1) / 2.0 + 0.5 * of(1);
+    const int row = static_cast<int>(i) / columns;
+    const double z = row - (columns - 1) / 2.0 + 0.5 * of(1);
     add_agent(frame, fixture.walker(), crowd + kApart * glm::dvec3(x, 0, z), of(2), of(3));
   }
   return frame;

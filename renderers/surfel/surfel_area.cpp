@@ -30,7 +30,8 @@ View view_of(const scene::PoseBank& bank, int i) {
   v.right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), v.backward));
   v.up = glm::cross(v.backward, v.right);
   const auto clips = static_cast<int>(bank.clips().size());
-  v.palette = bank.palette(bank.sample(i % clips, i / clips * 0.6180339887498949));
+  const int round = i / clips;
+  v.palette = bank.palette(bank.sample(i % clips, round * 0.6180339887498949));
   v.offset = {static_cast<float>(std::fmod(0.7548776662466927 * i, 1.0)),
               static_cast<float>(std::fmod(0.5698402909980532 * i, 1.0))};
   return v;

@@ -177,7 +177,7 @@ void reflect(const Candidate& c, const SheetPlace& sheet, const std::array<bool,
              const std::vector<glm::vec3>& posed, std::vector<Beyond>& out) {
   for (size_t k = 0; k < 3; ++k) {
     if (!borders[k]) continue;
-    const glm::vec3 a = posed[c.corners[k]];
+    const glm::vec3& a = posed[c.corners[k]];
     const glm::vec3 along = posed[c.corners[(k + 1) % 3]] - a;
     const glm::vec3 to = posed[c.corners[(k + 2) % 3]] - a;
     const glm::vec3 height = to - along * (glm::dot(to, along) / std::max(glm::dot(along, along), 1e-30F));

@@ -557,6 +557,37 @@ TEST(Agents, EachAgentIsScoredOverItsOwnUnion) {
   EXPECT_DOUBLE_EQ(depth->result.value.value(), 0.25);
 }
 
+TEST(Agents, DepthsThatAreNoFiniteNumbersAreNoError) {
+  const ImageU32 ids = []() {
+    ImageU32 image(3, 1, 1);
+    image.data = {1, 1, 2};
+    return image;
+  }();
+  ImageF depth(3, 1, 1);
+  depth.data = {4, 5, 6};
+  const auto scored = [&](float broken) {
+    ImageF test = depth;
+    test.data[1] = broken;
+    Buffers reference_side, test_side;
+    reference_side.ids = &ids, reference_side.depth = &depth;
+    test_side.ids = &ids, test_side.depth = &test;
+    const ScoreInput input{.reference = reference_side, .test = test_side};
+    Shared shared;
+    const AgentScores agents = score_agents(scores(), input, shared);
+    EXPECT_FALSE(of_agent(agents, 0, "depth_mae"));
+    EXPECT_EQ(of_agent(agents, 1, "depth_mae"), 0);
+    const auto whole = score_pictures(scores(), input, shared);
+    const auto found =
+        std::find_if(whole.begin(), whole.end(), [](const Scored& s) { return s.score->name == "depth_mae"; });
+    EXPECT_FALSE(found->result.value);
+    return found->result.reason;
+  };
+  EXPECT_EQ(
+      scored(kInfinity),
+      "depths of 1 pixel are no finite numbers where both show one agent, the first at (1, 0): reference 5, test inf");
+  EXPECT_NE(scored(std::numeric_limits<float>::quiet_NaN()).find("test nan"), std::string::npos);
+}
+
 TEST(Agents, SsimOfAnAgentIsTheMapOverItsPixels) {
   const Image8 a = noise(30, 30, 3, 1);
   const Image8 b = noise(30, 30, 3, 2);

@@ -91,10 +91,22 @@ void free_encoder(Encoder* e) {
   delete e;
 }
 
+// x264's choices must not depend on the processor; and its AVX-512 code (build 164) reads memory that it never wrote,
+// so that the same pictures became another video in every run of a busy machine. A processor with AVX-512 has what is
+// named here.
+const char* same_everywhere() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f")) return "cpu-independent=1:asm=AVX2,FMA3,BMI2,LZCNT";
+#endif
+  return "cpu-independent=1";
+}
+
 // The rate factor and how much time is spent on it.
 int set_quality(AVCodecContext& c, const Settings& settings) {
   const char* const speed = settings.codec == Codec::vp9_444 ? "cpu-used" : "preset";
   int status = av_opt_set(c.priv_data, speed, settings.preset, 0);
+  if (status >= 0 && settings.codec != Codec::vp9_444)
+    status = av_opt_set(c.priv_data, "x264-params", same_everywhere(), 0);
   if (status >= 0 && settings.codec == Codec::h264_lossless) return av_opt_set_int(c.priv_data, "qp", 0, 0);
   if (status >= 0 && settings.codec != Codec::vp9_444) return av_opt_set_double(c.priv_data, "crf", settings.crf, 0);
   // No bit rate beside the rate factor: constant quality. Rows and two columns are encoded at a time; the bytes are the
