@@ -52,7 +52,8 @@ class FrameResources {
 
   // Uploads everything of one frame but palettes. Throws Error above kMaxFrameAgents.
   void upload(const scene::Frame& frame);
-  // Another projection from eye space than scene::projection's, the frame's view and all else as it was; until upload().
+  // Another projection from eye space than scene::projection's, the frame's view and all else as it was; until
+  // upload().
   void set_projection(const scene::Frame& frame, const glm::dmat4& projection) const;
   // Binds the uniform block, the agents and the outfits at their places in shaders/bindings.shared.h.
   void bind() const;
