@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Long{"ManyMeshes", {"render", "--agents", "200000", "--out", "x.png"}, SIGTERM},
         Long{"ManyImpostors",
-             {"render", "--agents", "200000", "--size", "2000x2000", "--out", "x.png", "--supersample", "3",
+             {"render", "--agents", "200000", "--size", "1500x1500", "--out", "x.png", "--supersample", "3",
               "--representation", "flat:views=sphere-4x1,texels=32,frames=1"},
              SIGINT},
         Long{"Placement", {"render", "million.toml", "--out", "x.png"}, SIGTERM},
