@@ -65,13 +65,18 @@ TEST_P(StopsGl, WithinThreeSecondsAndLeavesNothingHalfWritten) {
   driver.send(work.signal_number);
   const double seconds = driver.wait_for_end(60);
   EXPECT_LE(seconds, kAnswerSeconds);
-  if (driver.status() == 0 && seconds < 0.5) GTEST_SKIP() << "this device was about to end when it was told to";
+  // Done within that time is an answer, too.
+  if (driver.status() == 0) GTEST_SKIP() << "it was about to end when it was told to";
   EXPECT_EQ(driver.status(), 128 + work.signal_number);
   const std::string said = driver.said();
   EXPECT_NE(said.find("crowdbench: interrupted; "), std::string::npos) << said;
   for (const auto& entry : fs::directory_iterator(work_)) {
     const std::string name = entry.path().filename().string();
-    EXPECT_TRUE(name == "million.toml" || name.starts_with("results.sqlite")) << name;
+    // Told to stop after the last write, it leaves what it wrote, whole.
+    if (name == "x.png")
+      EXPECT_NO_THROW(read_image(entry.path()));
+    else
+      EXPECT_TRUE(name == "million.toml" || name.starts_with("results.sqlite")) << name;
   }
   if (fs::exists(folder_ / "cache")) {
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
@@ -84,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Long{"ManyMeshes", {"render", "--agents", "200000", "--out", "x.png"}, SIGTERM},
         Long{"ManyImpostors",
-             {"render", "--agents", "200000", "--size", "1500x1500", "--out", "x.png", "--supersample", "3",
+             {"render", "--agents", "200000", "--size", "1700x1700", "--out", "x.png", "--supersample", "3",
               "--representation", "flat:views=sphere-4x1,texels=32,frames=1"},
              SIGINT},
         Long{"Placement", {"render", "million.toml", "--out", "x.png"}, SIGTERM},
