@@ -130,7 +130,7 @@ struct BakeInfo {
   std::vector<BakeItem> items;  // of the only character; none where there are several
   std::vector<Kept> kept;       // one a representation that something was left out of; a hybrid's are its components'
   std::vector<std::string> notes;  // what was asked for and could not be had, and why
-  std::vector<LevelInfo> levels;   // that it draws, one a character; a hybrid's are its components'
+  std::vector<LevelInfo> levels;   // that it draws, one a character and level; a hybrid's are its components'
 };
 
 // agents[c]: indices into frame.agents[c], ascending.
@@ -183,7 +183,8 @@ class Representation {
                     const Pass& pass) = 0;
   virtual Footprint footprint() const = 0;
   virtual BakeInfo bake_info() const { return {}; }
-  // Triangles submitted for one agent of character c (a pair for `ratio` and the report).
+  // Triangles submitted for one agent of character c, of the finest where agents change between levels (a pair for
+  // `ratio` and the report).
   virtual uint64_t triangles(size_t character) const = 0;
   // Metres that one texel of character c covers at scale 1, for switching by pixels a texel; 0: it has no such texels.
   virtual double texel_metres(size_t /*character*/) const { return 0; }

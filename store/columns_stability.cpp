@@ -24,7 +24,7 @@ const Table<StabilityCaseRow>& table<StabilityCaseRow>() {
       field<&R::representation>({.name = "representation",
                                  .meaning = "canonical text of what was drawn; absent: the case is asked once, of numbers "
                                             "or statistics"}),
-      field<&R::measured>({.name = "measured", .meaning = "at worst, in `unit`; absent: nothing could be measured"}),
+      field<&R::measured>({.name = "measured", .meaning = "at worst, in `unit`; absent: infinite, or nothing could be measured"}),
       field<&R::bound>({.name = "bound", .meaning = "the most that holds, in `unit`; absent: there is none, or no end to it"}),
       field<&R::unit>({.name = "unit", .meaning = "of both"}),
       field<&R::pass>({.name = "pass", .meaning = "it was measured and is not above its bound"}),

@@ -317,9 +317,10 @@ void describe_plan(gl::Context& context, const Options& options, const scene::Ca
   if (options.promise_seeds > 0 && staged.crowd.size() > 0) {
     const std::vector<uint64_t> seeds =
         derived_seeds(report.request.seed, SeedsFor::promise, static_cast<size_t>(options.promise_seeds));
-    report.promise = promised_speed(time_seeds(context, request, seeds));
+    SpeedPromise speed = promised_speed(time_seeds(context, request, seeds));
     report.score_promise = promised_score(*report.request.error.score,
                                           score_seeds(context, options, report, request.representation, seeds).scores);
+    report.promise = std::move(speed);  // with the score's, or neither
     if (no_promise_of_others(report.request).empty()) report.others = promise_others(context, report, request, cast);
   }
   if (options.check_views) report.lenses = check_lenses(context, report.request, report.result, usual_lenses());
@@ -426,7 +427,8 @@ void add_proof_options(Command& command, Options& options) {
   command.add_flag("--check-views", options.check_views,
                    "draw the plan's heights at 720, 1080 and 2160 rows through 30 and 90 degrees too");
   add_count("--prove", options.prove, 0, 1000, "hold the plan against its promise on so many unseen seeds; 0: not");
-  add_count("--prove-figures", options.prove_figures, 1, 100'000, "figures scored on each seed, of each character");
+  add_count("--prove-figures", options.prove_figures, 1, 100'000,
+            "figures scored on each seed, of each tuned character");
   command
       .add_option("--prove-on", options.prove_on,
                   "the same on a crowd of a character that was not tuned, of three tuned ones or more")

@@ -161,7 +161,7 @@ Json promise_json(const TuneReport& report) {
 
 // Of characters that were not tuned; with why_not where nothing is promised.
 Json others_json(const TuneReport& report) {
-  if (!report.others) return {{"why_not", no_promise_of_others(report.request)}};
+  if (!report.others) return {{"why_not", why_no_others(report)}};
   const OthersPromise& promise = *report.others;
   Json left_out = Json::array();
   for (const CharacterDrawn& one : promise.left_out) left_out.push_back(drawn_json(one));

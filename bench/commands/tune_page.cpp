@@ -11,7 +11,6 @@
 #include "bench/commands/tune_output.h"
 #include "bench/experiments/score_rows.h"
 #include "bench/experiments/tune_measure.h"
-#include "core/counted.h"
 #include "core/image_io.h"
 #include "metrics/pseudocolour.h"
 

@@ -117,8 +117,7 @@ std::string score_promise_text(const TuneReport& report) {
 }
 
 std::string others_promise_text(const TuneReport& report) {
-  if (!report.others)
-    return "nothing is promised of a character that was not tuned: " + no_promise_of_others(report.request);
+  if (!report.others) return "nothing is promised of a character that was not tuned: " + why_no_others(report);
   const metrics::Score& score = *report.request.error.score;
   const OthersPromise& promise = *report.others;
   const auto value = [&](double mean, const Interval& interval) {

@@ -99,7 +99,9 @@ constexpr metrics::Needs kOffered =
 class Comparison {
  public:
   Comparison(gl::Context& context, const QualitySetup& setup)
-      : context_(context), setup_(setup), references_(setup.views.size()) {}
+      : context_(context), setup_(setup), references_(setup.views.size()) {
+    for (const QualityView& view : setup.views) ++views_left_[{view.clip, view.time}];
+  }
 
   // Every view of one representation. Where it is refused, the rows from there on say why, and the Error is kept.
   void run(size_t index, const std::function<void(const QualityRow&, const QualityPictures&)>& seen) {
@@ -247,6 +249,7 @@ class Comparison {
     }
     if (seen) seen(row, pictures);
     for (metrics::Scored& one : row.scores.scores) one.result.map.reset();
+    if (last && --views_left_.at({view.clip, view.time}) == 0) exact_mesh_.erase({view.clip, view.time});
   }
 
   // The mesh in the pose that the side shows: exactly, where that is a stored frame, else blended as its bank has it.
@@ -296,8 +299,9 @@ class Comparison {
 
   gl::Context& context_;
   const QualitySetup& setup_;
-  std::map<std::pair<int, double>, Side> exact_mesh_;
-  std::map<int, Side> banked_mesh_;                           // by clip
+  std::map<std::pair<int, double>, Side> exact_mesh_;    // moments that views of the last representation still ask for
+  std::map<std::pair<int, double>, size_t> views_left_;  // of the last representation, by clip and time
+  std::map<int, Side> banked_mesh_;                      // by clip
   std::map<std::pair<std::string, int>, StoredWhat> stored_;  // by representation and clip
   std::map<int, scene::PoseBank> banks_;
   std::map<int, std::vector<glm::dvec3>> first_poses_;                   // by clip

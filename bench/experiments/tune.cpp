@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "bench/experiments/tune_measure.h"
+#include "bench/experiments/tune_others.h"
 #include "core/error.h"
 
 namespace crowdbench::bench {
@@ -186,7 +187,8 @@ TuneResult tune(gl::Context& context, const TuneRequest& request) {
   result.together = Answering(request, all).run();
   if (all.size() > 1)
     for (TuneMeasurement* one : all) result.alone.push_back(Answering(request, {one}).run());
-  for (size_t i = 0; i < all.size() && all.size() > 2 && request.budget_ns <= 0; ++i) {
+  const bool of_others = result.together.plan && no_promise_of_others(request).empty();
+  for (size_t i = 0; of_others && i < all.size(); ++i) {
     std::vector<TuneMeasurement*> others = all;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     result.left_out.push_back(Answering(request, others).run());

@@ -212,8 +212,7 @@ std::vector<UnseenFigure> draw_unseen(gl::Context& context, const TuneRequest& r
   setup.display = request.display;
   setup.table = {&score, 1};
   std::vector<UnseenFigure> out;
-  for (const QualityRow& row :
-       compute_quality(context, setup, [](const auto&, const auto&) { throw_if_interrupted(); })) {
+  for (const QualityRow& row : compute_quality(context, setup)) {
     if (!row.refused.empty()) throw Error("tune", row.refused, "");
     if (const auto value = row.scores.value(score->name)) out.push_back({row.view.height_px, *value});
   }

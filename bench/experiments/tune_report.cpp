@@ -48,6 +48,11 @@ bool TuneProof::holds() const {
          std::all_of(errors.begin(), errors.end(), [](const ErrorProof& one) { return one.holds; });
 }
 
+std::string why_no_others(const TuneReport& report) {
+  const std::string why = no_promise_of_others(report.request);
+  return why.empty() ? "nothing was measured for it" : why;
+}
+
 std::string candidate_name(const TuneReport& report, size_t candidate) {
   return report.request.candidates[candidate].text();
 }

@@ -36,12 +36,14 @@ struct TuneReport {
   std::vector<TuneSwitchPictures> pictures;            // by switch of the plan for all; empty where nobody asked
   std::optional<SpeedPromise> promise;
   std::optional<ScorePromise> score_promise;  // where there is one of speed
-  std::optional<OthersPromise> others;        // of characters that were not tuned; else no_promise_of_others says why
+  std::optional<OthersPromise> others;        // of characters that were not tuned; else why_no_others
   std::optional<std::vector<TuneLensCheck>> lenses;
   std::optional<TuneProof> proof;
   std::optional<Error> failed;  // of what comes after the tuning: predictions, promise, lenses or proof
 };
 
+// Why `others` is absent.
+std::string why_no_others(const TuneReport& report);
 std::string candidate_name(const TuneReport& report, size_t candidate);
 double depth_in_report(const TuneReport& report, size_t subject, double height_px);
 EngineSizes engines_in_report(const TuneReport& report, size_t subject, double height_px);

@@ -99,8 +99,10 @@ std::optional<size_t> layer_drawn(const std::vector<Layer>& layers, uint32_t id,
   return best;
 }
 
+// place: makes its text.
+template <typename Place>
 void compare_pixel(const std::vector<Layer>& layers, const DepthBuffer& buffer, uint32_t id, double depth,
-                   DepthOrders& out, const std::string& place) {
+                   DepthOrders& out, const Place& place) {
   const Layer& first = layers.front();
   ++out.looked_at;
   bool other = buffer.may_vanish(first);
@@ -118,7 +120,7 @@ void compare_pixel(const std::vector<Layer>& layers, const DepthBuffer& buffer, 
   (id == first.id ? out.inside : out.between) += 1U;
   const bool allowed = drawn ? buffer.may_swap(first, layers[*drawn]) : id == 0 && buffer.may_vanish(first);
   if (allowed ? out.wrong() > 1 : out.beyond++ > 0) return;
-  out.place = place;
+  out.place = place();
   out.expected = fmt::format("id {} at {:.7g} m", first.id, first.depth);
   out.got = fmt::format("id {} at {:.7g} m", id, drawn ? layers[*drawn].depth : depth);
 }
@@ -134,8 +136,9 @@ DepthOrders orders_of(Fixture& fixture, const DepthStorage& storage, const Depth
     for (size_t i = 0; i < scene.layers.size(); ++i) {
       if (!scene.inner[i]) continue;
       const auto width = static_cast<size_t>(frame.width);
-      compare_pixel(scene.layers[i], buffer, picture.ids.data[i], static_cast<double>(picture.depth.data[i]), out,
-                    fmt::format("{:g} m, pixel ({}, {})", scene.frame.camera.eye.z, i % width, i / width));
+      compare_pixel(scene.layers[i], buffer, picture.ids.data[i], static_cast<double>(picture.depth.data[i]), out, [&] {
+        return fmt::format("{:g} m, pixel ({}, {})", scene.frame.camera.eye.z, i % width, i / width);
+      });
     }
   }
   return out;

@@ -15,7 +15,7 @@
 
 namespace crowdbench::bench {
 
-struct DepthTruth;  // of depth.cpp
+struct DepthTruth;  // depth_truth.h
 
 class Fixture {
  public:

@@ -11,30 +11,12 @@
 #include "core/colour.h"
 #include "core/error.h"
 #include "renderers/frame/frame_resources.h"
+#include "renderers/frame/frame_state.h"
 #include "renderers/gl/objects.h"
 #include "renderers/gl/program.h"
 #include "scene/cast/cast.h"
 
 namespace crowdbench::renderers {
-namespace {
-
-// OpenGL's row 0 is the lowest.
-template <typename T>
-void flip_rows(Image<T>& image) {
-  const size_t row = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels);
-  for (int y = 0; y < image.height / 2; ++y)
-    std::swap_ranges(image.at(0, y), image.at(0, y) + row, image.at(0, image.height - 1 - y));
-}
-
-template <typename T>
-Image<T> read_texture(const gl::Texture& texture, int channels, GLenum format, GLenum type) {
-  Image<T> image(texture.width(), texture.height(), channels);
-  texture.read(0, format, type, image.data.data(), image.data.size() * sizeof(T));
-  flip_rows(image);
-  return image;
-}
-
-}  // namespace
 
 struct Target::State {
   gl::Context& context;
@@ -93,17 +75,17 @@ Capture Target::read() const {
   s.context.make_current();
   Capture out;
   if (s.pass.linear)
-    out.linear = read_texture<float>(s.colour, 4, GL_RGBA, GL_FLOAT);
+    out.linear = read_upright<float>(s.colour, 4, GL_RGBA, GL_FLOAT);
   else
-    out.colour = read_texture<uint8_t>(s.colour, 4, GL_RGBA, GL_UNSIGNED_BYTE);
+    out.colour = read_upright<uint8_t>(s.colour, 4, GL_RGBA, GL_UNSIGNED_BYTE);
   if (s.pass.samples > 1) {
     // Alpha to coverage leaves what it was given.
     for (size_t i = 3; i < out.linear.data.size(); i += 4) out.linear.data[i] = 1.0F;
     for (size_t i = 3; i < out.colour.data.size(); i += 4) out.colour.data[i] = 255;
     return out;
   }
-  if (s.pass.ids) out.ids = read_texture<uint32_t>(s.ids, 1, GL_RED_INTEGER, GL_UNSIGNED_INT);
-  out.depth = read_texture<float>(s.depth, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
+  if (s.pass.ids) out.ids = read_upright<uint32_t>(s.ids, 1, GL_RED_INTEGER, GL_UNSIGNED_INT);
+  out.depth = read_upright<float>(s.depth, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
   for (float& d : out.depth.data) d = d > 0.0F ? s.depth_b / (d + s.depth_a) : std::numeric_limits<float>::infinity();
   return out;
 }
@@ -169,22 +151,7 @@ void Renderer::draw(const scene::Frame& frame, Representation& representation, c
   target.state_->depth_b = static_cast<float>(projection[3][2]);
 
   target.bind();
-  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  glEnable(GL_FRAMEBUFFER_SRGB);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_GREATER);
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  glFrontFace(GL_CCW);
-  glCullFace(GL_BACK);
-  const float nothing = 0.0F;
-  glClearBufferfv(GL_COLOR, 0, &frame.background.x);
-  if (target.pass().ids) {
-    const GLuint nobody[4] = {0, 0, 0, 0};
-    glClearBufferuiv(GL_COLOR, 1, nobody);
-  }
-  glClearBufferfv(GL_DEPTH, 0, &nothing);
+  begin_frame(frame, target.pass().ids, true);
   if (frame.ground) s.draw_ground(target.pass());
   representation.draw(frame, s.resources, s.everybody, target.pass());
   target.resolve();

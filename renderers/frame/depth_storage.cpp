@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "core/error.h"
 #include "renderers/frame/frame_resources.h"
+#include "renderers/frame/frame_state.h"
 #include "renderers/gl/objects.h"
 
 namespace crowdbench::renderers {
@@ -24,39 +24,12 @@ GLenum format_of(const DepthStorage& storage) {
   return GL_DEPTH_COMPONENT32F;
 }
 
-// OpenGL's row 0 is the lowest.
-template <typename T>
-Image<T> upright(const gl::Texture& texture, int channels, GLenum format, GLenum type) {
-  Image<T> lying(texture.width(), texture.height(), channels);
-  texture.read(0, format, type, lying.data.data(), lying.data.size() * sizeof(T));
-  Image<T> out(texture.width(), texture.height(), channels);
-  for (int y = 0; y < out.height; ++y) std::copy_n(lying.at(0, out.height - 1 - y), out.width * channels, out.at(0, y));
-  return out;
-}
-
 glm::dmat4 projection_to(const scene::Frame& frame, const StoredDepth& stored) {
   const double aspect = static_cast<double>(frame.width) / static_cast<double>(frame.height);
   glm::dmat4 out = scene::projection(frame.camera, aspect);
   out[2][2] = -stored.offset;  // eye space looks along -Z, and w is the depth
   out[3][2] = stored.slope;
   return out;
-}
-
-void set_state(const scene::Frame& frame, const DepthStorage& storage) {
-  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  glEnable(GL_FRAMEBUFFER_SRGB);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(storage.reversed ? GL_GREATER : GL_LESS);
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  glFrontFace(GL_CCW);
-  glCullFace(GL_BACK);
-  const GLuint nobody[4] = {0, 0, 0, 0};
-  const float farthest = storage.reversed ? 0.0F : 1.0F;
-  glClearBufferfv(GL_COLOR, 0, &frame.background.x);
-  glClearBufferuiv(GL_COLOR, 1, nobody);
-  glClearBufferfv(GL_DEPTH, 0, &farthest);
 }
 
 }  // namespace
@@ -87,14 +60,10 @@ Capture capture_stored(gl::Context& context, Renderer& renderer, const scene::Fr
   FrameResources& resources = renderer.resources();
   resources.upload(frame);
   resources.set_projection(frame, projection_to(frame, stored));
-  AgentLists everybody(frame.agents.size());
-  for (size_t c = 0; c < frame.agents.size(); ++c) {
-    everybody[c].resize(frame.agents[c].size());
-    std::iota(everybody[c].begin(), everybody[c].end(), 0U);
-  }
+  const AgentLists everybody = all_agents(frame);
   framebuffer.bind();
   glViewport(0, 0, frame.width, frame.height);
-  set_state(frame, storage);
+  begin_frame(frame, true, storage.reversed);
   representation.draw(frame, resources, everybody, {.ids = true});
   GLint function = 0;
   glGetIntegerv(GL_DEPTH_FUNC, &function);
@@ -103,9 +72,9 @@ Capture capture_stored(gl::Context& context, Renderer& renderer, const scene::Fr
                 "this representation sets a depth function of its own, which is that of reversed depth",
                 "use one that does not, or reversed depth");
   Capture out;
-  out.colour = upright<uint8_t>(colour, 4, GL_RGBA, GL_UNSIGNED_BYTE);
-  out.ids = upright<uint32_t>(ids, 1, GL_RED_INTEGER, GL_UNSIGNED_INT);
-  out.depth = upright<float>(depth, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
+  out.colour = read_upright<uint8_t>(colour, 4, GL_RGBA, GL_UNSIGNED_BYTE);
+  out.ids = read_upright<uint32_t>(ids, 1, GL_RED_INTEGER, GL_UNSIGNED_INT);
+  out.depth = read_upright<float>(depth, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
   // What the shader was given.
   const StoredDepth rounded{static_cast<double>(static_cast<float>(stored.offset)),
                             static_cast<double>(static_cast<float>(stored.slope))};

@@ -76,12 +76,15 @@ size_t coarsest_within(std::span<const double> errors, double metres_a_pixel, do
   return 0;
 }
 
-double metres_a_pixel(const scene::Frame& frame, const scene::FrameAgent& agent, double height) {
-  const glm::vec3 forward(-glm::transpose(scene::view_rotation(frame.camera))[2]);
+PixelScale pixel_scale(const scene::Frame& frame) {
+  return {glm::vec3(-glm::transpose(scene::view_rotation(frame.camera))[2]),
+          scene::pixel_size_at(frame.camera, 1, frame.height)};
+}
+
+double metres_a_pixel(const PixelScale& scale, const scene::FrameAgent& agent, double height) {
   const glm::vec3 middle = agent.position + glm::vec3(0.0F, static_cast<float>(height) / 2 * agent.scale, 0.0F);
-  const auto depth = static_cast<double>(glm::dot(middle, forward));
-  if (!(depth > 0)) return 0;
-  return depth * 2 * std::tan(frame.camera.fov_y / 2) / frame.height / static_cast<double>(agent.scale);
+  const auto depth = static_cast<double>(glm::dot(middle, scale.forward));
+  return depth > 0 ? depth * scale.metres / static_cast<double>(agent.scale) : 0;
 }
 
 MeshLods::MeshLods(std::vector<std::unique_ptr<Representation>> levels, std::vector<std::string> names,
@@ -98,21 +101,26 @@ MeshLods::MeshLods(std::vector<std::unique_ptr<Representation>> levels, std::vec
   for (const auto& character : cast.characters) heights_.push_back(character->placement.height);
 }
 
-size_t MeshLods::level_of(const scene::Frame& frame, size_t character, const scene::FrameAgent& agent) const {
+size_t MeshLods::level_of(const PixelScale& scale, size_t character, const scene::FrameAgent& agent) const {
   if (agent.id < held_.size() && held_[agent.id] >= 0) return static_cast<size_t>(held_[agent.id]);
-  return coarsest_within(errors_[character], metres_a_pixel(frame, agent, heights_[character]), pixels_);
+  return coarsest_within(errors_[character], metres_a_pixel(scale, agent, heights_[character]), pixels_);
 }
 
 void MeshLods::draw(const scene::Frame& frame, const FrameResources& resources, const AgentLists& agents,
                     const Pass& pass) {
-  std::vector<AgentLists> lists(levels_.size(), AgentLists(agents.size()));
+  const PixelScale scale = pixel_scale(frame);
+  split_.resize(levels_.size());
+  for (AgentLists& lists : split_) {
+    lists.resize(agents.size());
+    for (auto& list : lists) list.clear();
+  }
   for (size_t c = 0; c < agents.size(); ++c)
-    for (const uint32_t i : agents[c]) lists[level_of(frame, c, frame.agents[c][i])][c].push_back(i);
+    for (const uint32_t i : agents[c]) split_[level_of(scale, c, frame.agents[c][i])][c].push_back(i);
   // Finer ones stand nearer: they hide the others.
   for (size_t level = 0; level < levels_.size(); ++level) {
     drawn_[level] = 0;
-    for (const auto& list : lists[level]) drawn_[level] += list.size();
-    if (drawn_[level] > 0) levels_[level]->draw(frame, resources, lists[level], pass);
+    for (const auto& list : split_[level]) drawn_[level] += list.size();
+    if (drawn_[level] > 0) levels_[level]->draw(frame, resources, split_[level], pass);
   }
 }
 
@@ -146,7 +154,7 @@ BakeInfo MeshLods::bake_info() const {
     for (const LevelInfo& info : one.levels) {
       triangles += static_cast<double>(info.triangles);
       error = std::max(error, info.error.max);
-      if (info.error.max > 0) below = std::min(below, pixels_ * info.height / info.error.max);
+      if (const double one_pixel = info.pixels(1); one_pixel > 0) below = std::min(below, pixels_ / one_pixel);
     }
     const std::string name = fmt::format("level{}_", level);
     out.facts.emplace_back(name + "triangles", triangles);
@@ -157,11 +165,12 @@ BakeInfo MeshLods::bake_info() const {
 }
 
 std::vector<AgentShares> MeshLods::shares(const scene::Frame& frame, const AgentLists& agents) {
+  const PixelScale scale = pixel_scale(frame);
   std::vector<AgentShares> out;
   for (size_t c = 0; c < agents.size(); ++c)
     for (const uint32_t i : agents[c]) {
       AgentShares one{frame.agents[c][i].id, std::vector<float>(levels_.size(), 0.0F)};
-      one.shares[level_of(frame, c, frame.agents[c][i])] = 1;
+      one.shares[level_of(scale, c, frame.agents[c][i])] = 1;
       out.push_back(std::move(one));
     }
   return out;

@@ -19,9 +19,15 @@ std::vector<Spec> lod_specs(const std::string& lods, const scene::Cast& cast);
 // 1, by level, from fine to coarse. metres_a_pixel: at the agent, positive; at its scale 1.
 size_t coarsest_within(std::span<const double> errors, double metres_a_pixel, double pixels);
 
+// What all agents of a frame have in common.
+struct PixelScale {
+  glm::vec3 forward{0.0F};  // of the camera, unit
+  double metres = 0;        // that a pixel covers a metre deep
+};
+PixelScale pixel_scale(const scene::Frame& frame);
 // Metres that a pixel covers at the eye-space depth of an agent's middle, over its scale. 0 where that is not in front
 // of the eye. height: metres, of the character at scale 1.
-double metres_a_pixel(const scene::Frame& frame, const scene::FrameAgent& agent, double height);
+double metres_a_pixel(const PixelScale& scale, const scene::FrameAgent& agent, double height);
 
 class MeshLods : public Representation {
  public:
@@ -42,7 +48,7 @@ class MeshLods : public Representation {
   const std::vector<size_t>& drawn() const { return drawn_; }
 
  private:
-  size_t level_of(const scene::Frame& frame, size_t character, const scene::FrameAgent& agent) const;
+  size_t level_of(const PixelScale& scale, size_t character, const scene::FrameAgent& agent) const;
 
   std::vector<std::unique_ptr<Representation>> levels_;
   std::vector<std::string> names_;
@@ -51,6 +57,7 @@ class MeshLods : public Representation {
   double pixels_;
   std::vector<int> held_;  // by id: a level, or -1; none: nobody is held
   std::vector<size_t> drawn_;
+  std::vector<AgentLists> split_;  // of the last frame, by level: kept for its memory
 };
 
 // Of a spec of the mesh with the option `lods`; what else it says (floor, passes) goes for all levels. pixels: that a

@@ -33,9 +33,9 @@ Hit search(Ray ray, Map map) {
   int steps = steps_across(ray, across);
   float inverse_steps = 1.0 / float(steps);
   vec2 move = across * inverse_steps;
-  float rise = ray.delta.z * inverse_steps;
+  float rise = (ray.delta.z + EARLIER) * inverse_steps;
   vec2 at = start + 0.5 * move;
-  float c = ray.from.z - SLACK;
+  float c = ray.from.z - EARLIER - SLACK;
   float slope = max(abs(ray.delta.x), abs(ray.delta.y)) / max(ray.delta.z, 1e-20);
   float a_step = 1.0 / max(rise, 1e-20);
   int skipped = 0;  // steps between the last one tested and this one
@@ -76,7 +76,7 @@ Hit search(Ray ray, Map map) {
     float above = float(i - 1);
     for (int k = behind > 0 ? 0 : BINARY; k < BINARY; ++k) {
       float middle = 0.5 * (below + above);
-      float depth = ray.from.z + middle * rise;
+      float depth = ray.from.z - EARLIER + middle * rise;
       ivec2 there = clamp(ivec2(start + middle * move), low, high);
       vec2 bounds = texelFetch(depth_map, there, 0).rg;
       COUNT_TAP;

@@ -26,7 +26,7 @@ struct Map {
 
 // A sheet at a plain fraction of a box's depth, as in the middle of one that is symmetric, would lie where two steps of every
 // ray meet, and be looked for in both: of a mask that leaves half of it three quarters would show. Steps begin so much earlier.
-const float EARLIER = 8e-5;
+const float EARLIER = 8.0 * SLACK;  // more than neighbouring steps overlap by
 
 struct Hit {
   float depth;  // along the ray's axis, as the ray has it; below 0: none

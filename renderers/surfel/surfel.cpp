@@ -66,22 +66,6 @@ SurfelVertex vertex_of(const Surfel& s) {
   return v;
 }
 
-// Posed already, for the floor.
-void pose(SurfelVertex& v, const std::vector<scene::Mat3x4>& palette) {
-  glm::vec4 rows[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
-  for (int k = 0; k < 4; ++k)
-    for (int r = 0; r < 3; ++r) rows[r] += v.weights[k] * palette[v.joints[k]].rows[r];
-  const glm::vec4 p(v.position[0], v.position[1], v.position[2], 1.0F);
-  const glm::vec3 n = unpack_normal(v.normal);
-  glm::vec3 normal;
-  for (int r = 0; r < 3; ++r) {
-    v.position[r] = glm::dot(rows[r], p);
-    normal[r] = glm::dot(glm::vec3(rows[r]), n);
-  }
-  const float length = glm::length(normal);
-  v.normal = pack_normal(length > 0 ? normal / length : glm::vec3(0.0F, 1.0F, 0.0F));
-}
-
 class SurfelRepresentation : public Representation {
  public:
   SurfelRepresentation(const MakeContext& make, const SurfelOptions& options)
@@ -162,9 +146,8 @@ class SurfelRepresentation : public Representation {
     out.tall = longest_side(bank);
     if (out.levels.empty()) return;
     std::vector<V> vertices;
-    for (const Surfel& s : cloud.surfels) vertices.push_back(vertex_of(s));
-    if (options_.floor)
-      for (V& v : vertices) pose(v, bank.palette(bank.sample(0, 0.0)));
+    const std::vector<scene::Mat3x4> first_pose = bank.palette(bank.sample(0, 0.0));
+    for (const Surfel& s : cloud.surfels) vertices.push_back(vertex_of(options_.floor ? in_pose(s, first_pose) : s));
     out.vertices = gl::Buffer(context_, vertices);
     std::vector<gl::Attribute> attributes = {
         {CB_ATTRIBUTE_POSITION, 4, GL_FLOAT, false, false, offsetof(V, position)},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace crowdbench::renderers {
@@ -12,7 +13,7 @@ namespace {
 
 constexpr int kViews = 32;
 constexpr int kSide = 96;  // samples along the longest side
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 struct View {
   glm::vec3 right{1, 0, 0}, up{0, 1, 0}, backward{0, 0, 1};
@@ -113,23 +114,13 @@ struct PosedSurfel {
 
 std::vector<PosedSurfel> pose_surfels(std::span<const Surfel> surfels, const View& v) {
   std::vector<PosedSurfel> out;
-  for (const Surfel& s : surfels) {
-    glm::vec4 rows[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
-    for (int k = 0; k < 4; ++k)
-      for (int r = 0; r < 3; ++r) rows[r] += s.weights[k] * v.palette[s.joints[k]].rows[r];
-    glm::vec3 p;
-    glm::vec3 n;
-    for (int r = 0; r < 3; ++r) {
-      p[r] = glm::dot(rows[r], glm::vec4(s.position, 1.0F));
-      n[r] = glm::dot(glm::vec3(rows[r]), s.normal);
-    }
-    const float length = glm::length(n);
-    n = length > 0 ? n / length : glm::vec3(0.0F, 1.0F, 0.0F);
+  for (const Surfel& surfel : surfels) {
+    const Surfel s = in_pose(surfel, v.palette);
     PosedSurfel one;
-    one.facing = glm::dot(n, v.backward);
+    one.facing = glm::dot(s.normal, v.backward);
     if (s.double_sided) one.facing = std::abs(one.facing);
-    one.at = {glm::dot(p, v.right), glm::dot(p, v.up)};
-    const glm::vec2 lean(glm::dot(n, v.right), glm::dot(n, v.up));
+    one.at = {glm::dot(s.position, v.right), glm::dot(s.position, v.up)};
+    const glm::vec2 lean(glm::dot(s.normal, v.right), glm::dot(s.normal, v.up));
     if (glm::dot(lean, lean) > 1e-12F) one.lean = glm::normalize(lean);
     out.push_back(one);
   }

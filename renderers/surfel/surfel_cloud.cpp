@@ -240,7 +240,7 @@ void fit_discs(const scene::Character& character, const scene::PoseBank& bank, c
                const SurfelOrder& order, double cover, SurfelCloud& cloud) {
   std::vector<SheetPlace> sheets;
   for (const uint32_t i : order.order) sheets.push_back(sampled.on[i]);
-  cloud.levels = surfel_levels(cloud.radius);
+  cloud.levels = surfel_levels(order.radius);
   const std::vector<float> reaches = find_reaches(sheets, sampled.beside, cloud.levels);
   for (size_t i = 0; i < reaches.size(); ++i) cloud.surfels[i].reach = reaches[i];
   for (SurfelLevel& level : cloud.levels)
@@ -254,6 +254,20 @@ void fit_discs(const scene::Character& character, const scene::PoseBank& bank, c
 }
 
 }  // namespace
+
+Surfel in_pose(Surfel surfel, std::span<const scene::Mat3x4> palette) {
+  glm::vec4 rows[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
+  for (int k = 0; k < 4; ++k)
+    for (int r = 0; r < 3; ++r) rows[r] += surfel.weights[k] * palette[surfel.joints[k]].rows[r];
+  const glm::vec4 place(surfel.position, 1.0F);
+  const glm::vec3 normal = surfel.normal;
+  for (int r = 0; r < 3; ++r) {
+    surfel.position[r] = glm::dot(rows[r], place);
+    surfel.normal[r] = glm::dot(glm::vec3(rows[r]), normal);
+  }
+  surfel.normal = unit_or_up(surfel.normal);
+  return surfel;
+}
 
 bool is_there(const scene::Character& character, const scene::Primitive& primitive,
               const std::array<uint32_t, 3>& corners, const glm::vec3& at) {
@@ -271,7 +285,6 @@ SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::Po
   for (const SheetPlace& s : sampled.on) places.push_back(s.place);
   const SurfelOrder order = order_places(places, count, progress);
   for (const uint32_t i : order.order) out.surfels.push_back(sampled.candidates[i]);
-  out.radius = order.radius;
   average_colours(sampled.candidates, order, out.surfels);
   fit_discs(character, bank, sampled, order, cover, out);
   return out;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "renderers/bake/bake_progress.h"
@@ -28,10 +29,9 @@ struct Surfel {
 
 struct SurfelCloud {
   std::vector<Surfel> surfels;
-  // [n]: metres at scale 1, in the bank's first pose: discs of this radius about the first n + 1 surfels reach every
-  // candidate (SurfelOrder::radius). Empty where nothing of the character is there.
-  std::vector<float> radius;
-  std::vector<SurfelLevel> levels;  // surfel_levels(radius), with the factors of reaches and areas
+  // With the factors of reaches and areas. Radii are metres at scale 1, in the bank's first pose. Empty where nothing
+  // of the character is there.
+  std::vector<SurfelLevel> levels;
 };
 
 // count: at most so many surfels, above 0. Candidates, eight for each, lie evenly by area in the bank's first pose;
@@ -39,6 +39,9 @@ struct SurfelCloud {
 // cover: SurfelRule::cover, for the levels' factors. progress: of the ordering, which takes most of the time.
 SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count,
                               double cover, const BakeProgress& progress = {});
+
+// In a pose: place and unit normal by the matrices of its joints, all else as it is.
+Surfel in_pose(Surfel surfel, std::span<const scene::Mat3x4> palette);
 
 // Whether a mask leaves a place of a triangle. corners: of the mesh; at: barycentric.
 bool is_there(const scene::Character& character, const scene::Primitive& primitive,

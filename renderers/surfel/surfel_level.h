@@ -14,7 +14,7 @@ struct SurfelLevel {
   // Of figures of few pixels (fit_areas): factor of the radii of all discs, (0, 1], and how far areas are off then.
   double thin = 1, uneven = 0;
 };
-// 64 points and then twice as many each, up to all. radius: SurfelCloud::radius. Empty where that is.
+// 64 points and then twice as many each, up to all. radius: SurfelOrder::radius. Empty where that is.
 std::vector<SurfelLevel> surfel_levels(std::span<const float> radius);
 
 struct SurfelRule {

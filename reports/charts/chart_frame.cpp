@@ -31,7 +31,6 @@ Json config() {
             {"labelColor", kChartInk},
             {"titleColor", kChartInk},
             {"orient", "top"},
-            {"columns", {{"expr", std::string(kNarrowScreen) + " ? 1 : 0"}}},  // 0: all in a row
             {"title", nullptr}}}};
 }
 

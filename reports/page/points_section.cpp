@@ -9,16 +9,8 @@
 namespace crowdbench::reports {
 namespace {
 
-// By point, what a scene's rows have one or no row of.
-using Ratios = std::map<PointKey, const RatioRow*>;
+// By point, of those that were compared.
 using Comparisons = std::map<PointKey, const ComparisonRow*>;
-
-Ratios ratios_of(const Scene& scene) {
-  Ratios out;
-  for (const RatioRow* row : scene.ratios)
-    if (row->kind == "speed" && row->metric == scene.run->headline) out[row->of] = row;
-  return out;
-}
 
 Comparisons comparisons_of(const Scene& scene) {
   Comparisons out;
@@ -44,11 +36,11 @@ Html points_section(const StoreContents& contents, const std::vector<Scene>& sce
   std::vector<TemplateValues> rows;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const Scene& scene = scenes[s];
-    const Ratios ratios = ratios_of(scene);
     const Comparisons comparisons = comparisons_of(scene);
     for (const MeasurementRow* row : scene.rows) {
       const auto setting = settings.find(row->id);
-      const auto ratio = ratios.find(row->key);
+      const RatioRow* ratio = scene.ratio("speed", row->key.representation, row->key.agents,
+                                          row->key.requested_occupancy, scene.run->headline);
       const auto comparison = comparisons.find(row->key);
       const auto& time = time_of(*row, scene.run->headline);
       const bool timed = time && is_timed(*row);
@@ -59,10 +51,9 @@ Html points_section(const StoreContents& contents, const std::vector<Scene>& sce
            {"agents", count_text(row->key.agents)},
            {"occupancy", occupancy_text(row->key.requested_occupancy)},
            {"time", timed ? time_text(time->median) : std::string(status_name(row->status))},
-           {"fast", ratio != ratios.end()
-                        ? factor_text(ratio->second->ratio) + "× (" + factor_text(ratio->second->low) + " to " +
-                              factor_text(ratio->second->high) + ")"
-                        : "–"},
+           {"fast", ratio != nullptr ? factor_text(ratio->ratio) + "× (" + factor_text(ratio->low) + " to " +
+                                           factor_text(ratio->high) + ")"
+                                     : "–"},
            {"scores", comparison != comparisons.end() ? headline_scores(scene, *comparison->second) : "–"}});
     }
   }

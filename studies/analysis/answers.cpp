@@ -20,7 +20,6 @@ constexpr uint64_t kMostAnswers = 1'000'000'000;
 // Sizes of levels: squares of them, and of their differences, are numbers still.
 constexpr double kSmallestLevel = 1e-15;
 constexpr double kLargestLevel = 1e15;
-// Pixels of any screen at any distance; what else a browser sends is no calibration.
 constexpr double kLargestPixelRatio = 100;  // of a clip's to the screen's, either way
 
 const std::vector<std::pair<std::string, Role>>& role_names() {

@@ -217,7 +217,10 @@ Equivalence judge_equivalence(std::span<const Share> shares, const EquivalenceSe
   out.mean = moments_of(each).mean;
   if (each.size() > 1) {
     test_participants<Equivalence>(each, s.chance, s, out);
-    out.interval = Interval{std::max(0.0, out.interval->low), std::min(1.0, out.interval->high)};
+    // Of participants who differ less than their own trials would scatter, the spread between them is luck.
+    const Interval trials = clopper_pearson(chosen, of, 1 - 2 * s.alpha);
+    out.interval = Interval{std::max(0.0, std::min(out.interval->low, trials.low)),
+                            std::min(1.0, std::max(out.interval->high, trials.high))};
   }
   const bool inside = out.exact.p <= s.alpha && (!out.by_participant || out.by_participant->p <= s.alpha);
   const bool apart = out.different_exact <= s.alpha && out.different_by_participant.value_or(0) <= s.alpha;

@@ -50,8 +50,9 @@ struct Equivalence {
   double different_exact = 1;          // two-sided exact p against chance, likewise
   std::optional<Tost> by_participant;  // t tests of the participants' shares: from two participants on
   std::optional<double> different_by_participant;
-  double mean = 0;                       // of the participants' shares; of all trials where there is one
-  std::optional<Interval> interval;      // 1 - 2 alpha, of the mean of the participants' shares
+  double mean = 0;  // of the participants' shares; of all trials where there is one
+  std::optional<Interval>
+      interval;  // 1 - 2 alpha, of the mean of the participants' shares; no narrower than the trials'
   std::optional<double> participant_sd;  // of their shares
   // What the verdict "equivalent" would take with the power asked for if the truth were chance itself: independent
   // trials by the exact test; participants of as many trials as these had, by t tests with the spread that these have.

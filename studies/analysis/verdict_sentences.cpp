@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/probability.h"
-#include "studies/analysis/proportions.h"
 #include "studies/analysis/text_numbers.h"
 
 namespace crowdbench::studies {
@@ -74,22 +73,13 @@ std::string more_text(const Result& e, const char* of_either) {
   return "there are enough for the power asked for, and it did not come out";
 }
 
-// Of participants who differ less than their own trials would scatter, the spread between them is luck: the interval is
-// then no narrower than that of the trials. The verdict asks for both.
-Interval told_interval(const ConditionResult& c, const Interval& of_participants, double confidence) {
-  const Interval of_trials = clopper_pearson(c.chosen, c.decided, confidence);
-  return {std::min(of_participants.low, of_trials.low), std::max(of_participants.high, of_trials.high)};
-}
-
 std::string equivalence_sentence(const ConditionResult& c, const AnalysisSettings& s) {
   const Equivalence& e = *c.equivalence;
   const std::string people = e.by_participant ? fmt::format(", {} of participants", p_is(e.by_participant->p)) : "";
-  std::string interval;
-  if (e.interval) {
-    const Interval told = told_interval(c, *e.interval, 1 - 2 * s.alpha);
-    interval = fmt::format("; mean share {:.3f}, {:.0f} % interval {:.3f} to {:.3f}", e.mean, 100 * (1 - 2 * s.alpha),
-                           told.low, told.high);
-  }
+  const std::string interval = e.interval
+                                   ? fmt::format("; mean share {:.3f}, {:.0f} % interval {:.3f} to {:.3f}", e.mean,
+                                                 100 * (1 - 2 * s.alpha), e.interval->low, e.interval->high)
+                                   : "";
   switch (e.verdict) {
     case Verdict::equivalent:
       return fmt::format(" Equivalent to {:g} within {:g}: two one-sided tests, {} of trials{}{}.", s.chance, *s.margin,

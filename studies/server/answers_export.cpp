@@ -137,6 +137,7 @@ struct CsvRow {
   const std::string& study;
   bool ranked;
   bool same_different;
+  json record;            // `answer.data`; not an object where that is none
   bool has_axis = false;  // there is a column `level`: what it says is not said by the condition
 };
 struct CsvColumn {
@@ -148,7 +149,7 @@ struct CsvColumn {
 // How many of the clip's frames were not shown. The browser counts over all showings, those that were asked for again
 // included: their share, of one showing.
 std::string dropped_frames(const CsvRow& r) {
-  const json record = json::parse(r.answer.data, nullptr, false);
+  const json& record = r.record;
   if (!record.is_object() || !r.answer.frames_dropped) return {};
   const auto total = member<double>(record, "frames_total");
   const auto frames = member<uint32_t>(record, "frames");
@@ -163,13 +164,13 @@ std::string condition_of(const CsvRow& r) {
 
 // How large the page showed a pixel of the clip: the calibration is in CSS pixels, and heights are in the clip's.
 std::string shown_size(const CsvRow& r) {
-  const json record = json::parse(r.answer.data, nullptr, false);
+  const json& record = r.record;
   return record.is_object() ? optional_text(member<double>(record, "css_px_per_clip_px")) : std::string();
 }
 
 // "simulated" of simulated observers.
 std::string observers_of(const CsvRow& r) {
-  const json record = json::parse(r.answer.data, nullptr, false);
+  const json& record = r.record;
   return record.is_object() ? field(record, "observers") : std::string();
 }
 std::string level_of(const CsvRow& r) {
@@ -321,7 +322,8 @@ std::string answers_csv(const StudyAnswers& answers, const fs::path& out, bool l
                   fmt::format("sides.json does not know the stimulus '{}'", printable(row.stimulus.value_or(""), 60)),
                   "name the folder that these answers were given to");
     if (is_row(row, found->second, ranked, levels))
-      rows.push_back(CsvRow{row, *who.at(row.participant), found->second, answers.study, ranked, same_different});
+      rows.push_back(CsvRow{row, *who.at(row.participant), found->second, answers.study, ranked, same_different,
+                            json::parse(row.data, nullptr, false)});
   }
   if (rows.empty()) throw Error(out.string(), "no trial that a table holds was answered", "wait for answers");
   return csv_of(std::move(rows));

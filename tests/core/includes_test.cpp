@@ -400,6 +400,7 @@ const std::map<std::string, std::string>& standard_headers() {
       {"same_as", "concepts"},
       {"shared_ptr", "memory"},
       {"swap", "utility"},
+      {"swap_ranges", "algorithm"},
       {"to_string", "string"},
       {"type_index", "typeindex"},
       {"u32string", "string"},

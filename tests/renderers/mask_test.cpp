@@ -181,12 +181,14 @@ TEST_F(MaskLevelsGl, ReliefsCoverWhatThePatternLeaves) {
 // A sheet in the middle of its box, seen aslant, lies where two steps of the search meet and is looked for in one of
 // them.
 TEST_F(MaskLevelsGl, ReliefsMeetASheetInTheMiddleOfItsBoxOnce) {
-  const std::string spec = "relief:capture=bind";
   constexpr float kTurned = 0.045F;  // of a full turn: 16 degrees
-  for (const double height : {40.0, 12.0}) {
+  for (const auto& [spec, height] : {std::pair<std::string, double>("relief:capture=bind", 40.0),
+                                     {"relief:capture=bind", 12.0},
+                                     {"relief:capture=bind,depth=8", 12.0},
+                                     {"relief:capture=bind,search=cone", 12.0}}) {
     const double all = pixels_of(amid(masked_card(128, 128, 0.0F, kPatterns[0].there), 0.4F), spec, height, kTurned);
     const double there = pixels_of(amid(masked_card(128, 128, 0.5F, kPatterns[2].there), 0.4F), spec, height, kTurned);
-    EXPECT_NEAR(there / all, kPatterns[2].covers, 0.05) << height << " pixels tall";
+    EXPECT_NEAR(there / all, kPatterns[2].covers, 0.05) << spec << ", " << height << " pixels tall";
   }
 }
 

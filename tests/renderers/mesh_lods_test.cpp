@@ -60,7 +60,7 @@ TEST(MeshLods, MeasuresPixelsAtTheAgentsMiddle) {
   add_agent(frame, walker(), {0, 0, 0}, 1);
   add_agent(frame, walker(), {3, 0, 0}, 2, 0, 0, 2.0F);
   add_agent(frame, walker(), {0, 0, 20}, 3);
-  const auto at = [&](size_t i) { return metres_a_pixel(frame, frame.agents[0][i], 2.0); };
+  const auto at = [&](size_t i) { return metres_a_pixel(pixel_scale(frame), frame.agents[0][i], 2.0); };
   EXPECT_NEAR(at(0), 0.1, 1e-6);
   EXPECT_NEAR(at(1), 0.05, 1e-6);
   EXPECT_EQ(at(2), 0) << "behind";
