@@ -27,7 +27,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct BakeOptions {
   std::string representation;
   std::vector<std::string> characters = {"mannequin"};
   CharacterOptions character;  // for all of them
@@ -121,7 +121,7 @@ struct Baked {
   std::vector<ViewAudit> audits;  // one a character, with --audit
 };
 
-scene::Scenario scenario_of(const Options& options, scene::KeyPlaces& places) {
+scene::Scenario scenario_of(const BakeOptions& options, scene::KeyPlaces& places) {
   if (!options.required_by.empty()) return scene::load_scenario(options.required_by, &places);
   scene::Scenario scenario;
   scenario.characters.clear();
@@ -134,7 +134,7 @@ scene::Scenario scenario_of(const Options& options, scene::KeyPlaces& places) {
   return scenario;
 }
 
-Baked make_bake(const Options& options, const renderers::Spec& spec, const scene::Scenario& scenario,
+Baked make_bake(const BakeOptions& options, const renderers::Spec& spec, const scene::Scenario& scenario,
                 const scene::Cast& cast, gl::Context& context) {
   Baked baked;
   renderers::MakeContext make{.context = context, .cast = cast};
@@ -166,7 +166,7 @@ Json json_of(const renderers::Kept& kept) {
           {"whole_bytes", kept.whole_bytes}};
 }
 
-void print_json(const Options& options, const renderers::Spec& spec, const scene::Cast& cast,
+void print_json(const BakeOptions& options, const renderers::Spec& spec, const scene::Cast& cast,
                 const std::string& renderer, const Baked& baked) {
   const renderers::BakeInfo bake = baked.representation->bake_info();
   const renderers::Footprint bytes = baked.representation->footprint();
@@ -205,7 +205,7 @@ void print_json(const Options& options, const renderers::Spec& spec, const scene
   fmt::print("{}\n", out.dump(2));
 }
 
-void print_text(const Options& options, const renderers::Spec& spec, const scene::Cast& cast,
+void print_text(const BakeOptions& options, const renderers::Spec& spec, const scene::Cast& cast,
                 const std::string& renderer, const Baked& baked) {
   const renderers::BakeInfo bake = baked.representation->bake_info();
   const renderers::Footprint bytes = baked.representation->footprint();
@@ -234,7 +234,7 @@ void print_text(const Options& options, const renderers::Spec& spec, const scene
   for (const ViewAudit& audit : baked.audits) print(audit);
 }
 
-int run_bake(const Options& options) {
+int run_bake(const BakeOptions& options) {
   const renderers::Spec spec = parse_representation(options.representation);
   if (!options.required_by.empty() && !honours_required_by(spec))
     throw Error("--required-by", fmt::format("'{}' stores no views that could be left out", spec.name),
@@ -262,7 +262,7 @@ void add_bake(Command& app, Run& run) {
       "  crowdbench bake --representation relief --report --json\n"
       "  crowdbench bake --representation flat:views=sphere-17x8-mirrored --audit\n"
       "  crowdbench bake --representation flat --required-by plaza.toml");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BakeOptions>();
   add_representation_option(*command, options->representation, "what is baked")->required();
   add_character_options(*command, options->characters, options->character);
   command->add_option("--clip", options->clips, "name or index; may be given several times (the default clip)")

@@ -25,7 +25,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct BenchOptions {
   SceneOptions scene;
   std::vector<std::string> representations;
   std::vector<uint32_t> agents;
@@ -68,7 +68,7 @@ std::string forecast(const BenchRequest& request, const std::string& out) {
       counted(request.representations.size(), "representation", "representations"), duration_text(seconds), out);
 }
 
-int run_bench_command(const Options& options) {
+int run_bench_command(const BenchOptions& options) {
   BenchRequest request = options.request;
   request.floors = !options.no_floors;
   request.bake_budget = options.bake_budget_mib << 20;
@@ -149,7 +149,7 @@ void add_bench(Command& app, Run& run) {
       "picture check\nfailed (the row says so).\nExamples:\n  crowdbench bench\n  crowdbench bench --representation "
       "flat,relief --agents 1,10,100,250 --occupancy 0.15 --out results.sqlite\n  crowdbench bench plaza.toml --full "
       "--budget-ms 500 --out results.sqlite");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   BenchRequest& request = options->request;
   add_scenario_argument(*command, options->scene.file);
   add_representation_option(*command, options->representations,

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 using renderers::CacheEntry;
 
-struct Options {
+struct CacheOptions {
   std::string action;
   bool json = false;
 };
@@ -47,7 +47,7 @@ Json entries_json(const fs::path& folder, const std::vector<CacheEntry>& entries
           {"entries", list}};
 }
 
-void list_entries(const Options& options) {
+void list_entries(const CacheOptions& options) {
   const fs::path folder = renderers::bake_folder();
   const uint64_t limit = renderers::cache_limit_bytes();
   const std::vector<CacheEntry> entries = renderers::cache_entries(folder);
@@ -65,7 +65,7 @@ void list_entries(const Options& options) {
              limit == std::numeric_limits<uint64_t>::max() ? "any size" : "at most " + reports::bytes_text(limit));
 }
 
-void clear_entries(const Options& options) {
+void clear_entries(const CacheOptions& options) {
   const fs::path folder = renderers::bake_folder();
   const renderers::RemovedEntries removed = renderers::clear_cache(folder);
   const size_t left = renderers::cache_entries(folder).size();
@@ -81,7 +81,7 @@ void clear_entries(const Options& options) {
 }  // namespace
 
 void add_cache(Command& app, Run& run) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CacheOptions>();
   Command* command = app.add_subcommand("cache", "List the bakes that are stored, or remove them");
   command->footer(fmt::format(
       "Bakes are kept in $CROWDBENCH_CACHE_DIR, else $XDG_CACHE_HOME/crowdbench, else ~/.cache/crowdbench. When a new "

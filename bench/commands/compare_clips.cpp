@@ -37,7 +37,7 @@ struct NotFiniteFrames {
   }
 };
 
-struct Result {
+struct ClipResult {
   std::string reference, test;
   int width = 0, height = 0;
   size_t frames = 0;
@@ -58,7 +58,7 @@ std::unique_ptr<FramePairs> open_pairs(const CompareOptions& options) {
 }
 
 void take(const CompareSetup& setup, const CompareOptions& options, ComparedPictures& pictures,
-          ClipComparison& comparison, Result& result) {
+          ClipComparison& comparison, ClipResult& result) {
   const bool first = comparison.frames() == 0;
   if (first) {
     std::tie(result.width, result.height) = std::visit(
@@ -82,7 +82,7 @@ void take(const CompareSetup& setup, const CompareOptions& options, ComparedPict
   comparison.take(input);
 }
 
-void write_worst_maps(const std::filesystem::path& folder, const CompareSetup& setup, Result& result) {
+void write_worst_maps(const std::filesystem::path& folder, const CompareSetup& setup, ClipResult& result) {
   make_folder(folder);
   for (const ClipScore& of : result.scores) {
     if (of.score->map_file.empty()) continue;
@@ -96,7 +96,7 @@ void write_worst_maps(const std::filesystem::path& folder, const CompareSetup& s
   }
 }
 
-std::vector<metrics::Scored> whole_scores(const Result& result) {
+std::vector<metrics::Scored> whole_scores(const ClipResult& result) {
   std::vector<metrics::Scored> out;
   for (const ClipScore& of : result.scores) out.push_back({of.score, of.result});
   return out;
@@ -115,10 +115,10 @@ void look_where_the_scenario_is(const FramePairs& pairs, CompareSetup& setup) {
   if (setup.display.given) setup.display_from = pairs.scenario_in;
 }
 
-Result run(CompareSetup& setup, const CompareOptions& options) {
+ClipResult run(CompareSetup& setup, const CompareOptions& options) {
   const std::unique_ptr<FramePairs> pairs = open_pairs(options);
   look_where_the_scenario_is(*pairs, setup);
-  Result result;
+  ClipResult result;
   result.reference = pairs->reference;
   result.test = pairs->test;
   result.fps = options.fps > 0 ? options.fps : pairs->fps;
@@ -160,7 +160,7 @@ Json not_finite_json(const NotFiniteFrames& found) {
   return out;
 }
 
-Json to_json(const CompareOptions& options, const CompareSetup& setup, const Result& result) {
+Json to_json(const CompareOptions& options, const CompareSetup& setup, const ClipResult& result) {
   Json scores = Json::object();
   Json reasons = Json::object();
   const std::vector<metrics::Scored> whole = whole_scores(result);
@@ -196,7 +196,7 @@ Json to_json(const CompareOptions& options, const CompareSetup& setup, const Res
   return out;
 }
 
-void print_text(const CompareOptions& options, const CompareSetup& setup, const Result& result) {
+void print_text(const CompareOptions& options, const CompareSetup& setup, const ClipResult& result) {
   fmt::print("{} frames of {} x {} pixels{}: {} against {}\n", result.frames, result.width, result.height,
              result.fps > 0 ? fmt::format(", {:g} a second", result.fps) : "", result.test, result.reference);
   fmt::print("  {:<16} {:>12} {:>12} {:>8}\n", "", "whole", "worst frame", "at");
@@ -216,7 +216,7 @@ void print_text(const CompareOptions& options, const CompareSetup& setup, const 
   if (!options.chart.empty()) fmt::print("  wrote {}\n", options.chart);
 }
 
-void write_chart(const CompareOptions& options, const CompareSetup& setup, const Result& result) {
+void write_chart(const CompareOptions& options, const CompareSetup& setup, const ClipResult& result) {
   reports::ClipPage page;
   page.reference = result.reference;
   page.test = result.test;
@@ -247,7 +247,7 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
 
 int compare_clips(const CompareOptions& options, metrics::ScoreTable table) {
   CompareSetup setup = compare_setup(options, table);
-  const Result result = run(setup, options);
+  const ClipResult result = run(setup, options);
   if (!options.chart.empty()) write_chart(options, setup, result);
   for (const std::string& warning : result.warnings) fmt::print(stderr, "crowdbench: warning: {}\n", warning);
   if (options.json)

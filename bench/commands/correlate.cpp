@@ -22,7 +22,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct CorrelateOptions {
   std::string file;
   std::string scores = "all";
   std::string markdown, pictures;
@@ -156,7 +156,7 @@ std::string cell(const ScoreAgreements& all, size_t row, size_t column, RankMemb
   return of ? fmt::format("{:+.2f}", of->value) : "-";
 }
 
-void print_text(const ScoreAgreements& all, const Options& options) {
+void print_text(const ScoreAgreements& all, const CorrelateOptions& options) {
   fmt::print("{}\n\nabove the diagonal Spearman's rho, below it Kendall's tau-b; +1: one order of how good\n{:<24}",
              summary_of(all), "");
   for (const metrics::Score* score : all.scores) fmt::print(" {:>9}", score->column);
@@ -210,7 +210,8 @@ std::string intervals_markdown(const ScoreAgreements& all) {
 }
 
 // folder: of the Markdown file, which pictures are named from.
-std::string worst_markdown(const ScoreAgreements& all, const Options& options, const std::vector<std::string>& files) {
+std::string worst_markdown(const ScoreAgreements& all, const CorrelateOptions& options,
+                           const std::vector<std::string>& files) {
   const std::filesystem::path folder = std::filesystem::path(options.markdown).parent_path();
   std::string out;
   const std::vector<const ScorePair*> pairs = worst_pairs(all, options.worst);
@@ -229,7 +230,8 @@ std::string worst_markdown(const ScoreAgreements& all, const Options& options, c
   return out;
 }
 
-std::string to_markdown(const ScoreAgreements& all, const Options& options, const std::vector<std::string>& files) {
+std::string to_markdown(const ScoreAgreements& all, const CorrelateOptions& options,
+                        const std::vector<std::string>& files) {
   return fmt::format(
       "# How far the scores agree\n\nMade by `crowdbench correlate`. {}\n\nEvery score ranks the views from worst to "
       "best; +1 is one order for both, 0 none in common, -1 the opposite. Which end of a score is good is taken into "
@@ -245,7 +247,7 @@ std::string to_markdown(const ScoreAgreements& all, const Options& options, cons
 
 // "" where the file has no pictures of the pair.
 std::vector<std::string> write_pictures(const StoreContents& contents, const ScoreAgreements& all,
-                                        const Options& options) {
+                                        const CorrelateOptions& options) {
   const std::filesystem::path folder = options.pictures;
   make_folder(folder);
   std::vector<std::string> files;
@@ -259,7 +261,7 @@ std::vector<std::string> write_pictures(const StoreContents& contents, const Sco
   return files;
 }
 
-int run_correlate(const Options& options, metrics::ScoreTable table) {
+int run_correlate(const CorrelateOptions& options, metrics::ScoreTable table) {
   const std::vector<const metrics::Score*> chosen = options.scores == "all"
                                                         ? std::vector(table.begin(), table.end())
                                                         : chosen_scores(options.scores, "--scores", table);
@@ -293,7 +295,7 @@ void add_correlate(Command& app, Run& run, metrics::ScoreTable table) {
       "two\nscores disagree most.\n\nExamples:\n"
       "  crowdbench correlate results.sqlite\n"
       "  crowdbench correlate results.sqlite --scores ssim,flip,cvvdp --markdown scores.md --pictures pictures --json");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CorrelateOptions>();
   command->add_option("FILE", options->file, "result file")->required()->type_name("FILE.sqlite");
   command->add_option("--scores", options->scores, "only these, name,name,...; all: every one that the file has")
       ->type_name("LIST")

@@ -29,7 +29,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct DemoOptions {
   std::vector<std::string> characters;
   CharacterOptions character;  // for all of them
   std::string out = "crowdbench-demo";
@@ -84,7 +84,7 @@ scene::Scenario demo_scenario(const std::string& source, const CharacterOptions&
 }
 
 // A larger, anti-aliased view of the crowd on its ground: for looking at, not for measuring.
-void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario scenario, const Options& options,
+void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario scenario, const DemoOptions& options,
                  StoreWriter& store, int64_t run) {
   scenario.width = options.tiny ? 160 : 1280;
   scenario.height = options.tiny ? 90 : 720;
@@ -112,7 +112,7 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
   }
 }
 
-void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& options, StoreWriter& store,
+void judge_agents(gl::Context& context, const scene::Cast& cast, const DemoOptions& options, StoreWriter& store,
                   int64_t run) {
   QualitySetup setup;
   setup.character = cast.characters.front();
@@ -150,7 +150,8 @@ void judge_agents(gl::Context& context, const scene::Cast& cast, const Options& 
   store.commit();
 }
 
-std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scenario scenario, const Options& options) {
+std::string make_clip(gl::Context& context, const scene::Cast& cast, scene::Scenario scenario,
+                      const DemoOptions& options) {
   studies::PairRequest request;
   scenario.width = options.tiny ? 64 : 640;
   scenario.height = options.tiny ? 48 : 320;
@@ -176,7 +177,7 @@ void remove_results(const std::filesystem::path& results) {
 }
 
 BenchSummary time_crowds(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
-                         const scene::Scenario& scenario, const Options& options, StoreWriter& store) {
+                         const scene::Scenario& scenario, const DemoOptions& options, StoreWriter& store) {
   BenchRequest request;
   request.scenario = scenario;
   request.representations = level_specs();
@@ -203,7 +204,7 @@ BenchSummary time_crowds(gl::Context& context, const scene::Cast& cast, const Ti
 
 // All of one character. The exit status: 1 where a point failed its picture check.
 int show_character(gl::Context& context, const TimingMethod& method, const std::string& character,
-                   const Options& options, StoreWriter& store, Steps& steps) {
+                   const DemoOptions& options, StoreWriter& store, Steps& steps) {
   const scene::Scenario scenario = demo_scenario(character, options.character);
   const scene::Cast cast = open_cast(scenario);
   RunRow run = describe_run(context, method, scenario, "demo", command_line());
@@ -233,7 +234,7 @@ int show_character(gl::Context& context, const TimingMethod& method, const std::
   return summary.invalid > 0 ? 1 : 0;
 }
 
-int run_demo(const Options& options) {
+int run_demo(const DemoOptions& options) {
   const std::vector<std::string> characters =
       options.characters.empty() ? std::vector<std::string>{"mannequin"} : options.characters;
   (void)parse_representation(options.representation);  // refused before anything is made
@@ -267,7 +268,7 @@ void add_demo(Command& app, Run& run) {
   command->footer(
       "Takes a few minutes on two cores without a GPU. Prints the path of the report last.\nExamples:\n  crowdbench "
       "demo\n  crowdbench demo --character robot.glb --out robot-demo");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DemoOptions>();
   add_character_options(*command, options->characters, options->character);
   add_representation_option(*command, options->representation, "what is held against the mesh");
   command->add_option("--out", options->out, "folder for the report, the result file, pictures and clips")

@@ -26,7 +26,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct DistanceOptions {
   SceneOptions scene;
   std::vector<std::string> representations;
   std::string reference = renderers::reference_spec().text();
@@ -42,7 +42,7 @@ struct Options {
 };
 
 // Whatever the table has that exists for an agent; by name also those of linear light.
-std::vector<const metrics::Score*> scores_for(const Options& options, metrics::ScoreTable table,
+std::vector<const metrics::Score*> scores_for(const DistanceOptions& options, metrics::ScoreTable table,
                                               const std::vector<DistanceThreshold>& thresholds) {
   std::vector<const metrics::Score*> wanted =
       options.scores == "all" ? agent_scores(table, false) : chosen_scores(options.scores, "--scores", table);
@@ -59,7 +59,7 @@ std::vector<const metrics::Score*> scores_for(const Options& options, metrics::S
 }
 
 // All but the scene and the staging: whatever is wrong in it is said before anything is loaded.
-DistanceReport read_options(const Options& options, metrics::ScoreTable table,
+DistanceReport read_options(const DistanceOptions& options, metrics::ScoreTable table,
                             std::vector<DistanceThreshold>& thresholds) {
   DistanceReport report;
   for (const std::string& text : options.thresholds) {
@@ -78,7 +78,7 @@ DistanceReport read_options(const Options& options, metrics::ScoreTable table,
   return report;
 }
 
-int run_distance(const Options& options, metrics::ScoreTable table) {
+int run_distance(const DistanceOptions& options, metrics::ScoreTable table) {
   std::vector<DistanceThreshold> thresholds;
   DistanceReport report = read_options(options, table, thresholds);
   std::optional<StoreWriter> store;
@@ -117,7 +117,7 @@ int run_distance(const Options& options, metrics::ScoreTable table) {
   return 0;
 }
 
-void add_frame_options(Command& command, Options& options) {
+void add_frame_options(Command& command, DistanceOptions& options) {
   DistanceRequest& request = options.request;
   const auto add_count = [&](const char* name, uint64_t& value, uint64_t least, uint64_t most, const char* text) {
     command.add_option(name, value, text)->type_name("N")->capture_default_str()->whole_number(least, most);
@@ -153,7 +153,7 @@ void add_distance(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench distance --representation flat --agents 200\n"
       "  crowdbench distance street.toml --representation flat,relief --threshold flip=0.1 --display standard_fhd\n"
       "  crowdbench distance --representation flat --frames 10 --scores flip,cvvdp --out agents.csv --chart page.html");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DistanceOptions>();
   add_scene_options(*command, options->scene);
   add_representation_option(*command, options->representations, "what is judged")->required();
   command->add_option("--reference", options->reference, "what all are held against")

@@ -15,12 +15,12 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct ExportOptions {
   std::string file;
   std::string csv, scores_csv, json, google_benchmark, bencher, frame_log, markdown;
 };
 
-int run_export(const Options& options) {
+int run_export(const ExportOptions& options) {
   if (options.csv.empty() && options.scores_csv.empty() && options.json.empty() && options.google_benchmark.empty() &&
       options.bencher.empty() && options.frame_log.empty() && options.markdown.empty())
     throw Error("export", "nothing to write",
@@ -52,7 +52,7 @@ void add_export(Command& app, Run& run) {
       "Column names carry their units. Parquet is not among them: Debian 12 has no library that writes it; read the "
       "CSV with what\nwrites yours.\nExamples:\n  crowdbench export results.sqlite --csv results.csv --bencher "
       "bencher.json\n  crowdbench export results.sqlite --frame-log frames.csv");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   command->add_option("FILE", options->file, "result file")->required()->type_name("FILE.sqlite");
   const auto add = [&](const char* name, std::string& target, const char* meaning, const char* type) {
     command->add_option(name, target, meaning)->type_name(type)->output_file();

@@ -21,7 +21,7 @@ using reports::HistoryChange;
 using reports::HistorySeries;
 using reports::HistoryValue;
 
-struct Options {
+struct HistoryOptions {
   std::vector<std::string> files;
   std::string page;
   ChangePointOptions change;
@@ -81,7 +81,7 @@ std::string text_of(const HistorySeries& series) {
   return out + (series.changes.empty() ? "  no change\n" : "");
 }
 
-int run_history(const Options& options) {
+int run_history(const HistoryOptions& options) {
   ChangePointOptions change = options.change;
   change.window = options.window;
   change.min_magnitude = options.least_percent / 100;
@@ -121,7 +121,7 @@ void add_history(Command& app, Run& run) {
       "ordered by\ntheir start. A change is named by the first revision of the new level and the one before "
       "it.\nExamples:\n  crowdbench history nightly-*.sqlite --chart history.html\n"
       "  crowdbench history results.sqlite --json");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HistoryOptions>();
   command->add_option("FILE", options->files, "result files of `bench`, in any order")
       ->required()
       ->type_name("FILE.sqlite");

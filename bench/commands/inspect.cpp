@@ -23,7 +23,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct InspectOptions {
   CharacterOptions character;
   std::string out;
   std::string height = "1.75";
@@ -131,7 +131,7 @@ Json material_json(const scene::Material& m) {
 using Levels = std::vector<renderers::LevelInfo>;
 
 // Of the levels asked for, by the options of the reference that draw them.
-Levels levels_asked_for(const Options& options, const std::shared_ptr<const scene::Character>& character) {
+Levels levels_asked_for(const InspectOptions& options, const std::shared_ptr<const scene::Character>& character) {
   Levels out;
   if (options.levels.empty()) return out;
   std::vector<int> clips;
@@ -203,7 +203,7 @@ std::string ground_text(const scene::ClipMotion& motion) {
 }
 
 // A line a level, under one heading.
-void print_levels(const scene::Character& c, const Levels& levels, const Options& options) {
+void print_levels(const scene::Character& c, const Levels& levels, const InspectOptions& options) {
   std::string own;
   for (const scene::Mesh& lod : c.levels) own += fmt::format(", {}", lod.indices.size() / 3);
   if (!own.empty()) fmt::print("{:<14}{}{} triangles; lod=1 is the second\n", "levels", c.triangles(), own);
@@ -214,7 +214,7 @@ void print_levels(const scene::Character& c, const Levels& levels, const Options
     if (!level.note.empty()) fmt::print("note: {}\n", printable(level.note));
 }
 
-void print_text(const scene::Character& c, const Levels& levels, const Options& options) {
+void print_text(const scene::Character& c, const Levels& levels, const InspectOptions& options) {
   const Bytes bytes = measure_bytes(c);
   const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<14}{}\n", key, value); };
   line("character", printable(c.source, 300));
@@ -269,7 +269,7 @@ std::string limits_text() {
       l.decoded_bytes >> 20);
 }
 
-int inspect(const Options& options) {
+int inspect(const InspectOptions& options) {
   scene::CharacterEntry entry = options.character.entry();
   entry.height = parse_height(options.height);
   entry.rigid_meshes = !options.no_rigid;
@@ -299,7 +299,7 @@ void add_inspect(Command& app, Run& run) {
       "are. Lost, with a warning: blend shapes, cameras, lights, constraints, pictures other than of base colour and\n"
       "emission, bent curves between keys; COLLADA's animation clips play at once, as one.\n" +
       limits_text());
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InspectOptions>();
   command
       ->add_option("CHARACTER", options->character.source,
                    "a glTF, FBX or COLLADA file, or mannequin[:triangles=N,joints=N]")

@@ -14,7 +14,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct MergeOptions {
   std::string out;
   std::vector<std::string> shards;
   bool mixed = false, allow_missing = false, json = false;
@@ -22,7 +22,7 @@ struct Options {
 
 constexpr int kNotEnough = 3;
 
-int run_merge(const Options& options) {
+int run_merge(const MergeOptions& options) {
   sweep::MergeRequest request;
   request.out = options.out;
   request.shards.assign(options.shards.begin(), options.shards.end());
@@ -54,7 +54,7 @@ void add_merge(Command& app, Run& run) {
       "shards or conditions\nare missing, or no point could be measured.\nExamples:\n  crowdbench merge "
       "textures.sqlite "
       "textures-*-of-8.sqlite");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MergeOptions>();
   command->add_option("OUT", options->out, "file to write; replaced when it exists")
       ->required()
       ->type_name("OUT.sqlite")

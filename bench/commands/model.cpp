@@ -18,7 +18,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct ModelOptions {
   std::vector<std::string> files;
   std::string markdown;
   bool json = false;
@@ -34,7 +34,7 @@ void print_lines(std::string_view text) {
 }
 
 // Each file by itself: times of two files may be of two machines.
-int run_model(const Options& options) {
+int run_model(const ModelOptions& options) {
   Json all = Json::array();
   std::string text;
   {
@@ -72,7 +72,7 @@ void add_model(Command& app, Run& run) {
       "chosen by. Break-even is told\nwithin the agents and occupancies that were measured, with the interval of "
       "predicted ratios.\nExamples:\n  crowdbench model results.sqlite\n  crowdbench model results.sqlite --markdown "
       "model.md --json");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ModelOptions>();
   command->add_option("FILE", options->files, "result files of `bench` or `sweep`, each by itself")
       ->required()
       ->type_name("FILE.sqlite");

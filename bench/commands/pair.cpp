@@ -19,7 +19,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct PairOptions {
   SceneOptions scene;
   std::string a;
   std::string b;
@@ -54,7 +54,7 @@ void let_walk(ChosenScenario& chosen, const scene::Cast& cast) {
     chosen.scenario.crowd.spacing = std::min(100.0, studies::spacing_of_bodies(chosen.scenario, cast));
 }
 
-int run_pair(const Options& options) {
+int run_pair(const PairOptions& options) {
   studies::PairRequest request;
   request.a = parse_representation(options.a, "--a");
   request.b = parse_representation(options.b, "--b");
@@ -122,7 +122,7 @@ void add_pair(Command& app, Run& run) {
       "The clip is H.264 with all colour samples (4:4:4), which Chromium plays; Safari, and Firefox on some systems,\n"
       "refuse it.\n"
       "Example:\n  crowdbench pair --a mesh --b flat --agents 250 --seconds 10 --out clip.mp4");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PairOptions>();
   add_scene_options(*command, options->scene);
   command->add_option("--a", options->a, "one representation, name[:key=value,...]")->required()->type_name("R");
   command->add_option("--b", options->b, "the other; a hash of the seed says which is on top")

@@ -31,7 +31,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct PopmapOptions {
   std::string representation = renderers::default_impostor().text();
   CharacterOptions character;
   std::string clip;
@@ -250,7 +250,7 @@ reports::PopSize page_size(const std::vector<PopCell>& cells, const Scores& scor
 }
 
 // Of --scores; what the user names must exist for a switch.
-Scores scores_for(const Options& options, metrics::ScoreTable table) {
+Scores scores_for(const PopmapOptions& options, metrics::ScoreTable table) {
   if (options.scores.empty()) return usual_pop_scores(table);
   const Scores possible = pop_scores(table);
   if (options.scores == "all") return possible;
@@ -263,7 +263,7 @@ Scores scores_for(const Options& options, metrics::ScoreTable table) {
 }
 
 // table: the scores that are computed; they must outlive what is returned.
-PopRequest read_options(const Options& options, metrics::ScoreTable table) {
+PopRequest read_options(const PopmapOptions& options, metrics::ScoreTable table) {
   PopRequest request;
   request.table = table;
   request.display = display_of_option(options.display);
@@ -393,7 +393,7 @@ void print_text(const PopMap& map, const PopRequest& request, bool all) {
   }
 }
 
-int run_popmap(const Options& options, metrics::ScoreTable table) {
+int run_popmap(const PopmapOptions& options, metrics::ScoreTable table) {
   const Scores scores = scores_for(options, table);
   const PopRequest request = read_options(options, scores);
   constexpr size_t kMost = 200'000;
@@ -428,7 +428,7 @@ void add_popmap(Command& app, Run& run, metrics::ScoreTable table) {
       "Examples:\n"
       "  crowdbench popmap --representation flat --out pops\n"
       "  crowdbench popmap --representation relief --height-px 40,80 --azimuth-deg 0:330:30 --fade 8 --json");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PopmapOptions>();
   add_representation_option(*command, options->representation, "what is switched to");
   add_character_options(*command, options->character);
   add_clip_option(*command, options->clip);

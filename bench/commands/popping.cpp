@@ -28,7 +28,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct PoppingOptions {
   SceneOptions scene;
   std::string representation;
   std::string sequence;
@@ -114,7 +114,7 @@ void write_pops(StoreWriter& store, const PoppingReport& report, const RunRow& r
   store.commit();
 }
 
-int run_scenario(const Options& options) {
+int run_scenario(const PoppingOptions& options) {
   PoppingReport report;
   report.rows = options.rows;
   ChosenScenario chosen = read_scenario(options.scene);
@@ -168,7 +168,7 @@ metrics::Plane luma_of(const AnyImage& image, const std::string& where) {
   throw Error(where, "its frames are floats, which have no code values", "give frames of 8 or 16 bits");
 }
 
-int run_sequence(const Options& options) {
+int run_sequence(const PoppingOptions& options) {
   const std::unique_ptr<FrameSequence> frames = open_sequence(options.sequence);
   JumpReport report;
   report.sequence = options.sequence;
@@ -219,7 +219,7 @@ void add_popping(Command& app, Run& run) {
       "  crowdbench popping bench/scenarios/flyover.toml --representation 'hybrid(mesh,flat,distance=20)' "
       "--sweep hysteresis=0,0.1 --sweep fade=0,4,8\n"
       "  crowdbench popping --sequence frames/");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PoppingOptions>();
   add_scene_options(*command, options->scene);
   add_representation_option(*command, options->representation, "one whose agents switch; the scenario's by default");
   command

@@ -17,7 +17,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct PoseOptions {
   std::string file;
   std::string clip;
   double time = 0.0;
@@ -68,7 +68,7 @@ Extent extent_of(const std::vector<glm::dvec3>& points) {
   return out;
 }
 
-std::vector<size_t> asked_vertices(const Options& options, size_t count) {
+std::vector<size_t> asked_vertices(const PoseOptions& options, size_t count) {
   const std::vector<size_t> asked = options.vertices.empty() ? std::vector<size_t>{0} : options.vertices;
   for (const size_t v : asked)
     if (v >= count)
@@ -77,7 +77,7 @@ std::vector<size_t> asked_vertices(const Options& options, size_t count) {
   return asked;
 }
 
-int pose(const Options& options) {
+int pose(const PoseOptions& options) {
   const scene::Character character = open_as_in_file(options.file);
   const int clip = clip_or_bind_pose(character, options.clip);
   const std::string clip_name = clip >= 0 ? character.clips[static_cast<size_t>(clip)].name : std::string();
@@ -122,7 +122,7 @@ void add_pose(Command& app, Run& run) {
       "  crowdbench pose knight.glb            (the bind pose: the nodes' own transforms)\n\n"
       "Vertices count through the nodes by ascending index, then primitives, then vertices; a mesh on two nodes counts "
       "twice.\nTime is the file's own, clamped to each channel's keys; curves are evaluated in double precision.");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PoseOptions>();
   command->add_option("CHARACTER", options->file, "a glTF, FBX or COLLADA file, or mannequin[:triangles=N,joints=N]")
       ->required();
   command->add_option("--clip", options->clip, "a clip's name, else its index; none for the bind pose (none)")

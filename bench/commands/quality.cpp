@@ -34,7 +34,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct QualityOptions {
   std::vector<std::string> representations;
   std::string reference;
   std::string debug;
@@ -182,7 +182,7 @@ class Results {
   int64_t run_ = 0;
 };
 
-Asked read_options(const Options& options, metrics::ScoreTable table) {
+Asked read_options(const QualityOptions& options, metrics::ScoreTable table) {
   if (options.flicker && options.exact_pose)
     throw Error("--flicker", "an exact pose has no frames between which it could jump", "leave --exact-pose out");
   const std::string drawn = renderers::reference_spec().text();
@@ -376,7 +376,7 @@ void print_text(const std::vector<QualityRow>& rows, const Films& films, const A
   print_films(films, asked);
 }
 
-int run_quality(const Options& options, metrics::ScoreTable table) {
+int run_quality(const QualityOptions& options, metrics::ScoreTable table) {
   const Asked asked = read_options(options, table);
   const std::vector<std::string> names = file_names(asked.setup.representations);
   if (!options.maps.empty()) make_folder(options.maps);
@@ -431,7 +431,7 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
       "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
       "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps maps --json\n"
       "  crowdbench quality --representation mesh --reference truth --supersample 3");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<QualityOptions>();
   add_representation_option(*command, options->representations, "what is judged")->required();
   add_reference_option(*command, options->reference);
   add_character_options(*command, options->character);

@@ -18,7 +18,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct RatioOptions {
   SceneOptions scene;
   std::string of, to;
   int pairs = 24;
@@ -128,7 +128,7 @@ void print(const RatioReport& report, const scene::Scenario& scenario) {
   if (report.stage.unreachable) fmt::print("  unreachable: {:.1f} % were asked for\n", 100 * *scenario.occupancy);
 }
 
-int run_ratio(const Options& options) {
+int run_ratio(const RatioOptions& options) {
   RatioRequest request;
   request.of = parse_representation(options.of, "--of");
   request.to = parse_representation(options.to, "--to");
@@ -165,7 +165,7 @@ void add_ratio(Command& app, Run& run) {
       "no motion.\nExamples:\n  crowdbench ratio --of flat --to mesh --agents 250\n  crowdbench ratio --of mesh --to "
       "mesh --agents 100 "
       "--json   (the noise of the method)");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RatioOptions>();
   add_scene_options(*command, options->scene);
   command->add_option("--of", options->of, "representation, name[:key=value,...]")->required()->type_name("R");
   command->add_option("--to", options->to, "what it is measured against")->required()->type_name("R");

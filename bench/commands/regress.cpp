@@ -19,7 +19,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct RegressOptions {
   std::string baseline, current;
   std::vector<std::string> programs;
   std::string bench;
@@ -41,7 +41,7 @@ Correction parse_correction(const std::string& text) {
   throw Error("--correction", fmt::format("'{}' is not a correction", text), "use holm, bh or none");
 }
 
-RegressLimits limits_of(const Options& options) {
+RegressLimits limits_of(const RegressOptions& options) {
   RegressLimits limits = options.limits;
   limits.least_effect = options.effect_percent / 100;
   limits.detect = options.detect_percent / 100;
@@ -85,7 +85,7 @@ std::optional<Interval> drift_of(const BuildRuns& runs) {
   return Interval{std::expm1(interval.low), std::expm1(interval.high)};
 }
 
-int say(const RegressReport& report, const Options& options) {
+int say(const RegressReport& report, const RegressOptions& options) {
   if (!options.markdown.empty()) write_file(options.markdown, std::string_view(regress_markdown(report)));
   if (!options.junit.empty()) write_file(options.junit, std::string_view(regress_junit(report)));
   if (!options.pictures.empty()) make_folder(options.pictures);
@@ -98,7 +98,7 @@ int say(const RegressReport& report, const Options& options) {
   return exit_status(report);
 }
 
-int run_regress(const Options& options) {
+int run_regress(const RegressOptions& options) {
   const RegressLimits limits = limits_of(options);
   if (!options.programs.empty()) {
     if (options.programs.size() != 2)
@@ -119,7 +119,7 @@ int run_regress(const Options& options) {
   return say(regress(baseline, current, limits, metrics::scores()), options);
 }
 
-void add_limits(Command& command, Options& options) {
+void add_limits(Command& command, RegressOptions& options) {
   command.add_option("--effect", options.effect_percent, "a change of a time by less counts as none, per cent")
       ->type_name("PCT")
       ->capture_default_str()
@@ -160,7 +160,7 @@ void add_regress(Command& app, Run& run) {
       "regress baseline.sqlite current.sqlite --markdown regress.md --junit regress.xml\n  crowdbench regress "
       "--program old/crowdbench --program new/crowdbench --bench \"plaza.toml --agents 250 --occupancy 0.15\"\n  "
       "crowdbench regress baseline.sqlite current.sqlite --explain 3 --pictures why");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RegressOptions>();
   command->add_option("BASELINE", options->baseline, "result file of `bench`, before")->type_name("FILE.sqlite");
   command->add_option("CURRENT", options->current, "the same, after")->type_name("FILE.sqlite");
   const Option* program =

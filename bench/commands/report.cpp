@@ -17,12 +17,12 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct ReportOptions {
   std::string file;
   std::string out, markdown, csv, scores_csv, json, google_benchmark;
 };
 
-int run_report(const Options& options) {
+int run_report(const ReportOptions& options) {
   if (options.out.empty() && options.markdown.empty() && options.csv.empty() && options.scores_csv.empty() &&
       options.json.empty() && options.google_benchmark.empty())
     throw Error("report", "nothing to write",
@@ -60,7 +60,7 @@ void add_report(Command& app, Run& run) {
       "Examples:\n  crowdbench report results.sqlite --out report.html\n  crowdbench report results.sqlite "
       "--google-benchmark "
       "baseline.json --csv results.csv");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportOptions>();
   command->add_option("FILE", options->file, "result file that `bench`, `demo` or a command with --db made")
       ->required()
       ->type_name("FILE.sqlite");

@@ -20,7 +20,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct StabilityOptions {
   std::vector<std::string> representations;
   StabilityRequest request;
   std::string markdown, page, results, device;
@@ -29,7 +29,7 @@ struct Options {
   bool json = false;
 };
 
-int run_stability_command(const Options& options) {
+int run_stability_command(const StabilityOptions& options) {
   StabilityRequest request = options.request;
   if (!options.representations.empty()) request.representations = parse_representations(options.representations);
   request.use_cache = !options.no_cache;
@@ -75,7 +75,7 @@ void add_stability(Command& app, Run& run) {
       "  crowdbench stability --representation relief --case eye --case world_1e7\n"
       "  crowdbench stability --small --markdown holds.md --page holds.html --db results.sqlite\n"
       "  crowdbench stability --list");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StabilityOptions>();
   add_representation_option(*command, options->representations, "of whom it is asked (default: every one)");
   command->add_option("--case", options->request.cases, "a case or a group of cases; may be given several times")
       ->type_name("NAME")

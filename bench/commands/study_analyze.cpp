@@ -23,7 +23,7 @@ namespace {
 using namespace studies;
 
 // What is not given stays empty: the plan's, or the default.
-struct Options {
+struct StudyAnalyzeOptions {
   std::vector<std::string> files, where;
   std::string table, columns, plan, scores, study;
   std::string markdown, page, out, exports;
@@ -104,7 +104,7 @@ void change_rate(Changes& to, Rate& rate, double& value, const std::string& give
   value = new_value;
 }
 
-void change_models(const Options& o, AnalysisSettings& s, Changes& to) {
+void change_models(const StudyAnalyzeOptions& o, AnalysisSettings& s, Changes& to) {
   to.choose(s.curve.curve, o.curve, "--curve",
             {{"logistic", studies::Curve::logistic},
              {"cumgauss", studies::Curve::cumulative_gaussian},
@@ -130,7 +130,7 @@ void change_models(const Options& o, AnalysisSettings& s, Changes& to) {
 }
 
 // In place of the settings `s`; says what that changes.
-std::vector<std::string> change_settings(const Options& o, AnalysisSettings& s) {
+std::vector<std::string> change_settings(const StudyAnalyzeOptions& o, AnalysisSettings& s) {
   Changes to;
   to.choose(s.ties, o.ties, "--ties", {{"drop", TieRule::drop}, {"split", TieRule::split}, {"no", TieRule::no}});
   to.take(s.chance, o.chance, "--chance");
@@ -185,7 +185,7 @@ Table kept_answers(const std::string& file, const std::string& study) {
   return parse_table(answers_csv(read_study_answers({file}, shown.study), folder), file);
 }
 
-Table rows_of(const std::string& file, const Options& o) {
+Table rows_of(const std::string& file, const StudyAnalyzeOptions& o) {
   const std::filesystem::path extension = std::filesystem::path(file).extension();
   const bool kept = extension == ".sqlite" || extension == ".json";
   Table out = kept ? kept_answers(file, o.study) : read_table(file);
@@ -198,7 +198,7 @@ Table rows_of(const std::string& file, const Options& o) {
   return out;
 }
 
-Answers read_answers(const Options& o) {
+Answers read_answers(const StudyAnalyzeOptions& o) {
   if (o.files.empty() && o.table.empty())
     throw Error("study analyze", "there are no answers to analyse",
                 "give files whose columns have the names of roles, or --table FILE --columns MAP");
@@ -214,7 +214,7 @@ Answers read_answers(const Options& o) {
   return out;
 }
 
-void write_outputs(const Options& o, const StudyReport& report) {
+void write_outputs(const StudyAnalyzeOptions& o, const StudyReport& report) {
   const std::filesystem::path folder = o.out;
   if (!o.out.empty()) make_folder(folder);
   const auto write = [&](const std::string& named, const char* in_folder, const std::string& text) {
@@ -227,7 +227,7 @@ void write_outputs(const Options& o, const StudyReport& report) {
   if (!o.exports.empty()) write_exports(report.analysis, o.exports);
 }
 
-int run_analyze(const Options& options) {
+int run_analyze(const StudyAnalyzeOptions& options) {
   AnalysisSettings settings;
   PlanFacts plan;
   if (!options.plan.empty()) settings = settings_of_plan(options.plan, plan);
@@ -245,7 +245,7 @@ int run_analyze(const Options& options) {
   return 0;
 }
 
-void add_curve_options(Command& command, Options& o) {
+void add_curve_options(Command& command, StudyAnalyzeOptions& o) {
   command.add_option("--curve", o.curve, "psychometric function: logistic (which it is), cumgauss or weibull")
       ->type_name("NAME");
   command.add_flag("--falling", o.falling, "a yes is rarer where the level is higher");
@@ -268,7 +268,7 @@ void add_curve_options(Command& command, Options& o) {
                    "of\nvisual angle, too, where the answers have `pixels_per_degree` and `pixels_per_degree_se`");
 }
 
-void add_mixed_options(Command& command, Options& o) {
+void add_mixed_options(Command& command, StudyAnalyzeOptions& o) {
   command
       .add_option("--random", o.random,
                   "of the mixed model, by participant: none (no model), intercept (which it is), slope, "
@@ -282,7 +282,7 @@ void add_mixed_options(Command& command, Options& o) {
       ->type_name("NAME");
 }
 
-void add_exclusion_options(Command& command, Options& o) {
+void add_exclusion_options(Command& command, StudyAnalyzeOptions& o) {
   command
       .add_option("--catch-least", o.catch_least, "share of catch trials that a participant must get right to stay (0)")
       ->type_name("SHARE")
@@ -296,7 +296,7 @@ void add_exclusion_options(Command& command, Options& o) {
   command.add_flag("--leave-out-hidden", o.hidden, "leave out trials during which the page was out of sight");
 }
 
-void add_test_options(Command& command, Options& o) {
+void add_test_options(Command& command, StudyAnalyzeOptions& o) {
   command
       .add_option("--chance", o.chance,
                   "share of yes where nothing is seen, for tests and equivalence (without a plan R of --guess above 0; "
@@ -326,7 +326,7 @@ void add_test_options(Command& command, Options& o) {
       ->whole_number(0, UINT64_MAX);
 }
 
-void add_output_options(Command& command, Options& o) {
+void add_output_options(Command& command, StudyAnalyzeOptions& o) {
   command.add_option("--markdown", o.markdown, "the tables as a page of text")->type_name("FILE.md")->output_file();
   command.add_option("--page", o.page, "the report with charts, one self-contained page")
       ->type_name("FILE.html")
@@ -344,7 +344,7 @@ void add_output_options(Command& command, Options& o) {
   add_json_option(command, o.json);
 }
 
-void add_options(Command& command, Options& o) {
+void add_options(Command& command, StudyAnalyzeOptions& o) {
   command
       .add_option("ANSWERS", o.files,
                   "tables whose columns have the names of roles, or what `study serve` kept or the page saved")
@@ -393,7 +393,7 @@ void add_study_analyze(Command& study, Run& run) {
       "  crowdbench study analyze answers.csv --plan study.toml --scores out/study.json --out report\n"
       "  crowdbench study analyze --table pairs.csv --columns item_a=left,item_b=right,shown_first=left,answer=choice "
       "--json");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyAnalyzeOptions>();
   add_options(*command, *options);
   command->callback([options, &run] { run = [options] { return run_analyze(*options); }; });
 }

@@ -16,14 +16,14 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct StudyAnswersOptions {
   std::vector<std::string> files;
   std::string study, csv, lines, jspsych;
   bool levels = false;
   bool json = false;
 };
 
-int run_answers(const Options& o) {
+int run_answers(const StudyAnswersOptions& o) {
   const studies::StudyFolder folder = studies::read_study_folder(o.study);
   const studies::StudyAnswers answers = studies::read_study_answers({o.files.begin(), o.files.end()}, folder.study);
   if (!o.csv.empty()) write_file(o.csv, std::string_view(studies::answers_csv(answers, o.study, o.levels)));
@@ -59,8 +59,8 @@ void add_study_answers(Command& study, Run& run) {
       "Examples:\n  crowdbench study answers study-out/answers.sqlite --study study-out --csv answers.csv\n"
       "  crowdbench study answers answers-1.json answers-2.json --study study-out --csv answers.csv --json\n"
       "The second is for files that the page saved on a static server.");
-  auto options = std::make_shared<Options>();
-  Options& o = *options;
+  auto options = std::make_shared<StudyAnswersOptions>();
+  StudyAnswersOptions& o = *options;
   command->add_option("FILE", o.files, "what `study serve` keeps answers in, or what the page saved")
       ->required()
       ->type_name("FILE.sqlite|FILE.json");

@@ -21,7 +21,7 @@ namespace {
 
 using namespace studies;
 
-struct Options {
+struct StudyExportOptions {
   std::string plan, out, device, display;
   std::string browsers = "chromium";
   double score_every = 1;
@@ -62,7 +62,7 @@ Json estimate_json(const StudyPlan& plan, const StudyDesign& design, const Expor
           {"work_bytes", estimate.work_bytes}};
 }
 
-int print_dry_run(const Options& options, const StudyPlan& plan) {
+int print_dry_run(const StudyExportOptions& options, const StudyPlan& plan) {
   const StudyDesign design = make_design(plan);
   const ExportEstimate estimate = estimate_export(plan, design, options.browsers == "all");
   if (options.json) {
@@ -88,7 +88,7 @@ int print_dry_run(const Options& options, const StudyPlan& plan) {
   return 0;
 }
 
-int run_export(const Options& options) {
+int run_export(const StudyExportOptions& options) {
   if (options.browsers != "chromium" && options.browsers != "all")
     throw Error("--browsers", fmt::format("there is no '{}'", printable(options.browsers, 60)),
                 "choose chromium or all");
@@ -145,7 +145,7 @@ void add_study_export(Command& study, Run& run) {
       "OUT/page is for participants; everything else in OUT gives the answers away.\n\n"
       "Examples:\n  crowdbench study export studies/plans/switch_distance.toml --dry-run\n"
       "  crowdbench study export switch.toml out --browsers all");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyExportOptions>();
   command->add_option("PLAN", options->plan, "the plan, frozen by `study freeze`")->required()->type_name("FILE.toml");
   command->add_option("OUT", options->out, "the folder to write; made where it is missing")
       ->type_name("FOLDER")

@@ -15,13 +15,13 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct StudyFreezeOptions {
   std::string plan, deviation;
   bool anew = false;
   bool json = false;
 };
 
-int run_freeze(const Options& options) {
+int run_freeze(const StudyFreezeOptions& options) {
   const studies::StudyPlan plan = studies::read_study_plan(options.plan);
   studies::require_cast(options.plan, plan);
   const studies::FrozenPlan frozen = studies::freeze(options.plan, plan, options.deviation, options.anew);
@@ -59,7 +59,7 @@ void add_study_freeze(Command& study, Run& run) {
       "is recorded with --deviation. What a plan may say: studies/plan/README.md.\n\n"
       "Examples:\n  crowdbench study freeze switch.toml\n"
       "  crowdbench study freeze switch.toml --deviation 'fewer repeats: sessions took too long'");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyFreezeOptions>();
   command->add_option("PLAN", options->plan, "the plan")->required()->type_name("FILE.toml");
   Option* deviation =
       command->add_option("--deviation", options->deviation, "record that the frozen plan was changed, and why");

@@ -18,7 +18,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct StudyPowerOptions {
   std::string plan;
   std::vector<uint32_t> participants;
   studies::PowerSettings settings;
@@ -31,14 +31,14 @@ struct Options {
 };
 
 // What is not given is the plan's: how many take part, the crowds and repeats of a condition, the level of its tests.
-void take_plan(Options& o, const studies::StudyPlan& plan) {
+void take_plan(StudyPowerOptions& o, const studies::StudyPlan& plan) {
   if (o.participants.empty() && plan.participants.planned >= 2) o.participants = {plan.participants.planned};
   if (!o.clips) o.clips = plan.stimulus.crowds;
   if (!o.repeats) o.repeats = plan.method.repeats;
   if (!o.alpha) o.alpha = plan.analysis.settings.alpha;
 }
 
-void take_defaults(Options& o) {
+void take_defaults(StudyPowerOptions& o) {
   if (o.participants.empty()) o.participants = {8, 16, 24, 32};
   studies::PowerSettings& s = o.settings;
   s.clips = o.clips.value_or(s.clips);
@@ -54,7 +54,7 @@ void take_defaults(Options& o) {
 // simulate: with a Progress that it advances by participants. Its end is that of all rows that are left; it is gone
 // before print: rows are told as they come.
 template <typename Simulate, typename Print>
-void each_row(const Options& o, const Simulate& simulate, const Print& print) {
+void each_row(const StudyPowerOptions& o, const Simulate& simulate, const Print& print) {
   uint64_t left = 0;
   for (const uint32_t participants : o.participants) left += o.simulations * participants;
   for (size_t row = 0; row < o.participants.size(); ++row) {
@@ -70,7 +70,7 @@ void each_row(const Options& o, const Simulate& simulate, const Print& print) {
 
 // ---- two conditions
 
-int print_two_conditions(const Options& options) {
+int print_two_conditions(const StudyPowerOptions& options) {
   Json rows = Json::array();
   if (!options.json)
     fmt::print(
@@ -117,11 +117,11 @@ int print_two_conditions(const Options& options) {
 // ---- a plan's own threshold
 
 // 0.1 of same-different, as `study simulate` has it; else what the analysis holds, or chance.
-double guess_of(const Options& o, const studies::StudyPlan& plan) {
+double guess_of(const StudyPowerOptions& o, const studies::StudyPlan& plan) {
   return o.guess.value_or(plan.task == studies::Task::same_different ? 0.1 : plan.analysis.settings.curve.guess);
 }
 
-studies::ThresholdPowerSettings threshold_settings(const Options& o, const studies::StudyPlan& plan) {
+studies::ThresholdPowerSettings threshold_settings(const StudyPowerOptions& o, const studies::StudyPlan& plan) {
   studies::ThresholdPowerSettings out;
   out.analysis = plan.analysis.settings;
   out.analysis.alpha = o.settings.alpha;
@@ -171,7 +171,7 @@ Json json_of(const studies::EquivalencePower& p) {
   return {{"power", p.power}, {"power_se", p.power_se}, {"at_margin", p.at_margin}, {"at_margin_se", p.at_margin_se}};
 }
 
-studies::EquivalencePowerSettings equivalence_settings(const Options& o, const studies::StudyPlan& plan) {
+studies::EquivalencePowerSettings equivalence_settings(const StudyPowerOptions& o, const studies::StudyPlan& plan) {
   const studies::AnalysisSettings& s = plan.analysis.settings;
   return {.participants = 2,
           .trials = o.settings.clips * o.settings.repeats,
@@ -180,7 +180,7 @@ studies::EquivalencePowerSettings equivalence_settings(const Options& o, const s
           .seed = o.settings.seed};
 }
 
-Json threshold_rows(const Options& o, studies::ThresholdPowerSettings s) {
+Json threshold_rows(const StudyPowerOptions& o, studies::ThresholdPowerSettings s) {
   const double truth = studies::true_threshold(s);
   Json rows = Json::array();
   if (!o.json)
@@ -210,7 +210,7 @@ Json threshold_rows(const Options& o, studies::ThresholdPowerSettings s) {
           {"rows", std::move(rows)}};
 }
 
-Json equivalence_rows(const Options& o, studies::EquivalencePowerSettings s) {
+Json equivalence_rows(const StudyPowerOptions& o, studies::EquivalencePowerSettings s) {
   const studies::EquivalenceSettings& e = s.equivalence;
   Json rows = Json::array();
   if (!o.json)
@@ -235,7 +235,7 @@ Json equivalence_rows(const Options& o, studies::EquivalencePowerSettings s) {
   return {{"margin", e.margin}, {"chance", e.chance}, {"alpha", e.alpha}, {"rows", std::move(rows)}};
 }
 
-int print_planned(const Options& o, const studies::StudyPlan& plan) {
+int print_planned(const StudyPowerOptions& o, const studies::StudyPlan& plan) {
   if (o.effect || o.intercept)
     throw Error(o.effect ? "--effect" : "--intercept", "is of two conditions, and the plan has a level or a margin",
                 "say --threshold and --slope, or leave PLAN out");
@@ -246,7 +246,7 @@ int print_planned(const Options& o, const studies::StudyPlan& plan) {
   return 0;
 }
 
-int run_power(Options options) {
+int run_power(StudyPowerOptions options) {
   std::optional<studies::StudyPlan> plan;
   if (!options.plan.empty()) {
     plan = studies::read_study_plan(options.plan);
@@ -283,8 +283,8 @@ void add_study_power(Command& study, Run& run) {
       "  crowdbench study power studies/plans/equivalence.toml --json\n"
       "  crowdbench study power studies/plans/pilot.toml --threshold 150 --slope -0.03 --simulations 200\n"
       "  crowdbench study power --effect 0.4 --participant-sd 0.6 --clip-sd 0.5 --clips 12 --simulations 200 --json");
-  auto options = std::make_shared<Options>();
-  Options& o = *options;
+  auto options = std::make_shared<StudyPowerOptions>();
+  StudyPowerOptions& o = *options;
   command->add_option("PLAN", o.plan, "a study's plan")->type_name("FILE.toml");
   command->add_option("--participants", o.participants, "numbers of participants to try (8, 16, 24, 32)")
       ->delimiter(',')

@@ -11,13 +11,13 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct StudyServeOptions {
   std::string out, answers, origin;
   std::string address = "127.0.0.1";
   int port = 8000;
 };
 
-int run_serve(const Options& o) {
+int run_serve(const StudyServeOptions& o) {
   studies::ServeSettings settings;
   settings.out = o.out;
   settings.answers =
@@ -49,8 +49,8 @@ void add_study_serve(Command& study, Run& run) {
       "the header Host on; say its address with --origin.\n\n"
       "Examples:\n  crowdbench study serve study-out --port 8000\n"
       "  crowdbench study serve study-out --answers answers.sqlite --origin https://study.example.org");
-  auto options = std::make_shared<Options>();
-  Options& o = *options;
+  auto options = std::make_shared<StudyServeOptions>();
+  StudyServeOptions& o = *options;
   command->add_option("OUT", o.out, "folder that `study export` made")->required()->type_name("FOLDER");
   command->add_option("--answers", o.answers, "result file that answers are kept in; OUT/answers.sqlite without it")
       ->type_name("FILE.sqlite")

@@ -16,7 +16,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct StudySimulateOptions {
   std::string study, out;
   SimulatedStudy simulated;
   studies::SimulatedDesign design;
@@ -41,7 +41,7 @@ void set_worth(const std::string& text, std::map<std::string, double>& to) {
   to[text.substr(0, equals)] = worth;
 }
 
-size_t write_table(const Options& o) {
+size_t write_table(const StudySimulateOptions& o) {
   studies::SimulatedObservers who = o.simulated.who;
   who.guess = o.guess.value_or(0);
   if (who.guess + who.lapse >= 1)
@@ -53,7 +53,7 @@ size_t write_table(const Options& o) {
   return answers.rows.size();
 }
 
-size_t write_study(const Options& o) {
+size_t write_study(const StudySimulateOptions& o) {
   if (!o.design.levels.empty())
     throw Error("--levels", "is for a table without a study", "leave it out: OUT says what is shown");
   SimulatedStudy simulated = o.simulated;
@@ -71,7 +71,7 @@ size_t write_study(const Options& o) {
   return answers.answers.size();
 }
 
-int run_simulate(const Options& o) {
+int run_simulate(const StudySimulateOptions& o) {
   if (o.study.empty() && o.design.levels.empty())
     throw Error("study simulate", "there is nothing to answer",
                 "give the folder of an exported study, or --levels for a table without one");
@@ -87,7 +87,7 @@ int run_simulate(const Options& o) {
   return 0;
 }
 
-void add_observer_options(Command& command, Options& options) {
+void add_observer_options(Command& command, StudySimulateOptions& options) {
   studies::SimulatedObservers& o = options.simulated.who;
   const auto add = [&](const char* name, double& value, const char* meaning, double least, double most) {
     command.add_option(name, value, meaning)->capture_default_str()->number(least, most);
@@ -132,8 +132,8 @@ void add_study_simulate(Command& study, Run& run) {
       "--threshold-sd 2 --out answers.csv\n"
       "  crowdbench study simulate --levels 0,1,2,3 --threshold 1 --guess 0.5 --clips 6 --clip-sd 0.4 --out "
       "answers.csv --json");
-  auto options = std::make_shared<Options>();
-  Options& o = *options;
+  auto options = std::make_shared<StudySimulateOptions>();
+  StudySimulateOptions& o = *options;
   command->add_option("OUT", o.study, "folder that `study export` made")->type_name("FOLDER");
   command->add_option("--out", o.out, "what is written: a table, or with OUT also a new result file")
       ->required()

@@ -20,20 +20,20 @@ namespace crowdbench::bench {
 namespace {
 namespace fs = std::filesystem;
 
-struct Options {
+struct SweepOptions {
   std::string plan, shard, out, markdown, device;
   bool dry_run = false, mixed = false, json = false, submit = false;
   std::optional<uint32_t> slurm, openjd;
 };
 
 // Beside where the user is, by the name of the plan's file.
-fs::path out_of(const Options& options, const sweep::Shard& shard) {
+fs::path out_of(const SweepOptions& options, const sweep::Shard& shard) {
   if (!options.out.empty()) return options.out;
   const fs::path whole = fs::path(options.plan).stem().string() + ".sqlite";
   return options.shard.empty() ? whole : sweep::shard_file(whole, shard.index, shard.count);
 }
 
-int write_jobs(const Options& options, const sweep::Plan& plan, const fs::path& out) {
+int write_jobs(const SweepOptions& options, const sweep::Plan& plan, const fs::path& out) {
   const uint32_t shards = options.slurm ? *options.slurm : *options.openjd;
   sweep::ShardJobs jobs{plan.name, program_directory() / "crowdbench", fs::absolute(options.plan), fs::absolute(out),
                         shards};
@@ -55,7 +55,7 @@ int write_jobs(const Options& options, const sweep::Plan& plan, const fs::path& 
   return 0;
 }
 
-void say_tables(const Options& options, const sweep::Plan& plan, const StoreContents& contents) {
+void say_tables(const SweepOptions& options, const sweep::Plan& plan, const StoreContents& contents) {
   const std::string text = sweep::sweep_text(plan, contents);
   if (!options.markdown.empty()) write_file(options.markdown, std::string_view(text));
   if (options.json)
@@ -65,8 +65,8 @@ void say_tables(const Options& options, const sweep::Plan& plan, const StoreCont
 }
 
 // Exit status; nothing where the machine could not draw, which another might.
-std::optional<sweep::SweepOutcome> measure(const Options& options, const sweep::Plan& plan, const sweep::Shard& shard,
-                                           const fs::path& out) {
+std::optional<sweep::SweepOutcome> measure(const SweepOptions& options, const sweep::Plan& plan,
+                                           const sweep::Shard& shard, const fs::path& out) {
   set_term_status(sweep::kRetryStatus);
   std::unique_ptr<gl::Context> context;
   try {
@@ -80,7 +80,7 @@ std::optional<sweep::SweepOutcome> measure(const Options& options, const sweep::
   return sweep::run_shard(*context, method, plan, shard, out, options.mixed);
 }
 
-int run_sweep_command(const Options& options) {
+int run_sweep_command(const SweepOptions& options) {
   const sweep::Plan plan = sweep::read_plan(options.plan);
   const sweep::Shard shard = options.shard.empty() ? sweep::Shard() : sweep::parse_shard(options.shard);
   const fs::path out = out_of(options, shard);
@@ -124,7 +124,7 @@ void add_sweep(Command& app, Run& run) {
       "  crowdbench sweep bench/plans/texture_size.toml --out textures.sqlite --markdown textures.md\n"
       "  crowdbench sweep bench/plans/texture_size.toml --shard 2/8\n"
       "  crowdbench sweep bench/plans/texture_size.toml --slurm 8 --submit");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepOptions>();
   command->add_option("PLAN", options->plan, "plan of a sweep")->required()->type_name("PLAN.toml");
   command->add_option("--out", options->out, "result file; continued where it was begun (the plan's name, here)")
       ->type_name("FILE.sqlite")

@@ -16,7 +16,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct SwitchDistanceOptions {
   std::string representation = renderers::default_impostor().text();
   CharacterOptions character;
   std::string clip;
@@ -96,7 +96,7 @@ void print_table(const SwitchRequest& request, const SwitchReport& report) {
       "Euclidean.\n");
 }
 
-SwitchRequest read_request(const Options& options) {
+SwitchRequest read_request(const SwitchDistanceOptions& options) {
   SwitchRequest request = options.request;
   request.representation = parse_representation(options.representation);
   request.ratios = parse_numbers(options.ratios, "--ratio", 0.01, 100);
@@ -111,7 +111,7 @@ SwitchRequest read_request(const Options& options) {
   return request;
 }
 
-int run_switch_distance(const Options& options) {
+int run_switch_distance(const SwitchDistanceOptions& options) {
   const SwitchRequest request = read_request(options);
   const auto context = open_context(options.device);
   Progress progress("switch-distance", 0);
@@ -137,7 +137,7 @@ void add_switch_distance(Command& app, Run& run) {
       "  crowdbench switch-distance --representation flat:texels=64\n"
       "  crowdbench switch-distance --character knight.glb --ratio 0.5:2:0.5 --fov-y-deg 60 --size 1920x1080 "
       "--off-axis-deg 30 --json");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SwitchDistanceOptions>();
   SwitchRequest& request = options->request;
   add_representation_option(*command, options->representation, "an impostor with texels");
   add_character_options(*command, options->character);

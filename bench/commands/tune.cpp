@@ -30,7 +30,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct TuneOptions {
   SceneOptions scene;
   std::vector<std::string> representations;
   std::string clip;
@@ -59,7 +59,7 @@ std::string default_threshold(metrics::ScoreTable table) {
 
 // All representations that stand alone and the level of detail that every figure of speed is told against; the
 // reference first, asked for or not.
-std::vector<renderers::Spec> candidates_of(const Options& options) {
+std::vector<renderers::Spec> candidates_of(const TuneOptions& options) {
   std::vector<renderers::Spec> wanted = parse_representations(options.representations);
   if (wanted.empty()) {
     for (const renderers::RepresentationType& type : renderers::representation_types())
@@ -79,7 +79,7 @@ std::vector<renderers::Spec> candidates_of(const Options& options) {
 }
 
 // Even in log height, from the tallest.
-std::vector<double> heights_of(const Options& options, int rows) {
+std::vector<double> heights_of(const TuneOptions& options, int rows) {
   const double nearest = options.nearest_px > 0 ? options.nearest_px : rows;
   if (options.farthest_px >= nearest)
     throw Error("--farthest-px",
@@ -121,7 +121,7 @@ Seen agents_seen(Stage& stage) {
 }
 
 // What was given, or what the scenario's camera sees: all but its outermost 5 % on either side.
-TuneBlocks blocks_of(const Options& options, const Seen& seen) {
+TuneBlocks blocks_of(const TuneOptions& options, const Seen& seen) {
   TuneBlocks blocks;
   blocks.views = static_cast<size_t>(options.views);
   blocks.moments = static_cast<size_t>(options.moments);
@@ -137,7 +137,7 @@ TuneBlocks blocks_of(const Options& options, const Seen& seen) {
   return blocks;
 }
 
-TuneRequest read_request(const Options& options, metrics::ScoreTable table, const ChosenScenario& chosen) {
+TuneRequest read_request(const TuneOptions& options, metrics::ScoreTable table, const ChosenScenario& chosen) {
   TuneRequest request;
   request.candidates = candidates_of(options);
   const auto threshold = [&](const std::string& text, const char* option) {
@@ -175,7 +175,7 @@ TuneRequest read_request(const Options& options, metrics::ScoreTable table, cons
 }
 
 // The scenario's characters, or that of --character, and those of --also-character in equal shares.
-ChosenScenario chosen_scenario(const Options& options) {
+ChosenScenario chosen_scenario(const TuneOptions& options) {
   ChosenScenario chosen = read_scenario(options.scene);
   for (const std::string& source : options.also) {
     CharacterOptions character = options.scene.character;
@@ -185,7 +185,7 @@ ChosenScenario chosen_scenario(const Options& options) {
   return chosen;
 }
 
-TuneSubject subject_of(const Options& options, const std::shared_ptr<const scene::Character>& character) {
+TuneSubject subject_of(const TuneOptions& options, const std::shared_ptr<const scene::Character>& character) {
   TuneSubject subject;
   subject.character = character;
   subject.clip =
@@ -194,7 +194,7 @@ TuneSubject subject_of(const Options& options, const std::shared_ptr<const scene
 }
 
 // The scenario as it was placed: other seeds need no solving.
-TuneProofRequest proof_request(const Options& options, const Staged& staged, const scene::Cast& cast) {
+TuneProofRequest proof_request(const TuneOptions& options, const Staged& staged, const scene::Cast& cast) {
   TuneProofRequest request;
   request.scenario = staged.scenario;
   request.scenario.occupancy.reset();
@@ -210,7 +210,7 @@ struct OtherCast {
   TuneSubject subject;
 };
 // Nothing without --prove-on.
-std::optional<OtherCast> other_cast(const Options& options, scene::Scenario scenario) {
+std::optional<OtherCast> other_cast(const TuneOptions& options, scene::Scenario scenario) {
   if (options.prove_on.empty()) return std::nullopt;
   CharacterOptions character = options.scene.character;
   character.source = options.prove_on;
@@ -227,7 +227,7 @@ struct SeedFigures {
   std::vector<SeedScores> scores;                     // by seed
   std::vector<std::vector<UnseenFigure>> by_subject;  // of all seeds
 };
-SeedFigures score_seeds(gl::Context& context, const Options& options, const TuneReport& report,
+SeedFigures score_seeds(gl::Context& context, const TuneOptions& options, const TuneReport& report,
                         const renderers::Spec& representation, const std::vector<uint64_t>& seeds) {
   const TuneRequest& request = report.request;
   SeedFigures out;
@@ -272,7 +272,7 @@ OthersPromise promise_others(gl::Context& context, const TuneReport& report, con
 }
 
 // Crowds and figures of unseen seeds, of the tuned characters or of another.
-TuneProof prove(gl::Context& context, const Options& options, const TuneReport& report, const OtherCast* other,
+TuneProof prove(gl::Context& context, const TuneOptions& options, const TuneReport& report, const OtherCast* other,
                 const TuneProofRequest& request) {
   TuneProof proof;
   const std::vector<uint64_t> seeds =
@@ -306,7 +306,7 @@ void predict_all(gl::Context& context, TuneReport& report) {
     }
 }
 
-void describe_plan(gl::Context& context, const Options& options, const scene::Cast& cast, const OtherCast* other,
+void describe_plan(gl::Context& context, const TuneOptions& options, const scene::Cast& cast, const OtherCast* other,
                    const Staged& staged, TuneReport& report) {
   const TuneAnswer& answer = report.result.together;
   if (!answer.plan) return;
@@ -327,7 +327,7 @@ void describe_plan(gl::Context& context, const Options& options, const scene::Ca
   if (options.prove > 0 && report.promise) report.proof = prove(context, options, report, other, request);
 }
 
-TuneReport measure(const Options& options, metrics::ScoreTable table) {
+TuneReport measure(const TuneOptions& options, metrics::ScoreTable table) {
   const ChosenScenario chosen = chosen_scenario(options);
   TuneReport report;
   report.request = read_request(options, table, chosen);
@@ -377,7 +377,7 @@ TuneReport measure(const Options& options, metrics::ScoreTable table) {
   return report;
 }
 
-int run_tune(const Options& options, metrics::ScoreTable table) {
+int run_tune(const TuneOptions& options, metrics::ScoreTable table) {
   std::optional<StoreWriter> store;
   if (!options.results.empty()) store.emplace(options.results);  // refused before anything is drawn
   const TuneReport report = measure(options, table);
@@ -391,7 +391,7 @@ int run_tune(const Options& options, metrics::ScoreTable table) {
   return report.result.together.plan && (!report.proof || report.proof->holds()) ? 0 : 1;
 }
 
-void add_view_options(Command& command, Options& options) {
+void add_view_options(Command& command, TuneOptions& options) {
   command
       .add_option("--azimuth-deg", options.azimuths,
                   "from where it is looked at, 0 = from the front; without a list all round")
@@ -418,7 +418,7 @@ void add_view_options(Command& command, Options& options) {
   add_count("--rounds", options.rounds, 4, 1000, "in which costs are measured");
 }
 
-void add_proof_options(Command& command, Options& options) {
+void add_proof_options(Command& command, TuneOptions& options) {
   const auto add_count = [&](const char* name, uint64_t& value, uint64_t least, uint64_t most, const char* text) {
     command.add_option(name, value, text)->type_name("N")->capture_default_str()->whole_number(least, most);
   };
@@ -461,7 +461,7 @@ void add_tune(Command& app, Run& run) {
       "  crowdbench tune --budget-ms 8 --agents 5000\n"
       "  crowdbench tune --representation flat --prove 20 --check-views\n"
       "  crowdbench tune street.toml --also-character fox.glb --page tuned.html --db results.sqlite");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TuneOptions>();
   options->error = default_threshold(metrics::scores());
   add_scene_options(*command, options->scene);
   add_representation_option(

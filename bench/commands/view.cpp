@@ -19,7 +19,7 @@
 namespace crowdbench::bench {
 namespace {
 
-struct Options {
+struct ViewOptions {
   SceneOptions scene;
   std::vector<std::string> representations;
   std::optional<uint64_t> frames;
@@ -168,7 +168,7 @@ class TickClock {
 };
 
 // Frame after frame until somebody quits, or --frames are over.
-void show_frames(const Options& options, gl::Window& window, const Staged& staged,
+void show_frames(const ViewOptions& options, gl::Window& window, const Staged& staged,
                  const std::vector<std::string>& names, Viewing& viewing) {
   ViewerState& state = viewing.state;
   TickClock clock(staged.scenario.tick_rate);
@@ -189,7 +189,7 @@ void show_frames(const Options& options, gl::Window& window, const Staged& stage
   }
 }
 
-int run_view(const Options& options) {
+int run_view(const ViewOptions& options) {
   if (!options.screenshot.empty() && !options.frames)
     throw Error("--screenshot", "needs --frames", "say after how many frames the picture is taken");
   ChosenScenario chosen = read_scenario(options.scene);
@@ -221,7 +221,7 @@ void add_view(Command& app, Run& run) {
       "side, h hides the help text, Esc quits. Everything is drawn off screen, as it is measured, and shown as it is.\n"
       "Examples:\n  crowdbench view --agents 200\n"
       "  crowdbench view --representation mesh --representation flat --side-by-side");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ViewOptions>();
   add_scene_options(*command, options->scene);
   add_representation_option(*command, options->representations,
                             "what the keys 1..9 show (the scenario's, then all others)");
