@@ -35,9 +35,13 @@ uint64_t hash_of_light(const scene::Frame& frame) {
   return hash.value();
 }
 
+// The axis to the right, world space, length 1.
+glm::dvec3 picture_right(const scene::Frame& frame) { return glm::transpose(scene::view_rotation(frame.camera))[0]; }
+
 uint64_t hash_of(const scene::Frame& frame) {
   Hash hash;
   hash.add(frame.camera.eye);
+  hash.add(picture_right(frame));
   hash.add(frame.camera.fov_y);
   hash.add(static_cast<uint64_t>(frame.height));
   for (const auto& all : frame.agents)
@@ -74,13 +78,16 @@ void TileStates::begin(const scene::Frame& frame) {
   tick_ = frame.tick;
   frame_hash_ = hash;
   light_hash_ = light;
+  picture_right_ = picture_right(frame);
   refreshes_ = 0;
   ++moment_;
 }
 
 bool TileStates::is_stale(const TileRecord& known, const TileRecord& seen) const {
   if (known.agent.outfit != seen.agent.outfit) return true;
-  if (rules_.always_anew()) return !same_pose(known.agent, seen.agent) || known.view.to_eye != seen.view.to_eye;
+  if (rules_.always_anew())
+    return !same_pose(known.agent, seen.agent) || known.view.to_eye != seen.view.to_eye ||
+           known.view.right != seen.view.right;
   const double grown = seen.pixels / known.pixels;
   if (std::max(grown, 1 / grown) > 1 + rules_.size) return true;
   if (glm::distance(known.view.to_eye, seen.view.to_eye) > 2 * std::sin(rules_.angle / 2)) return true;
@@ -102,7 +109,8 @@ TileRecord* TileStates::update(const scene::Frame& frame, size_t character, uint
   if (!(away > 0)) return none();
   TileRecord seen;
   seen.pixels = focal / away;
-  const std::optional<TileView> view = tile_view(c.box, eye, 1 / (seen.pixels * rules_.ratio));
+  const std::optional<TileView> view =
+      tile_view(c.box, eye, turned_back(picture_right_, a.heading), 1 / (seen.pixels * rules_.ratio));
   if (!view) return none();
   seen.agent = a;
   seen.view = *view;

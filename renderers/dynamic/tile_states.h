@@ -58,6 +58,7 @@ class TileStates {
   TileAtlas atlas_;
   std::unordered_map<uint64_t, TileRecord> records_;  // by character and id
   bool begun_ = false;
+  glm::dvec3 picture_right_{1, 0, 0};  // of the frame at hand, world space
   uint64_t tick_ = 0, moment_ = 0, frame_hash_ = 0, light_hash_ = 0, refreshes_ = 0;
 };
 

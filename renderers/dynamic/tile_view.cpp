@@ -9,18 +9,26 @@ namespace {
 
 constexpr double kNearest = 0.1;  // of the distance: corners must be farther before the eye
 
+// The unit vector across `axis`, of length 1, that is nearest to `wanted`.
+glm::dvec3 across(const glm::dvec3& axis, const glm::dvec3& wanted) {
+  const glm::dvec3 right = glm::normalize(wanted);
+  const glm::dvec3 rest = right - glm::dot(right, axis) * axis;
+  if (glm::length(rest) > 1e-6) return glm::normalize(rest);
+  // What lies along the picture's edge is not in the picture: any will do.
+  return glm::normalize(glm::cross(std::abs(axis.y) < 0.5 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1), axis));
+}
+
 }  // namespace
 
-std::optional<TileView> tile_view(const Box& box, const glm::dvec3& eye, double texel) {
+std::optional<TileView> tile_view(const Box& box, const glm::dvec3& eye, const glm::dvec3& picture_right,
+                                  double texel) {
   TileView view;
   view.centre = box.centre();
   view.texel = texel;
   view.distance = glm::distance(eye, view.centre);
   if (!(view.distance > 0)) return std::nullopt;
   view.to_eye = (eye - view.centre) / view.distance;
-  // From straight above the figure's front is up.
-  const glm::dvec3 across = glm::cross(glm::dvec3(0, 1, 0), view.to_eye);
-  view.right = glm::length(across) > 1e-6 ? glm::normalize(across) : glm::dvec3(1, 0, 0);
+  view.right = across(view.to_eye, picture_right);
   view.up = glm::cross(view.to_eye, view.right);
   view.nearest = std::numeric_limits<double>::infinity();
   view.low = glm::dvec2(std::numeric_limits<double>::infinity());

@@ -12,6 +12,7 @@ struct Box {
 };
 
 // The plane through the box's centre across the direction to the eye; model space, metres. right x up = to_eye.
+// right is the picture's own, as near as it can be, so that texels lie along pixels and nothing turns over a pole.
 struct TileView {
   glm::dvec3 centre{0.0};
   glm::dvec3 right{1, 0, 0}, up{0, 1, 0}, to_eye{0, 0, 1};
@@ -21,9 +22,9 @@ struct TileView {
   double texel = 0;                // metres of the plane
 };
 
-// nullopt where the eye is within the box or nearly so: nothing is seen as if on a plane from there. texel: of what is
-// to be captured.
-std::optional<TileView> tile_view(const Box& box, const glm::dvec3& eye, double texel);
+// nullopt where the eye is within the box or nearly so: nothing is seen as if on a plane from there. picture_right: the
+// picture's axis to the right, of any length above 0. texel: of what is to be captured.
+std::optional<TileView> tile_view(const Box& box, const glm::dvec3& eye, const glm::dvec3& picture_right, double texel);
 
 // Whole texels of the rectangle [low, high].
 glm::ivec2 tile_texels(const TileView& view);

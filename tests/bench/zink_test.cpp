@@ -89,6 +89,16 @@ const std::vector<const char*>& specs() {
 
 INSTANTIATE_TEST_SUITE_P(Pictures, ZinkGl, ::testing::ValuesIn(specs()));
 
+// Tiles that are drawn anew a second time: a driver that loses a clear would show the first ones' remains.
+class ZinkAgainGl : public ZinkGl {};
+TEST_P(ZinkAgainGl, TheSameSeedIsTheSamePicture) {
+  CROWDBENCH_SKIP_SANITIZED("the same over llvmpipe, which the stability tests draw");
+  const support::Outcome outcome = support::run_driver(
+      kZink, "stability --device software --small --case time_seeds --representation " + std::string(GetParam()));
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+}
+INSTANTIATE_TEST_SUITE_P(Pictures, ZinkAgainGl, ::testing::Values("dynamic"));
+
 TEST(Zink, EveryRepresentationIsDrawn) {
   for (const renderers::RepresentationType& type : renderers::representation_types())
     EXPECT_TRUE(std::any_of(specs().begin(), specs().end(), [&](const std::string& spec) {

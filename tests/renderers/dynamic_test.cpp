@@ -32,21 +32,35 @@ constexpr double kDegree = std::numbers::pi / 180;
 const Box kUnitBox{glm::dvec3(-0.5), glm::dvec3(0.5)};
 
 TEST(TileView, HoldsTheBoxAsTheEyeSeesIt) {
-  const TileView view = tile_view(kUnitBox, {0, 0, 10}, 0.1).value();
+  const TileView view = tile_view(kUnitBox, {0, 0, 10}, {1, 0, 0}, 0.1).value();
   // The corners nearest to the eye, 9.5 before it.
   EXPECT_NEAR(view.high.x, 0.5 * 10 / 9.5, 1e-12);
   EXPECT_NEAR(view.low.y, -0.5 * 10 / 9.5, 1e-12);
   EXPECT_NEAR(view.nearest, 9.5, 1e-12);
   EXPECT_EQ(tile_texels(view), glm::ivec2(11, 11));
-  EXPECT_FALSE(tile_view(kUnitBox, {0, 0, 0.3}, 0.1)) << "within the box";
-  EXPECT_FALSE(tile_view(kUnitBox, {0, 0, 0}, 0.1));
-  const TileView above = tile_view(kUnitBox, {0, 5, 0}, 0.1).value();
-  EXPECT_NEAR(glm::dot(glm::cross(above.right, above.up), above.to_eye), 1.0, 1e-12);
+  EXPECT_FALSE(tile_view(kUnitBox, {0, 0, 0.3}, {1, 0, 0}, 0.1)) << "within the box";
+  EXPECT_FALSE(tile_view(kUnitBox, {0, 0, 0}, {1, 0, 0}, 0.1));
+}
+
+TEST(TileView, LiesAlongThePictureFromEverySide) {
+  // Over the pole by a little: what is right stays right.
+  const glm::dvec3 right(0.8, 0, 0.6);
+  const TileView before = tile_view(kUnitBox, {0, 5, 1e-7}, right, 0.1).value();
+  const TileView after = tile_view(kUnitBox, {0, 5, -1e-7}, right, 0.1).value();
+  EXPECT_LT(glm::distance(before.right, after.right), 1e-6);
+  EXPECT_LT(glm::distance(before.right, right), 1e-6);
+  for (const glm::dvec3& eye : {glm::dvec3(0, 5, 0), glm::dvec3(3, -1, 2), glm::dvec3(5, 0, 0)})
+    for (const glm::dvec3& wanted : {right, glm::dvec3(2, 0, 0), glm::dvec3(0, 3, 1)}) {
+      const TileView view = tile_view(kUnitBox, eye, wanted, 0.1).value();
+      EXPECT_NEAR(glm::dot(glm::cross(view.right, view.up), view.to_eye), 1.0, 1e-12);
+      EXPECT_NEAR(glm::length(view.right), 1.0, 1e-12);
+      EXPECT_GE(glm::dot(view.right, wanted), -1e-12);
+    }
 }
 
 TEST(TileView, RowsPutPointsWhereTheEyeSeesThem) {
   const glm::vec2 heading(std::sin(0.7F), std::cos(0.7F));
-  const TileView view = tile_view(kUnitBox, {3, 4, 5}, 0.05).value();
+  const TileView view = tile_view(kUnitBox, {3, 4, 5}, {5, 0, -3}, 0.05).value();
   const TileRows rows = tile_rows(view, heading, {20, 30}, 512);
   const auto texel_of = [&](const glm::dvec3& p) {
     const glm::vec4 world(turned(p, heading), 1.0);
