@@ -7,6 +7,7 @@
 import { execFileSync, spawn } from 'node:child_process'
 import { existsSync, mkdirSync, rmSync, writeFileSync } from 'node:fs'
 import { join } from 'node:path'
+import { held_of_sweep, small_plan } from './small_sweep.mjs'
 
 const [driver, folder, kills = '200'] = process.argv.slice(2)
 if (!driver || !folder || !(Number(kills) >= 1)) {
@@ -15,39 +16,15 @@ if (!driver || !folder || !(Number(kills) >= 1)) {
 }
 mkdirSync(folder, { recursive: true })
 const plan = join(folder, 'kill.toml')
-writeFileSync(plan, `name = "kill"
-[scenario]
-width = 64
-height = 48
-[[scenario.character]]
-source = "mannequin:triangles=500"
-[axes]
-crowd.agents = [1, 2, 3]
-representation = ["mesh", "mesh:triangles=250"]
-[points]
-repetitions = 2
-[measure]
-rounds = 10
-time_limit_s = 0.05
-scores = ["mae"]
-`)
+writeFileSync(plan, small_plan)
 
 const store = (name) => join(folder, `${name}.sqlite`)
 const forget = (name) => {
   for (const end of ['', '.partial', '.partial-wal', '.partial-shm', '.partial.new', '.lock']) rmSync(store(name) + end, { force: true })
 }
 const args = (name) => ['sweep', plan, '--out', store(name), '--json']
-// What the file holds of each point, times left out: one text.
-const held = (name) => {
-  const rows = JSON.parse(execFileSync(driver, args(name), { maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] }))
-  const scores = new Map(rows.comparisons.map((c) => [c.id, c.scores]))
-  const points = rows.sweep_points.map((p) => [p.condition, p.repetition, p.role, p.point_key, p.representation, p.settings, p.state,
-    JSON.stringify(scores.get(p.comparison) ?? null)].join(' '))
-  const sorted = [...points].sort()
-  if (new Set(sorted).size !== sorted.length) return 'a point is there twice'
-  if (rows.measurements.length !== rows.sweep_points.filter((p) => p.measurement !== null).length) return 'a measurement is of no point'
-  return sorted.join('\n')
-}
+const held = (name) =>
+  held_of_sweep(JSON.parse(execFileSync(driver, args(name), { maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] })))
 const sleep = (ms) => new Promise((wake) => setTimeout(wake, ms))
 
 // Killed after so many milliseconds, or ended before.

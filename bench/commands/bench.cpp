@@ -16,6 +16,7 @@
 #include "core/command_line.h"
 #include "core/counted.h"
 #include "core/error.h"
+#include "core/file_lock.h"
 #include "core/json.h"
 #include "core/progress.h"
 #include "renderers/gl/context.h"
@@ -93,6 +94,7 @@ int run_bench_command(const BenchOptions& options) {
     for (const renderers::Spec& level : level_specs()) request.representations.push_back(level);
   }
   StoreWriter store(options.out);  // refused before anything is drawn
+  const FileLock lock(options.out);
   const scene::Cast cast = open_cast(request.scenario, chosen.folder, chosen.places);
   const std::unique_ptr<gl::Context> opened = open_context(options.scene.device);
   gl::Context& context = *opened;

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <charconv>
@@ -105,25 +104,10 @@ std::vector<Cell> cells_of(const Plan& plan, const Shard& shard) {
 }
 
 ShardFile::ShardFile(const fs::path& out, const Plan& plan, const Shard& shard, const RunRow& program, bool mixed)
-    : out_(out), partial_(partial_file(out)), lock_path_(out.string() + ".lock") {
+    : out_(out), partial_(partial_file(out)) {
   require_writable_file(out);
-  lock_ = ::open(lock_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    const bool held = lock_ >= 0 && errno == EWOULDBLOCK;
-    const std::string why = held ? "another process is measuring it" : std::strerror(errno);
-    if (lock_ >= 0) ::close(lock_);
-    throw Error(out.string(), why, held ? "wait for that one" : "");
-  }
-  try {
-    open(plan, shard, program, mixed);
-  } catch (...) {
-    ::close(lock_);
-    throw;
-  }
-}
-
-ShardFile::~ShardFile() {
-  if (lock_ >= 0) ::close(lock_);
+  lock_.emplace(out);
+  open(plan, shard, program, mixed);
 }
 
 void ShardFile::open(const Plan& plan, const Shard& shard, const RunRow& program, bool mixed) {
@@ -152,8 +136,6 @@ void ShardFile::finish() {
   fs::rename(partial_, out_);
   const fs::path folder = out_.parent_path();
   sync(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY);
-  std::error_code ignored;
-  fs::remove(lock_path_, ignored);
 }
 
 bool is_finished(const fs::path& out, const Plan& plan, const Shard& shard) {

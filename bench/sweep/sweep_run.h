@@ -6,12 +6,15 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "bench/sweep/condition_bench.h"
 #include "bench/sweep/plan.h"
+#include "core/file_lock.h"
 
 namespace crowdbench::bench::sweep {
 
@@ -38,9 +41,6 @@ std::vector<Cell> cells_of(const Plan& plan, const Shard& shard);
 class ShardFile {
  public:
   ShardFile(const std::filesystem::path& out, const Plan& plan, const Shard& shard, const RunRow& program, bool mixed);
-  ~ShardFile();
-  ShardFile(const ShardFile&) = delete;
-  ShardFile& operator=(const ShardFile&) = delete;
 
   const std::set<Cell>& done() const { return done_; }
   void write(const MeasuredCondition& measured);
@@ -49,8 +49,8 @@ class ShardFile {
  private:
   void open(const Plan& plan, const Shard& shard, const RunRow& program, bool mixed);
 
-  std::filesystem::path out_, partial_, lock_path_;
-  int lock_ = -1;
+  std::filesystem::path out_, partial_;
+  std::optional<FileLock> lock_;
   int64_t sweep_ = 0;
   std::set<Cell> done_;
   std::unique_ptr<StoreWriter> store_;

@@ -49,6 +49,8 @@ const std::map<std::string, std::string> kScripts = {
     {"study_observer.mjs", "StudyObserver"},
     {"sweep_kill.mjs", "SweepKill"},
     {"tune_promises.mjs", "TunePromises"},
+    {"random_faults.mjs", "RandomFaults"},
+    {"small_sweep.mjs", "SweepKill"},
     {"relief_tears.mjs", "ReliefTears"},
     {"statistics_evidence.sh", "StatisticsEvidence"},
 };
@@ -297,6 +299,15 @@ TEST_F(ScriptsGl, SweepKill) {
   EXPECT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_TRUE(std::regex_search(outcome.text, std::regex("3 kills, [0-9]+ sweeps ended, 0 of them"))) << outcome.text;
   EXPECT_EQ(run("sweep_kill.mjs", "").status, 2);
+}
+
+// Fifteen faults here; `node tools/random_faults.mjs build/release/bin/crowdbench FOLDER` tries a thousand.
+TEST_F(ScriptsGl, RandomFaults) {
+  NEEDS(Need{"node", "nodejs"});
+  const Outcome outcome = run("random_faults.mjs", driver_ + " faults 15 7");
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("15 faults by seed 7, 0 of them"), std::string::npos) << outcome.text;
+  EXPECT_EQ(run("random_faults.mjs", "").status, 2);
 }
 
 TEST_F(Scripts, StudyKill) {
