@@ -20,9 +20,18 @@ namespace {
 
 using namespace store;
 
+// A file without tables: what is left where its maker was stopped, or the disk was full, before the tables were there.
+bool is_blank(sqlite3* database, const std::string& where) {
+  Statement tables(database, where, "SELECT count(*) FROM sqlite_master");
+  return pragma(database, where, "application_id") == 0 && pragma(database, where, "user_version") == 0 &&
+         tables.step() && tables.read_integer() == 0;
+}
+
 // The schema of the file, this one or an older one. Throws Error where it is not ours or is newer.
 int schema_of(sqlite3* database, const std::string& where) {
   const int64_t id = pragma(database, where, "application_id");
+  if (is_blank(database, where))
+    throw Error(where, "holds nothing: whoever made it was stopped at once", "measure into it again");
   if (id != kStoreApplicationId)
     throw Error(where, "a SQLite file of another program, not a result store",
                 "name a file that `crowdbench bench --out` made");
@@ -99,8 +108,12 @@ StoreWriter::StoreWriter(const std::filesystem::path& path) : state_(new State) 
   std::error_code ignored;
   require_writable_file(path);
   // Look before touching: opening another program's file read-write could replay or checkpoint its log.
-  const bool existed = std::filesystem::exists(path, ignored) && std::filesystem::file_size(path, ignored) > 0;
-  if (existed) schema_of(store::open(where, where, SQLITE_OPEN_READONLY).get(), where);
+  bool existed = std::filesystem::exists(path, ignored) && std::filesystem::file_size(path, ignored) > 0;
+  if (existed) {
+    const Database seen = store::open(where, where, SQLITE_OPEN_READONLY);
+    existed = !is_blank(seen.get(), where);
+    if (existed) schema_of(seen.get(), where);
+  }
   state_->database = store::open(where, where, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
   sqlite3* database = state_->database.get();
   if (sqlite3_db_readonly(database, "main") == 1) fail(where, SQLITE_READONLY, "");

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <map>
 
@@ -536,6 +538,26 @@ TEST_F(StoreTest, SaysThatTheDiskIsFullAndKeepsWhatWasThere) {
   EXPECT_NE(message.find("disk is full"), std::string::npos) << message;
   EXPECT_EQ(read_store(file_).measurements.size(), 1U);
   EXPECT_TRUE(read_store(file_).pictures.empty());
+}
+
+// SQLite writes a page of its own before the first table: a disk that is full then leaves a file that is nobody's.
+TEST_F(StoreTest, AFileThatWasOnlyBegunIsBegunAgain) {
+  rlimit old{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);  // the write fails, as on a full disk
+  const rlimit small{4096, old.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string message = error_of([&] { StoreWriter store(file_); });
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_NE(message, "");
+  ASSERT_GT(std::filesystem::file_size(file_), 0U);
+  EXPECT_NE(error_of([&] { read_store(file_); }).find("holds nothing"), std::string::npos);
+  {
+    StoreWriter store(file_);
+    store.write(a_measurement(store.write(a_run())));
+  }
+  EXPECT_EQ(read_store(file_).measurements.size(), 1U);
 }
 
 TEST_F(StoreTest, ReadsFromAFolderThatCannotBeWritten) {
