@@ -206,11 +206,11 @@ const std::string* GltfDocument::text_or_none(const json& object, const std::str
   return &value->get_ref<const std::string&>();
 }
 
-void GltfDocument::copy_name(const json& from, const std::string& path, json& to) const {
-  const std::string* name = text_or_none(from, path, "name");
-  if (!name) return;
+std::string GltfDocument::name_of(const json& object, const std::string& path) const {
+  const std::string* name = text_or_none(object, path, "name");
+  if (!name) return {};
   if (name->size() > kNameBytes) fail(path + "/name", fmt::format("is longer than {} bytes", kNameBytes));
-  to["name"] = *name;
+  return *name;
 }
 
 const json* GltfDocument::extension(const json& object, const std::string& path, const char* name) const {

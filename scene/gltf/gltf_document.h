@@ -52,8 +52,8 @@ class GltfDocument {
   std::vector<double> numbers(const json& value, const std::string& path, size_t count) const;
   bool boolean_or(const json& object, const std::string& path, const char* key, bool fallback) const;
   const std::string* text_or_none(const json& object, const std::string& path, const char* key) const;
-  // Copies the name, when there is one; it has a limit of its own.
-  void copy_name(const json& from, const std::string& path, json& to) const;
+  // Empty when there is none; it has a limit of its own.
+  std::string name_of(const json& object, const std::string& path) const;
   // Null when the object does not have the extension.
   const json* extension(const json& object, const std::string& path, const char* name) const;
 
