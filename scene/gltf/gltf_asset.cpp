@@ -1,6 +1,5 @@
 #include "scene/gltf/gltf_asset.h"
 
-#include <cmath>
 #include <utility>
 
 #include "core/error.h"
@@ -18,11 +17,8 @@ const AccessorView& GltfAsset::view_of(int accessor) const {
   return view;
 }
 
-double GltfAsset::finite(const AccessorView& view, size_t i, int c) const {
-  const double v = view.at(i, c);
-  if (!std::isfinite(v) || std::abs(v) > limits.magnitude)
-    fail(view.path, fmt::format("element {} holds {:.6g}, beyond the limit of {}", i, v, limits.magnitude));
-  return v;
+void GltfAsset::fail_beyond(const AccessorView& view, size_t i, double value) const {
+  fail(view.path, fmt::format("element {} holds {:.6g}, beyond the limit of {}", i, value, limits.magnitude));
 }
 
 glm::vec3 GltfAsset::finite3(const AccessorView& view, size_t i) const {

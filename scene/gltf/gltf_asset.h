@@ -1,6 +1,7 @@
 // A checked glTF asset and the character that is made from it, which the steps of loading share. Internal to the
 // loader.
 #pragma once
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -30,8 +31,14 @@ class GltfAsset {
   // An accessor, its sparse indices checked.
   const AccessorView& view_of(int accessor) const;
   // A component of an element: finite and within GltfLimits::magnitude, else Error.
-  double finite(const AccessorView& view, size_t i, int c) const;
+  double finite(const AccessorView& view, size_t i, int c) const {
+    const double v = view.at(i, c);
+    if (!(std::abs(v) <= limits.magnitude)) fail_beyond(view, i, v);
+    return v;
+  }
   glm::vec3 finite3(const AccessorView& view, size_t i) const;
+
+  [[noreturn]] void fail_beyond(const AccessorView& view, size_t i, double value) const;
 
   GltfSource& source;
   GltfPlan plan;

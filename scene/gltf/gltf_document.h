@@ -61,6 +61,14 @@ class GltfDocument {
   void each(const char* array, const std::function<void(const json& object, const std::string& path)>& visit) const;
 
  private:
+  // The same with path() called only where it is to be named.
+  template <typename Path>
+  uint64_t integer_at(const json& value, const Path& path, uint64_t low, uint64_t high) const;
+  template <typename Path>
+  int index_at(const json& value, const Path& path, const char* array) const;
+  template <typename Path>
+  double number_at(const json& value, const Path& path) const;
+
   const GltfSource& source_;
   const GltfLimits& limits_;
   std::unique_ptr<json> root_;

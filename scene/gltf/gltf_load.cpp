@@ -170,13 +170,23 @@ class Loader {
       std::string reason = "has no triangles to draw";
       if (!options_.hide.empty()) reason += " once parts are hidden";
       throw Error(asset_.source.where(), reason,
-                  model_.meshes.empty() ? "it holds no mesh" : "see its scene and its meshes");
+                  model_.meshes.empty() ? "it holds no mesh"
+                  : shown_elsewhere() ? "the scene that it shows by default is without meshes, others have some: make "
+                                        "one of these its `scene`"
+                                      : "see its scene and its meshes");
     }
     for (const int accessor : position_accessors_)
       character_.file_vertices += plan_.accessors[index_of(accessor)].count;
     read_coarser_levels();
     if (zero_normals_ > 0) asset_.warn(fmt::format("{} normals of length zero point up instead", zero_normals_));
     weights_.report();
+  }
+
+  // Has a node a mesh that is in no part of the scene that is shown?
+  bool shown_elsewhere() const {
+    for (size_t i = 0; i < model_.nodes.size(); ++i)
+      if (model_.nodes[i].mesh >= 0 && !plan_.in_scene[i]) return true;
+    return false;
   }
 
   void read_level(size_t level) {
@@ -355,18 +365,24 @@ class Loader {
     if (options_.undrawn) {
       used.resize(std::min(count, limits_.vertices + 1));
       std::iota(used.begin(), used.end(), 0U);
-    } else {
-      used.assign(indices.begin() + out.first_index, indices.end());
+    } else if (const std::span<uint32_t> corners(indices.begin() + out.first_index, indices.end());
+               count > corners.size()) {
+      used.assign(corners.begin(), corners.end());
       std::sort(used.begin(), used.end());
       used.erase(std::unique(used.begin(), used.end()), used.end());
+      for (uint32_t& corner : corners)
+        corner = static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), corner) - used.begin());
+    } else {
+      std::vector<uint32_t> place(count, UINT32_MAX);
+      for (const uint32_t corner : corners) place[corner] = 0;
+      for (uint32_t v = 0; v < count; ++v) {
+        if (place[v] != 0) continue;
+        place[v] = static_cast<uint32_t>(used.size());
+        used.push_back(v);
+      }
+      for (uint32_t& corner : corners) corner = place[corner];
     }
-    // Mostly all are used, and every index is its own place.
-    const bool all = used.size() == count;
-    for (size_t i = out.first_index; i < indices.size(); ++i) {
-      if (!all && !options_.undrawn)
-        indices[i] = static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), indices[i]) - used.begin());
-      indices[i] += out.first_vertex;
-    }
+    for (size_t i = out.first_index; i < indices.size(); ++i) indices[i] += out.first_vertex;
     return used;
   }
 
@@ -423,6 +439,10 @@ class Loader {
     }
   }
 
+  static bool restarts(const AccessorView& indices, size_t index) {
+    return index == (indices.type == kU8 ? UINT8_MAX : indices.type == kU16 ? UINT16_MAX : UINT32_MAX);
+  }
+
   // The corners of its triangles, as the file numbers its `vertices`.
   void read_indices(const GltfPrimitive& in, const std::string& path, size_t vertices) {
     std::optional<AccessorView> view;
@@ -431,7 +451,10 @@ class Loader {
     const auto corner = [&](size_t i) {
       const size_t index = view ? view->unsigned_at(i) : i;
       if (index >= vertices)
-        asset_.fail(view->path, fmt::format("index {} is {}, but {} has {} vertices", i, index, path, vertices));
+        asset_.fail(view->path, fmt::format("index {} is {}, but {} has {} vertices", i, index, path, vertices),
+                    in.mode > kGltfTriangles && restarts(*view, index)
+                        ? "glTF strips do not restart at the largest index: export triangles"
+                        : "");
       return static_cast<uint32_t>(index);
     };
     auto& indices = character_.mesh.indices;
