@@ -89,6 +89,29 @@ TEST(GltfValid, MaterialAndPicture) {
   EXPECT_EQ(c.mesh.uvs[2], glm::vec2(1, 0));
 }
 
+// OpenGL's numbers; what is left out is trilinear and repeats.
+TEST(GltfValid, SamplersOfEveryKind) {
+  const auto with = [](const json& sampler) {
+    Builder b = bending_card();
+    b.doc["samplers"][0] = sampler;
+    return load(b).images.at(0);
+  };
+  const std::vector<std::pair<int, MinFilter>> filters = {{9728, MinFilter::nearest},
+                                                          {9729, MinFilter::linear},
+                                                          {9984, MinFilter::nearest_mipmap_nearest},
+                                                          {9985, MinFilter::linear_mipmap_nearest},
+                                                          {9986, MinFilter::nearest_mipmap_linear},
+                                                          {9987, MinFilter::linear_mipmap_linear}};
+  for (const auto& [number, filter] : filters) EXPECT_EQ(with({{"minFilter", number}}).min_filter, filter) << number;
+  const Texture usual = with(json::object());
+  EXPECT_EQ(usual.min_filter, MinFilter::linear_mipmap_linear);
+  EXPECT_FALSE(usual.nearest);
+  EXPECT_TRUE(usual.repeat_u && usual.repeat_v && !usual.mirrored_u && !usual.mirrored_v);
+  EXPECT_FALSE(with({{"magFilter", 9729}}).nearest);
+  const Texture mixed = with({{"wrapS", 10497}, {"wrapT", 33071}});
+  EXPECT_TRUE(mixed.repeat_u && !mixed.mirrored_u && !mixed.repeat_v);
+}
+
 TEST(GltfValid, ContainersAreAlike) {
   Builder b = bending_card();
   const Character glb = load(b);
