@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kAlike = 0.5F;  // of two normals of one sheet
 // Beside it there are places only so often, so that the nearest is farther than the border itself.
-constexpr float kLeastReach = 0.75F;
+constexpr float kLeastReach = 0.25F;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
 struct Bits {

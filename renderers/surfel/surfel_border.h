@@ -27,9 +27,9 @@ struct SheetPlace {
 std::vector<float> find_reaches(std::span<const SheetPlace> surfels, std::span<const SheetPlace> beside,
                                 std::span<const SurfelLevel> levels);
 
-// The factor of reaches, at least 0.75, with which discs of a level miss as many places of the surface as they reach
-// beside it: so that what is there and what is drawn have one area. 1 where nothing is beside. radius: of the discs
-// at most, metres.
+// The factor of reaches, at least 0.25, with which discs of a level miss as many places of the surface as they reach
+// beside it: so that what is there and what is drawn have one area. Places other than those that reaches were found by:
+// those say too little of what lies between them. 1 where nothing is beside. radius: of the discs at most, metres.
 float fit_reach(std::span<const SheetPlace> surfels, std::span<const float> reaches, std::span<const SheetPlace> on,
                 std::span<const SheetPlace> beside, float radius);
 

@@ -103,9 +103,10 @@ void blend_weights(const scene::Mesh& mesh, const Candidate& c, Surfel& out) {
   }
 }
 
-// `count` places, as many on each triangle as its area has a share in. area: of all, square metres.
+// `count` places, as many on each triangle as its area has a share in. first: where in their sequence they begin. area:
+// of all, square metres.
 std::vector<Candidate> candidates_of(const scene::Mesh& mesh, const std::vector<glm::vec3>& posed, size_t count,
-                                     double& area) {
+                                     size_t first, double& area) {
   struct Triangle {
     Candidate corners;
     double end = 0;  // of its area, summed over those before it too
@@ -130,8 +131,8 @@ std::vector<Candidate> candidates_of(const scene::Mesh& mesh, const std::vector<
     while (at + 1 < triangles.size() && triangles[at].end < place) ++at;
     Candidate c = triangles[at].corners;
     // Roberts' two-dimensional sequence, folded into the triangle.
-    double u = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(i), 1.0);
-    double v = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(i), 1.0);
+    double u = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(first + i), 1.0);
+    double v = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(first + i), 1.0);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     c.at = {static_cast<float>(1 - u - v), static_cast<float>(u), static_cast<float>(v)};
     out.push_back(c);
@@ -205,13 +206,15 @@ void keep_empty(const std::vector<Beyond>& beyond, float apart, Sampled& sampled
   }
 }
 
-Sampled sample_surface(const scene::Character& character, const std::vector<glm::vec3>& posed, size_t count) {
+// first: as of candidates_of.
+Sampled sample_surface(const scene::Character& character, const std::vector<glm::vec3>& posed, size_t count,
+                       size_t first) {
   const scene::Mesh& mesh = character.mesh;
   const std::vector<std::array<bool, 3>> borders = find_borders(mesh);
   Sampled out;
   std::vector<Beyond> beyond;
   double area = 0;
-  const std::vector<Candidate> candidates = candidates_of(mesh, posed, count, area);
+  const std::vector<Candidate> candidates = candidates_of(mesh, posed, count, first, area);
   for (const Candidate& c : candidates) {
     const auto& [i, j, k] = c.corners;
     const glm::vec3 face = unit_or_up(glm::cross(posed[j] - posed[i], posed[k] - posed[i]));
@@ -235,16 +238,17 @@ Sampled sample_surface(const scene::Character& character, const std::vector<glm:
   return out;
 }
 
-// How far discs may reach at each level.
+// How far discs may reach at each level. judged: other places than those of `sampled`, at which reaches end: between
+// those as much is covered as anywhere.
 void fit_discs(const scene::Character& character, const scene::PoseBank& bank, const Sampled& sampled,
-               const SurfelOrder& order, double cover, SurfelCloud& cloud) {
+               const Sampled& judged, const SurfelOrder& order, double cover, SurfelCloud& cloud) {
   std::vector<SheetPlace> sheets;
   for (const uint32_t i : order.order) sheets.push_back(sampled.on[i]);
   cloud.levels = surfel_levels(order.radius);
   const std::vector<float> reaches = find_reaches(sheets, sampled.beside, cloud.levels);
   for (size_t i = 0; i < reaches.size(); ++i) cloud.surfels[i].reach = reaches[i];
   for (SurfelLevel& level : cloud.levels)
-    level.reach = fit_reach(std::span(sheets).first(level.points), reaches, sampled.on, sampled.beside,
+    level.reach = fit_reach(std::span(sheets).first(level.points), reaches, judged.on, judged.beside,
                             static_cast<float>(level.radius * cover));
   const std::vector<SurfelArea> areas = fit_areas(character, bank, cloud.surfels, cloud.levels, cover);
   for (size_t k = 0; k < cloud.levels.size(); ++k) {
@@ -278,7 +282,7 @@ bool is_there(const scene::Character& character, const scene::Primitive& primiti
 SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::PoseBank& bank, size_t count,
                               double cover, const BakeProgress& progress) {
   const std::vector<glm::vec3> posed = scene::skin_points(character.mesh, bank.palette(bank.sample(0, 0.0)));
-  const Sampled sampled = sample_surface(character, posed, kCandidates * count);
+  const Sampled sampled = sample_surface(character, posed, kCandidates * count, 0);
   SurfelCloud out;
   if (sampled.candidates.empty()) return out;
   std::vector<SurfacePlace> places;
@@ -286,7 +290,9 @@ SurfelCloud make_surfel_cloud(const scene::Character& character, const scene::Po
   const SurfelOrder order = order_places(places, count, progress);
   for (const uint32_t i : order.order) out.surfels.push_back(sampled.candidates[i]);
   average_colours(sampled.candidates, order, out.surfels);
-  fit_discs(character, bank, sampled, order, cover, out);
+  const Sampled judged =
+      sampled.beside.empty() ? Sampled() : sample_surface(character, posed, kCandidates * count, kCandidates * count);
+  fit_discs(character, bank, sampled, judged, order, cover, out);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <span>
 
 #include "core/error.h"
@@ -73,6 +74,36 @@ std::vector<std::string> pairs_for(const Character& source, const std::vector<Ch
   return out;
 }
 
+// A name stands for the first clip that has it, and where none has, a number for the clip of that index: which clips
+// are behind others.
+void warn_of_names(Character& character) {
+  constexpr size_t kListed = 8;
+  std::map<std::string, std::vector<size_t>> named;
+  for (size_t i = 0; i < character.clips.size(); ++i)
+    if (!character.clips[i].name.empty()) named[character.clips[i].name].push_back(i);
+  std::vector<std::string> warnings;
+  for (const auto& [name, clips] : named) {
+    const std::string shown = printable(name, 40);
+    if (clips.size() > 1) {
+      const auto others = std::span(clips).subspan(1, std::min(clips.size() - 1, kListed));
+      warnings.push_back(fmt::format("{} clips are named '{}': the name stands for clip {}; name {} by {}: {}{}",
+                                     clips.size(), shown, clips.front(), clips.size() == 2 ? "the other" : "the others",
+                                     clips.size() == 2 ? "its number" : "their numbers", fmt::join(others, ", "),
+                                     clips.size() - 1 > kListed ? ", ..." : ""));
+    }
+    size_t number = 0;
+    const auto [stop, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    const bool is_number = error == std::errc{} && stop == name.data() + name.size();
+    if (is_number && number < character.clips.size() && number != clips.front())
+      warnings.push_back(
+          fmt::format("clip {} is named '{}': that stands for it, and not for clip {}", clips.front(), shown, number));
+  }
+  const size_t listed = std::min(warnings.size(), kListed);
+  for (size_t i = 0; i < listed; ++i) character.warnings.push_back(std::move(warnings[i]));
+  if (listed < warnings.size())
+    character.warnings.push_back(fmt::format("{} more names stand for several clips", warnings.size() - listed));
+}
+
 }  // namespace
 
 bool is_built_in(std::string_view name) { return name == "mannequin" || name.starts_with("mannequin:"); }
@@ -82,6 +113,7 @@ Character open_character(const std::string& name_or_path, const LoadOptions& opt
   if (borrowed.animations.empty()) {
     if (!borrowed.bones.empty())
       throw Error("bones", "nothing plays: no other file's clips are used", "name one with `animations`");
+    warn_of_names(character);
     return character;
   }
   RetargetOptions retarget;
@@ -101,6 +133,7 @@ Character open_character(const std::string& name_or_path, const LoadOptions& opt
   if (again.turn_deg) again.turn_deg = 0.0;  // turned already
   again.up = UpAxis::y;
   normalise(character, again);
+  warn_of_names(character);
   return character;
 }
 

@@ -1,4 +1,4 @@
-// glTF 2.0 (.glb, .gltf) characters: loaded through tinygltf after our own validation, saved for other engines.
+// glTF 2.0 (.glb, .gltf) characters: loaded after a validation of the whole document, saved for other engines.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,42 +1,24 @@
 #include "scene/gltf/gltf_asset.h"
 
-#include <tiny_gltf.h>
-
-#include <cmath>
+#include <utility>
 
 #include "core/error.h"
 
 namespace crowdbench::scene {
 
 GltfAsset::GltfAsset(GltfSource& from, GltfPlan checked, const LoadOptions& how)
-    : source(from),
-      plan(std::move(checked)),
-      options(how),
-      limits(how.limits),
-      model(std::make_unique<tinygltf::Model>()) {
-  tinygltf::TinyGLTF parser;
-  std::string error;
-  std::string warning;
-  if (!parser.LoadASCIIFromString(model.get(), &error, &warning, plan.json.data(),
-                                  static_cast<unsigned>(plan.json.size()), ""))
-    throw Error(source.where(), "tinygltf refuses it: " + printable(error, 200));
-  plan.json = {};
+    : source(from), plan(std::move(checked)), options(how), limits(how.limits) {
   character.warnings = std::move(plan.warnings);
 }
 
-GltfAsset::~GltfAsset() = default;
-
-AccessorView GltfAsset::view_of(int accessor) const {
+const AccessorView& GltfAsset::view_of(int accessor) const {
   const AccessorView& view = plan.accessors[index_of(accessor)];
   check_sparse(view, source);
   return view;
 }
 
-double GltfAsset::finite(const AccessorView& view, size_t i, int c) const {
-  const double v = view.at(i, c);
-  if (!std::isfinite(v) || std::abs(v) > limits.magnitude)
-    fail(view.path, fmt::format("element {} holds {:.6g}, beyond the limit of {}", i, v, limits.magnitude));
-  return v;
+void GltfAsset::fail_beyond(const AccessorView& view, size_t i, double value) const {
+  fail(view.path, fmt::format("element {} holds {:.6g}, beyond the limit of {}", i, value, limits.magnitude));
 }
 
 glm::vec3 GltfAsset::finite3(const AccessorView& view, size_t i) const {

@@ -1,8 +1,8 @@
 // A checked glTF asset and the character that is made from it, which the steps of loading share. Internal to the
 // loader.
 #pragma once
+#include <cmath>
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,10 +11,6 @@
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_validate.h"
 
-namespace tinygltf {
-class Model;
-}
-
 namespace crowdbench::scene {
 
 // An index from the file, checked by the validation.
@@ -22,10 +18,8 @@ inline size_t index_of(int i) { return static_cast<size_t>(i); }
 
 class GltfAsset {
  public:
-  // Parses the plan's document; its warnings become the character's. source and options must outlive this. Throws
-  // Error.
+  // The plan's warnings become the character's. source and options must outlive this.
   GltfAsset(GltfSource& source, GltfPlan plan, const LoadOptions& options);
-  ~GltfAsset();
   GltfAsset(const GltfAsset&) = delete;
   GltfAsset& operator=(const GltfAsset&) = delete;
 
@@ -35,16 +29,21 @@ class GltfAsset {
   void warn(std::string text) { character.warnings.push_back(std::move(text)); }
 
   // An accessor, its sparse indices checked.
-  AccessorView view_of(int accessor) const;
+  const AccessorView& view_of(int accessor) const;
   // A component of an element: finite and within GltfLimits::magnitude, else Error.
-  double finite(const AccessorView& view, size_t i, int c) const;
+  double finite(const AccessorView& view, size_t i, int c) const {
+    const double v = view.at(i, c);
+    if (!(std::abs(v) <= limits.magnitude)) fail_beyond(view, i, v);
+    return v;
+  }
   glm::vec3 finite3(const AccessorView& view, size_t i) const;
+
+  [[noreturn]] void fail_beyond(const AccessorView& view, size_t i, double value) const;
 
   GltfSource& source;
   GltfPlan plan;
   const LoadOptions& options;
   const GltfLimits& limits;
-  std::unique_ptr<tinygltf::Model> model;
   Character character;       // what is made
   std::vector<int> node_of;  // index into Skeleton::nodes, by file index
 };

@@ -7,13 +7,7 @@
 namespace crowdbench::scene {
 
 GltfCheck::GltfCheck(GltfSource& from, const GltfLimits& within)
-    : GltfDocument(from, within),
-      source(from),
-      limits(within),
-      pruned(std::make_unique<json>(json::object())),
-      decoded_left_(within.decoded_bytes) {}
-
-GltfCheck::~GltfCheck() = default;
+    : GltfDocument(from, within), source(from), limits(within), decoded_left_(within.decoded_bytes) {}
 
 void GltfCheck::warn_once(const std::string& path, std::string_view what) {
   if (warned_.insert(what).second) warn(fmt::format("{}: {}", path, what));
@@ -27,7 +21,5 @@ void GltfCheck::spend_decoded(uint64_t bytes, const std::string& path) {
          "use a smaller character");
   decoded_left_ -= bytes;
 }
-
-void GltfCheck::keep(const char* list, json element) { (*pruned)[list].push_back(std::move(element)); }
 
 }  // namespace crowdbench::scene

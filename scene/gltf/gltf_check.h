@@ -1,7 +1,6 @@
 // What the checks of a glTF document share, and the checks. Internal to the loader.
 #pragma once
 #include <cstddef>
-#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <set>
 #include <string>
@@ -15,13 +14,12 @@ namespace crowdbench::scene {
 
 class GltfData;  // gltf_data.h
 
-// The document as it is read and the two things that are made of it. Every check reads lists of the document's root,
-// throws Error at the first fault, and adds what it read to both.
+// The document as it is read and the plan that is made of it. Every check reads lists of the document's root, throws
+// Error at the first fault, and adds what it read to the plan.
 class GltfCheck : public GltfDocument {
  public:
   // The arguments must outlive this.
   GltfCheck(GltfSource& source, const GltfLimits& limits);
-  ~GltfCheck();
 
   void warn(std::string text) { plan.warnings.push_back(std::move(text)); }
   // Warns "path: what", of only the first place where `what` holds. what: a literal.
@@ -34,9 +32,6 @@ class GltfCheck : public GltfDocument {
   GltfSource& source;
   const GltfLimits& limits;
   GltfPlan plan;
-  std::unique_ptr<json> pruned;  // GltfPlan::json
-  // Appends to a list of the pruned document.
-  void keep(const char* list, json element);
 
  private:
   std::set<std::string_view> warned_;

@@ -22,11 +22,12 @@ const json& list_of(const GltfCheck& check, const json& object, const std::strin
 }
 
 void check_channel(GltfCheck& check, const GltfData& data, const json& channel, const std::string& path,
-                   size_t samplers, std::set<std::pair<int, std::string>>& targets, size_t& numbers, json& clean) {
+                   const std::vector<GltfCurve>& curves, std::set<std::pair<int, Target>>& targets, size_t& numbers,
+                   GltfAnimation& out) {
   check.require_object(channel, path);
   const uint64_t sampler = check.required_integer(channel, path, "sampler", 0, UINT64_MAX);
-  if (sampler >= samplers)
-    check.fail(path + "/sampler", fmt::format("is {}, but there are {} samplers", sampler, samplers));
+  if (sampler >= curves.size())
+    check.fail(path + "/sampler", fmt::format("is {}, but there are {} samplers", sampler, curves.size()));
   const json* target = check.member(channel, "target");
   if (!target) check.fail(path, "has no target");
   const std::string at = path + "/target";
@@ -44,34 +45,33 @@ void check_channel(GltfCheck& check, const GltfData& data, const json& channel, 
   }
   if (*what != "translation" && *what != "rotation" && *what != "scale")
     check.fail(at + "/path", fmt::format("is {}, not translation, rotation, scale or weights", printable(*what, 20)));
-  if (!targets.emplace(*node, *what).second)
+  const Target moved = *what == "rotation" ? Target::rotation : *what == "scale" ? Target::scale : Target::translation;
+  if (!targets.emplace(*node, moved).second)
     check.fail(at, fmt::format("is the second channel of this clip for the {} of node {}", *what, *node));
-  const json& curve = clean["samplers"][sampler];
-  const AccessorView& input = data.accessor(curve["input"].get<int>());
-  const int output_index = curve["output"].get<int>();
+  const GltfCurve& curve = curves[sampler];
+  const AccessorView& input = data.accessor(curve.input);
   const std::string sampler_path = path.substr(0, path.rfind("/channels/")) + fmt::format("/samplers/{}", sampler);
   if (*what == "rotation")
-    data.require_format(output_index, sampler_path + "/output", {4},
+    data.require_format(curve.output, sampler_path + "/output", {4},
                         {{kF32, 0}, {kI8, 1}, {kU8, 1}, {kI16, 1}, {kU16, 1}});
   else
-    data.require_format(output_index, sampler_path + "/output", {3}, {{kF32, 0}});
-  const AccessorView& output = data.accessor(output_index);
-  const size_t per_key = curve["interpolation"] == "CUBICSPLINE" ? 3 : 1;
+    data.require_format(curve.output, sampler_path + "/output", {3}, {{kF32, 0}});
+  const AccessorView& output = data.accessor(curve.output);
+  const size_t per_key = curve.interpolation == Interpolation::cubic_spline ? 3 : 1;
   if (output.count != input.count * per_key)
     check.fail(sampler_path,
                fmt::format("output has {} values, {} keys need {}", output.count, input.count, input.count * per_key));
   numbers += input.count + output.count * static_cast<size_t>(output.components);
   if (numbers > check.limits.keys)
     check.fail(path, fmt::format("brings the animations to {} numbers, the limit is {}", numbers, check.limits.keys));
-  clean["channels"].push_back({{"sampler", sampler}, {"target", {{"node", *node}, {"path", *what}}}});
+  out.channels.push_back({*node, moved, curve});
 }
 
 void check_animation(GltfCheck& check, const GltfData& data, const json& animation, const std::string& path,
                      size_t& numbers) {
-  json clean = json::object();
-  check.copy_name(animation, path, clean);
-  clean["samplers"] = json::array();
-  clean["channels"] = json::array();
+  GltfAnimation out;
+  out.name = check.name_of(animation, path);
+  std::vector<GltfCurve> curves;
   const json& samplers = list_of(check, animation, path, "samplers");
   for (size_t i = 0; i < samplers.size(); ++i) {
     const std::string at = check.item(path + "/samplers", i);
@@ -84,14 +84,16 @@ void check_animation(GltfCheck& check, const GltfData& data, const json& animati
     if (interpolation != "LINEAR" && interpolation != "STEP" && interpolation != "CUBICSPLINE")
       check.fail(at + "/interpolation",
                  fmt::format("is {}, not LINEAR, STEP or CUBICSPLINE", printable(interpolation, 20)));
-    clean["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+    curves.push_back({input, output,
+                      interpolation == "STEP"          ? Interpolation::step
+                      : interpolation == "CUBICSPLINE" ? Interpolation::cubic_spline
+                                                       : Interpolation::linear});
   }
-  std::set<std::pair<int, std::string>> targets;
+  std::set<std::pair<int, Target>> targets;
   const json& channels = list_of(check, animation, path, "channels");
   for (size_t i = 0; i < channels.size(); ++i)
-    check_channel(check, data, channels[i], check.item(path + "/channels", i), samplers.size(), targets, numbers,
-                  clean);
-  check.keep("animations", std::move(clean));
+    check_channel(check, data, channels[i], check.item(path + "/channels", i), curves, targets, numbers, out);
+  check.plan.model.animations.push_back(std::move(out));
 }
 
 }  // namespace

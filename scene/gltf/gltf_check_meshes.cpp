@@ -51,8 +51,8 @@ void check_targets(GltfCheck& check, const json& primitive, const std::string& p
   if (!targets->empty()) check.warn_once(path, kMorphTargets);
 }
 
-json check_primitive(GltfCheck& check, const GltfData& data, const json& primitive, const std::string& path,
-                     GltfMeshSize& size) {
+GltfPrimitive check_primitive(GltfCheck& check, const GltfData& data, const json& primitive, const std::string& path,
+                              GltfMeshSize& size) {
   check.require_object(primitive, path);
   const json* attributes = check.member(primitive, "attributes");
   if (!attributes) check.fail(path, "has no attributes");
@@ -65,7 +65,8 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
     const auto found = draco ? draco->attributes.find(name) : decltype(draco->attributes.end()){};
     return draco && found != draco->attributes.end() ? found->second : accessor;
   };
-  json clean = {{"mode", mode}, {"attributes", json::object()}};
+  GltfPrimitive out;
+  out.mode = static_cast<int>(mode);
   std::optional<size_t> count;
   if (const auto position = check.index_or_none(*attributes, at, "POSITION", "accessors"))
     count = data.accessor(decoded_or("POSITION", *position)).count;
@@ -82,7 +83,7 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
     if (count && own != *count) check.fail(where, fmt::format("has {} elements, POSITION has {}", own, *count));
     if (name.starts_with("JOINTS_")) ++joint_sets;
     if (name.starts_with("WEIGHTS_")) ++weight_sets;
-    clean["attributes"][name] = index_value;
+    out.attributes.emplace(name, index_value);
   }
   if (joint_sets != weight_sets)
     check.fail(at, fmt::format("has {} sets of joints and {} of weights", joint_sets, weight_sets));
@@ -102,10 +103,9 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
     if (data.accessor(*indices).stride != component_size(data.accessor(*indices).type))
       check.fail(where, "names an accessor with a byteStride");
     corners = data.accessor(*indices).count;
-    clean["indices"] = *indices;
+    out.indices = *indices;
   }
-  if (const auto material = check.index_or_none(primitive, path, "material", "materials"))
-    clean["material"] = *material;
+  if (const auto material = check.index_or_none(primitive, path, "material", "materials")) out.material = *material;
   check_targets(check, primitive, path);
   ++size.primitives;
   if (mode < 4) {
@@ -119,7 +119,7 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
     size.vertices += std::min(*count, *corners);  // what no triangle names is not read
     size.triangles += mode == 4 ? *corners / 3 : *corners - 2;
   }
-  return clean;
+  return out;
 }
 
 }  // namespace
@@ -127,16 +127,14 @@ json check_primitive(GltfCheck& check, const GltfData& data, const json& primiti
 std::vector<GltfMeshSize> check_meshes(GltfCheck& check, const GltfData& data) {
   std::vector<GltfMeshSize> sizes;
   check.each("meshes", [&](const json& mesh, const std::string& path) {
-    json clean = json::object();
-    check.copy_name(mesh, path, clean);
+    check.name_of(mesh, path);
     const json* primitives = check.member(mesh, "primitives");
     if (!primitives || !primitives->is_array() || primitives->empty()) check.fail(path, "has no primitives");
     GltfMeshSize size;
-    json out = json::array();
+    std::vector<GltfPrimitive> out;
     for (size_t i = 0; i < primitives->size(); ++i)
       out.push_back(check_primitive(check, data, (*primitives)[i], check.item(path + "/primitives", i), size));
-    clean["primitives"] = std::move(out);
-    check.keep("meshes", std::move(clean));
+    check.plan.model.meshes.push_back(std::move(out));
     sizes.push_back(size);
   });
   return sizes;

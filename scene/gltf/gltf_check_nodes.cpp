@@ -33,8 +33,8 @@ class NodeCheck {
  private:
   void check_skins() {
     check_.each("skins", [&](const json& skin, const std::string& path) {
-      json clean = json::object();
-      check_.copy_name(skin, path, clean);
+      GltfSkin out;
+      check_.name_of(skin, path);
       const json* joints = check_.member(skin, "joints");
       if (!joints || !joints->is_array() || joints->empty()) check_.fail(path, "has no joints");
       std::set<int> seen;
@@ -42,17 +42,17 @@ class NodeCheck {
         const std::string where = check_.item(path + "/joints", i);
         const int node = check_.index((*joints)[i], where, "nodes");
         if (!seen.insert(node).second) check_.fail(where, fmt::format("names node {} twice", node));
-        clean["joints"].push_back(node);
+        out.joints.push_back(node);
       }
       if (const auto bind = check_.index_or_none(skin, path, "inverseBindMatrices", "accessors")) {
         const std::string where = path + "/inverseBindMatrices";
         data_.require_format(*bind, where, {16}, {{kF32, 0}});
         if (data_.accessor(*bind).count < joints->size())
           check_.fail(where, fmt::format("has {} matrices for {} joints", data_.accessor(*bind).count, joints->size()));
-        clean["inverseBindMatrices"] = *bind;
+        out.inverse_binds = *bind;
       }
-      if (const auto root = check_.index_or_none(skin, path, "skeleton", "nodes")) clean["skeleton"] = *root;
-      check_.keep("skins", std::move(clean));
+      if (const auto root = check_.index_or_none(skin, path, "skeleton", "nodes")) out.skeleton = *root;
+      check_.plan.model.skins.push_back(std::move(out));
     });
   }
 
@@ -69,16 +69,10 @@ class NodeCheck {
   }
 
   void check_node(const json& node, const std::string& path, size_t self) {
-    json clean = json::object();
-    check_.copy_name(node, path, clean);
-    if (clean.contains("name")) names_[self] = clean["name"].get<std::string>();
+    GltfNode out;
+    out.name = check_.name_of(node, path);
+    names_[self] = out.name;
     check_coarser(node, path, self);
-    const auto copy = [&](const char* key, size_t count) {
-      const json* value = check_.member(node, key);
-      if (!value) return false;
-      clean[key] = check_.numbers(*value, path + "/" + key, count);
-      return true;
-    };
     if (const json* visibility = check_.extension(node, path, "KHR_node_visibility"))
       if (const json* visible = check_.member(*visibility, "visible")) {
         if (!visible->is_boolean())
@@ -86,18 +80,7 @@ class NodeCheck {
                       fmt::format("is {}, not true or false", visible->type_name()));
         check_.plan.hidden[self] = !visible->get<bool>();
       }
-    const bool matrix = copy("matrix", 16);
-    const bool moved = copy("translation", 3);
-    const bool scaled = copy("scale", 3);
-    const bool turned = copy("rotation", 4);
-    if (matrix && (moved || scaled || turned))
-      check_.fail(path, "has both a matrix and a translation, rotation or scale");
-    if (matrix) snap_last_row(clean["matrix"], path + "/matrix");
-    if (turned) {
-      double square = 0;
-      for (const json& c : clean["rotation"]) square += c.get<double>() * c.get<double>();
-      if (square < 1e-12) check_.fail(path + "/rotation", "is a quaternion of length zero");
-    }
+    check_transform(node, path, out);
     if (const json* children = check_.member(node, "children")) {
       const std::string where = path + "/children";
       if (!children->is_array()) check_.fail(where, fmt::format("is {}, not an array", children->type_name()));
@@ -115,12 +98,30 @@ class NodeCheck {
     }
     const auto mesh = check_.index_or_none(node, path, "mesh", "meshes");
     const auto skin = check_.index_or_none(node, path, "skin", "skins");
-    if (mesh) clean["mesh"] = *mesh;
-    if (mesh && skin) clean["skin"] = *skin;
-    node_mesh_.push_back(mesh.value_or(-1));
-    node_skin_.push_back(mesh && skin ? *skin : -1);
+    out.mesh = mesh.value_or(-1);
+    out.skin = mesh && skin ? *skin : -1;
     if (mesh && skin) check_skinned(*mesh, path);
-    check_.keep("nodes", std::move(clean));
+    check_.plan.model.nodes.push_back(std::move(out));
+  }
+
+  void check_transform(const json& node, const std::string& path, GltfNode& out) {
+    const auto numbers = [&](const char* key, size_t count) -> std::optional<std::vector<double>> {
+      const json* value = check_.member(node, key);
+      if (!value) return std::nullopt;
+      return check_.numbers(*value, path + "/" + key, count);
+    };
+    if (const auto m = numbers("matrix", 16)) {
+      out.matrix.emplace();
+      for (int i = 0; i < 16; ++i) (*out.matrix)[i / 4][i % 4] = (*m)[static_cast<size_t>(i)];
+    }
+    if (const auto v = numbers("translation", 3)) out.translation = glm::dvec3((*v)[0], (*v)[1], (*v)[2]);
+    if (const auto v = numbers("scale", 3)) out.scale = glm::dvec3((*v)[0], (*v)[1], (*v)[2]);
+    if (const auto q = numbers("rotation", 4)) out.rotation = glm::dquat((*q)[3], (*q)[0], (*q)[1], (*q)[2]);
+    if (out.matrix && (out.translation || out.scale || out.rotation))
+      check_.fail(path, "has both a matrix and a translation, rotation or scale");
+    if (out.matrix) snap_last_row(*out.matrix, path + "/matrix");
+    if (out.rotation && glm::dot(*out.rotation, *out.rotation) < 1e-12)
+      check_.fail(path + "/rotation", "is a quaternion of length zero");
   }
 
   // MSFT_lod: the nodes that stand for this one where it is small.
@@ -139,26 +140,27 @@ class NodeCheck {
   }
 
   // Exporters that multiply matrices leave rounding in the last row; the specification wants exactly (0, 0, 0, 1).
-  void snap_last_row(json& m, const std::string& path) {
+  void snap_last_row(glm::dmat4& m, const std::string& path) {
     constexpr double kRounding = 1e-6;
     bool exact = true;
-    for (const size_t i : {3U, 7U, 11U, 15U}) {
-      const double wanted = i == 15 ? 1.0 : 0.0;
-      const double off = std::abs(m[i].get<double>() - wanted);
+    for (int column = 0; column < 4; ++column) {
+      const double wanted = column == 3 ? 1.0 : 0.0;
+      double& value = m[column][3];
+      const double off = std::abs(value - wanted);
       if (off > kRounding)
-        check_.fail(path, fmt::format("is not affine: element {} is {:.9g}, not {}", i, m[i].get<double>(), wanted),
+        check_.fail(path, fmt::format("is not affine: element {} is {:.9g}, not {}", 4 * column + 3, value, wanted),
                     "the last row must be (0, 0, 0, 1): export the node with translation, rotation and scale");
       exact = exact && off == 0;
-      m[i] = wanted;
+      value = wanted;
     }
     if (!exact) check_.warn_once(path, "its last row is (0, 0, 0, 1) but for rounding and is snapped");
   }
 
   void check_skinned(int mesh, const std::string& path) {
     if (!skinned_checked_.insert(mesh).second) return;
-    const json& primitives = (*check_.pruned)["meshes"][static_cast<size_t>(mesh)]["primitives"];
+    const std::vector<GltfPrimitive>& primitives = check_.plan.model.meshes[static_cast<size_t>(mesh)];
     for (size_t i = 0; i < primitives.size(); ++i)
-      if (primitives[i]["mode"].get<int>() >= 4 && !primitives[i]["attributes"].contains("JOINTS_0"))
+      if (primitives[i].mode >= kGltfTriangles && !primitives[i].attributes.contains("JOINTS_0"))
         check_.fail(fmt::format("/meshes/{}/primitives/{}/attributes", mesh, i),
                     fmt::format("has no JOINTS_0, but {} gives it a skin", path));
   }
@@ -224,10 +226,12 @@ class NodeCheck {
     size_t primitives = 0;
     std::set<int> skins;
     size_t palette = 0;
-    for (size_t i = 0; i < node_mesh_.size(); ++i) {
-      if (node_mesh_[i] < 0 || !check_.plan.in_scene[i]) continue;
+    const GltfModel& model = check_.plan.model;
+    for (size_t i = 0; i < model.nodes.size(); ++i) {
+      const auto [mesh, skin] = std::pair(model.nodes[i].mesh, model.nodes[i].skin);
+      if (mesh < 0 || !check_.plan.in_scene[i]) continue;
       const std::string path = fmt::format("/nodes/{}", i);
-      const GltfMeshSize& size = meshes_[static_cast<size_t>(node_mesh_[i])];
+      const GltfMeshSize& size = meshes_[static_cast<size_t>(mesh)];
       primitives += size.primitives;
       check_.plan.vertices += size.vertices;
       check_.plan.triangles += size.triangles;
@@ -238,10 +242,10 @@ class NodeCheck {
       bound(primitives, check_.limits.primitives, "primitives");
       bound(check_.plan.vertices, check_.limits.vertices, "vertices");
       bound(check_.plan.triangles, check_.limits.triangles, "triangles");
-      if (node_skin_[i] < 0) {
+      if (skin < 0) {
         ++palette;
-      } else if (skins.insert(node_skin_[i]).second) {
-        palette += (*check_.pruned)["skins"][static_cast<size_t>(node_skin_[i])]["joints"].size();
+      } else if (skins.insert(skin).second) {
+        palette += model.skins[static_cast<size_t>(skin)].joints.size();
       }
       bound(palette, check_.limits.joints, "joints and rigid meshes");
     }
@@ -254,8 +258,6 @@ class NodeCheck {
   std::vector<std::vector<int>> coarser_;
   std::set<int> named_coarser_;
   std::vector<std::string> names_;
-  std::vector<int> node_mesh_;
-  std::vector<int> node_skin_;
   std::set<int> skinned_checked_;
 };
 

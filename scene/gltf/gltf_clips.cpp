@@ -1,7 +1,5 @@
 #include "scene/gltf/gltf_clips.h"
 
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -76,21 +74,15 @@ void make_animatable(GltfAsset& asset, Node& node, int file_index, const std::st
   asset.warn(fmt::format("{}: animates node {}, which has a matrix; it is taken apart", path, file_index));
 }
 
-Channel read_channel(GltfAsset& asset, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& in,
-                     const std::string& path, Warned& warned) {
-  const tinygltf::AnimationSampler& sampler = animation.samplers[index_of(in.sampler)];
+Channel read_channel(GltfAsset& asset, const GltfChannel& in, const std::string& path, Warned& warned) {
   Channel out;
-  out.node = asset.node_of[index_of(in.target_node)];
-  out.target = in.target_path == "rotation" ? Target::rotation
-               : in.target_path == "scale"  ? Target::scale
-                                            : Target::translation;
-  out.interpolation = sampler.interpolation == "STEP"          ? Interpolation::step
-                      : sampler.interpolation == "CUBICSPLINE" ? Interpolation::cubic_spline
-                                                               : Interpolation::linear;
-  make_animatable(asset, asset.character.skeleton.nodes[index_of(out.node)], in.target_node, path);
-  const AccessorView input = asset.view_of(sampler.input);
+  out.node = asset.node_of[index_of(in.node)];
+  out.target = in.target;
+  out.interpolation = in.curve.interpolation;
+  make_animatable(asset, asset.character.skeleton.nodes[index_of(out.node)], in.node, path);
+  const AccessorView& input = asset.view_of(in.curve.input);
   const std::vector<size_t> keys = read_times(asset, input, out.times, warned.times);
-  const AccessorView output = asset.view_of(sampler.output);
+  const AccessorView& output = asset.view_of(in.curve.output);
   const bool cubic = out.interpolation == Interpolation::cubic_spline;
   const size_t each = cubic ? 3 : 1;
   out.values.reserve(keys.size() * each * static_cast<size_t>(output.components));
@@ -169,20 +161,20 @@ void offer_together(GltfAsset& asset) {
 }  // namespace
 
 void read_clips(GltfAsset& asset) {
-  if (asset.model->animations.size() * std::max<size_t>(asset.model->nodes.size(), 1) > asset.limits.clip_nodes)
-    asset.fail("/animations",
-               fmt::format("{} clips of {} nodes, the limit is a product of {}", asset.model->animations.size(),
-                           asset.model->nodes.size(), asset.limits.clip_nodes));
+  const GltfModel& model = asset.plan.model;
+  if (model.animations.size() * std::max<size_t>(model.nodes.size(), 1) > asset.limits.clip_nodes)
+    asset.fail("/animations", fmt::format("{} clips of {} nodes, the limit is a product of {}", model.animations.size(),
+                                          model.nodes.size(), asset.limits.clip_nodes));
   std::vector<std::string> still;
   Warned warned;
-  for (size_t a = 0; a < asset.model->animations.size(); ++a) {
-    const tinygltf::Animation& in = asset.model->animations[a];
+  for (size_t a = 0; a < model.animations.size(); ++a) {
+    const GltfAnimation& in = model.animations[a];
+    const std::string path = fmt::format("/animations/{}", a);
     Clip clip;
     clip.name = in.name;
     clip.start = asset.limits.magnitude;
     clip.end = -asset.limits.magnitude;
-    for (const tinygltf::AnimationChannel& channel : in.channels)
-      clip.channels.push_back(read_channel(asset, in, channel, fmt::format("/animations/{}", a), warned));
+    for (const GltfChannel& channel : in.channels) clip.channels.push_back(read_channel(asset, channel, path, warned));
     for (const Channel& channel : clip.channels) {
       clip.start = std::min(clip.start, channel.times.front());
       clip.end = std::max(clip.end, channel.times.back());

@@ -129,24 +129,18 @@ void GltfData::check_accessors() {
     if (*type == "MAT2" && component == 1) size = 8;
     if (*type == "MAT3" && component < 4) size = component == 1 ? 12 : 24;
     const uint64_t offset = check_.integer_or(accessor, path, "byteOffset", 0, 0, UINT64_MAX);
-    json clean = {{"componentType", accessor["componentType"].get<uint64_t>()},
-                  {"type", *type},
-                  {"count", view.count},
-                  {"normalized", view.normalized}};
     if (const auto index = check_.index_or_none(accessor, path, "bufferView", "bufferViews")) {
       const View& bytes = views_[static_cast<size_t>(*index)];
       if (bytes.stride != 0 && bytes.stride < size)
         check_.fail(path, fmt::format("elements of {} bytes overlap at a byteStride of {}", size, bytes.stride));
       view.base = place(bytes, path, "data", offset, view.count, size, bytes.stride, component);
       view.stride = bytes.stride == 0 ? size : bytes.stride;
-      clean["bufferView"] = 0;
     } else if (offset != 0) {
       check_.fail(path + "/byteOffset", "is set without a bufferView");
     }
     if (const json* sparse = check_.member(accessor, "sparse"))
       check_sparse_ranges(*sparse, path + "/sparse", size, view);
     check_.plan.accessors.push_back(std::move(view));
-    check_.keep("accessors", std::move(clean));
   });
 }
 

@@ -119,35 +119,44 @@ void GltfDocument::require_object(const json& value, const std::string& path) co
   if (!value.is_object()) fail(path, fmt::format("is {}, not an object", value.type_name()));
 }
 
-uint64_t GltfDocument::integer(const json& value, const std::string& path, uint64_t low, uint64_t high) const {
+template <typename Path>
+uint64_t GltfDocument::integer_at(const json& value, const Path& path, uint64_t low, uint64_t high) const {
   // 3.0 is an integer to JSON Schema and to some exporters.
   uint64_t number = 0;
   if (value.is_number_unsigned()) {
     number = value.get<uint64_t>();
   } else if (value.is_number_integer()) {
-    fail(path, fmt::format("is {}, must not be negative", value.get<int64_t>()));
+    fail(path(), fmt::format("is {}, must not be negative", value.get<int64_t>()));
   } else if (value.is_number_float()) {
     const double real = value.get<double>();
-    if (!(std::floor(real) == real) || real < 0 || real > 9e15) fail(path, fmt::format("is {}, not an index", real));
+    if (!(std::floor(real) == real) || real < 0 || real > 9e15) fail(path(), fmt::format("is {}, not an index", real));
     number = static_cast<uint64_t>(real);
   } else {
-    fail(path, fmt::format("is {}, not a number", value.type_name()));
+    fail(path(), fmt::format("is {}, not a number", value.type_name()));
   }
-  if (number < low || number > high) fail(path, fmt::format("is {}, outside {}..{}", number, low, high));
+  if (number < low || number > high) fail(path(), fmt::format("is {}, outside {}..{}", number, low, high));
   return number;
+}
+
+uint64_t GltfDocument::integer(const json& value, const std::string& path, uint64_t low, uint64_t high) const {
+  return integer_at(
+      value, [&] { return path; }, low, high);
 }
 
 uint64_t GltfDocument::integer_or(const json& object, const std::string& path, const char* key, uint64_t fallback,
                                   uint64_t low, uint64_t high) const {
   const json* value = member(object, key);
-  return value ? integer(*value, path + "/" + key, low, high) : fallback;
+  return value ? integer_at(
+                     *value, [&] { return path + "/" + key; }, low, high)
+               : fallback;
 }
 
 uint64_t GltfDocument::required_integer(const json& object, const std::string& path, const char* key, uint64_t low,
                                         uint64_t high) const {
   const json* value = member(object, key);
   if (!value) fail(path, fmt::format("has no {}", key));
-  return integer(*value, path + "/" + key, low, high);
+  return integer_at(
+      *value, [&] { return path + "/" + key; }, low, high);
 }
 
 size_t GltfDocument::count_of(const char* array) const {
@@ -155,18 +164,25 @@ size_t GltfDocument::count_of(const char* array) const {
   return value ? value->size() : 0;
 }
 
-int GltfDocument::index(const json& value, const std::string& path, const char* array) const {
+template <typename Path>
+int GltfDocument::index_at(const json& value, const Path& path, const char* array) const {
   const size_t count = count_of(array);
-  const uint64_t number = integer(value, path, 0, UINT64_MAX);
-  if (number >= count) fail(path, fmt::format("is {}, but there are {} {}", number, count, array));
+  const uint64_t number = integer_at(value, path, 0, UINT64_MAX);
+  if (number >= count) fail(path(), fmt::format("is {}, but there are {} {}", number, count, array));
   return static_cast<int>(number);
+}
+
+int GltfDocument::index(const json& value, const std::string& path, const char* array) const {
+  return index_at(
+      value, [&] { return path; }, array);
 }
 
 std::optional<int> GltfDocument::index_or_none(const json& object, const std::string& path, const char* key,
                                                const char* array) const {
   const json* value = member(object, key);
   if (!value) return std::nullopt;
-  return index(*value, path + "/" + key, array);
+  return index_at(
+      *value, [&] { return path + "/" + key; }, array);
 }
 
 int GltfDocument::required_index(const json& object, const std::string& path, const char* key,
@@ -176,19 +192,25 @@ int GltfDocument::required_index(const json& object, const std::string& path, co
   return *found;
 }
 
-double GltfDocument::number(const json& value, const std::string& path) const {
-  if (!value.is_number()) fail(path, fmt::format("is {}, not a number", value.type_name()));
+template <typename Path>
+double GltfDocument::number_at(const json& value, const Path& path) const {
+  if (!value.is_number()) fail(path(), fmt::format("is {}, not a number", value.type_name()));
   const double v = value.get<double>();
   if (!std::isfinite(v) || std::abs(v) > limits_.magnitude)
-    fail(path, fmt::format("is {}, beyond the limit of {}", v, limits_.magnitude));
+    fail(path(), fmt::format("is {}, beyond the limit of {}", v, limits_.magnitude));
   return v;
+}
+
+double GltfDocument::number(const json& value, const std::string& path) const {
+  return number_at(value, [&] { return path; });
 }
 
 std::vector<double> GltfDocument::numbers(const json& value, const std::string& path, size_t count) const {
   if (!value.is_array()) fail(path, fmt::format("is {}, not an array", value.type_name()));
   if (value.size() != count) fail(path, fmt::format("has {} numbers, not {}", value.size(), count));
   std::vector<double> out;
-  for (size_t i = 0; i < count; ++i) out.push_back(number(value[i], item(path, i)));
+  out.reserve(count);
+  for (size_t i = 0; i < count; ++i) out.push_back(number_at(value[i], [&] { return item(path, i); }));
   return out;
 }
 
@@ -206,11 +228,11 @@ const std::string* GltfDocument::text_or_none(const json& object, const std::str
   return &value->get_ref<const std::string&>();
 }
 
-void GltfDocument::copy_name(const json& from, const std::string& path, json& to) const {
-  const std::string* name = text_or_none(from, path, "name");
-  if (!name) return;
+std::string GltfDocument::name_of(const json& object, const std::string& path) const {
+  const std::string* name = text_or_none(object, path, "name");
+  if (!name) return {};
   if (name->size() > kNameBytes) fail(path + "/name", fmt::format("is longer than {} bytes", kNameBytes));
-  to["name"] = *name;
+  return *name;
 }
 
 const json* GltfDocument::extension(const json& object, const std::string& path, const char* name) const {

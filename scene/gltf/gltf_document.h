@@ -52,8 +52,8 @@ class GltfDocument {
   std::vector<double> numbers(const json& value, const std::string& path, size_t count) const;
   bool boolean_or(const json& object, const std::string& path, const char* key, bool fallback) const;
   const std::string* text_or_none(const json& object, const std::string& path, const char* key) const;
-  // Copies the name, when there is one; it has a limit of its own.
-  void copy_name(const json& from, const std::string& path, json& to) const;
+  // Empty when there is none; it has a limit of its own.
+  std::string name_of(const json& object, const std::string& path) const;
   // Null when the object does not have the extension.
   const json* extension(const json& object, const std::string& path, const char* name) const;
 
@@ -61,6 +61,14 @@ class GltfDocument {
   void each(const char* array, const std::function<void(const json& object, const std::string& path)>& visit) const;
 
  private:
+  // The same with path() called only where it is to be named.
+  template <typename Path>
+  uint64_t integer_at(const json& value, const Path& path, uint64_t low, uint64_t high) const;
+  template <typename Path>
+  int index_at(const json& value, const Path& path, const char* array) const;
+  template <typename Path>
+  double number_at(const json& value, const Path& path) const;
+
   const GltfSource& source_;
   const GltfLimits& limits_;
   std::unique_ptr<json> root_;

@@ -1,14 +1,11 @@
 // glTF to Character, after validation.
 // Based on: Khronos Group, "glTF 2.0 Specification" (skins 3.7.3, triangle strips and fans 3.7.2.1, instantiation).
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <optional>
 #include <set>
-#include <tuple>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -25,8 +22,6 @@
 
 namespace crowdbench::scene {
 namespace {
-
-glm::dvec3 vec3_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
 class Loader {
  public:
@@ -54,11 +49,10 @@ class Loader {
  private:
   // --- nodes ---
 
-  glm::dquat unit_rotation(const std::vector<double>& q, const std::string& path) {
-    const glm::dquat r(q[3], q[0], q[1], q[2]);
+  glm::dquat unit_rotation(const glm::dquat& r, int file_index) {
     const double length = glm::length(r);
     if (std::abs(length - 1.0) > 1e-2)
-      asset_.warn(fmt::format("{}: rotation of length {:.3g} is normalised", path, length));
+      asset_.warn(fmt::format("/nodes/{}: rotation of length {:.3g} is normalised", file_index, length));
     return glm::normalize(r);
   }
 
@@ -66,19 +60,16 @@ class Loader {
     node_of_.assign(model_.nodes.size(), -1);
     auto& nodes = character_.skeleton.nodes;
     for (const int file_index : plan_.node_order) {
-      const tinygltf::Node& in = model_.nodes[index_of(file_index)];
-      const std::string path = fmt::format("/nodes/{}", file_index);
+      const GltfNode& in = model_.nodes[index_of(file_index)];
       Node out;
       out.name = in.name;
       const int parent = plan_.node_parent[index_of(file_index)];
       out.parent = parent < 0 ? -1 : node_of_[index_of(parent)];
-      if (in.matrix.size() == 16) {
-        out.has_matrix = true;
-        for (int i = 0; i < 16; ++i) out.matrix[i / 4][i % 4] = in.matrix[index_of(i)];
-      }
-      if (in.translation.size() == 3) out.translation = vec3_of(in.translation);
-      if (in.rotation.size() == 4) out.rotation = unit_rotation(in.rotation, path);
-      if (in.scale.size() == 3) out.scale = vec3_of(in.scale);
+      out.has_matrix = in.matrix.has_value();
+      if (in.matrix) out.matrix = *in.matrix;
+      if (in.translation) out.translation = *in.translation;
+      if (in.rotation) out.rotation = unit_rotation(*in.rotation, file_index);
+      if (in.scale) out.scale = *in.scale;
       node_of_[index_of(file_index)] = static_cast<int>(nodes.size());
       nodes.push_back(std::move(out));
     }
@@ -107,7 +98,7 @@ class Loader {
       }
       if (found) continue;
       std::vector<std::string> names;
-      for (const tinygltf::Node& node : model_.nodes)
+      for (const GltfNode& node : model_.nodes)
         if (node.mesh >= 0 && !node.name.empty()) names.push_back(node.name);
       const std::string near = nearest_name(name, names);
       std::string listed;
@@ -128,7 +119,7 @@ class Loader {
     std::vector<bool> used(model_.materials.size(), false);
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
       if (!draws(i)) continue;
-      for (const tinygltf::Primitive& p : model_.meshes[index_of(model_.nodes[i].mesh)].primitives)
+      for (const GltfPrimitive& p : model_.meshes[index_of(model_.nodes[i].mesh)])
         if (p.material >= 0) used[index_of(p.material)] = true;
     }
     return used;
@@ -137,7 +128,7 @@ class Loader {
   // --- meshes ---
 
   bool draws(size_t node) const {
-    const tinygltf::Node& n = model_.nodes[node];
+    const GltfNode& n = model_.nodes[node];
     if (n.mesh < 0 || !plan_.in_scene[node] || hidden_[node]) return false;
     return n.skin >= 0 || options_.rigid_meshes || model_.skins.empty();
   }
@@ -179,7 +170,10 @@ class Loader {
       std::string reason = "has no triangles to draw";
       if (!options_.hide.empty()) reason += " once parts are hidden";
       throw Error(asset_.source.where(), reason,
-                  model_.meshes.empty() ? "it holds no mesh" : "see its scene and its meshes");
+                  model_.meshes.empty() ? "it holds no mesh"
+                  : shown_elsewhere() ? "the scene that it shows by default is without meshes, others have some: make "
+                                        "one of these its `scene`"
+                                      : "see its scene and its meshes");
     }
     for (const int accessor : position_accessors_)
       character_.file_vertices += plan_.accessors[index_of(accessor)].count;
@@ -188,18 +182,25 @@ class Loader {
     weights_.report();
   }
 
+  // Has a node a mesh that is in no part of the scene that is shown?
+  bool shown_elsewhere() const {
+    for (size_t i = 0; i < model_.nodes.size(); ++i)
+      if (model_.nodes[i].mesh >= 0 && !plan_.in_scene[i]) return true;
+    return false;
+  }
+
   void read_level(size_t level) {
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
       if (!draws_at(i, level)) continue;
-      const tinygltf::Node& node = model_.nodes[i];
+      const GltfNode& node = model_.nodes[i];
       const Palette palette = node.skin >= 0 ? skin_palette(node.skin) : rigid_palette(i);
-      const auto& primitives = model_.meshes[index_of(node.mesh)].primitives;
+      const auto& primitives = model_.meshes[index_of(node.mesh)];
       // The same triangles again, in the same material, would not be seen.
-      std::set<std::tuple<std::map<std::string, int>, int, int, int>> read;
+      std::set<GltfPrimitive> read;
       for (size_t p = 0; p < primitives.size(); ++p) {
-        const tinygltf::Primitive& in = primitives[p];
+        const GltfPrimitive& in = primitives[p];
         const std::string path = fmt::format("/meshes/{}/primitives/{}", node.mesh, p);
-        if (read.emplace(in.attributes, in.indices, in.mode, in.material).second || options_.undrawn)
+        if (read.insert(in).second || options_.undrawn)
           read_primitive(in, path, i, palette);
         else
           leave_out_repeated(in, path, level);
@@ -207,14 +208,14 @@ class Loader {
     }
   }
 
-  void leave_out_repeated(const tinygltf::Primitive& primitive, const std::string& path, size_t level) {
-    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return;
+  void leave_out_repeated(const GltfPrimitive& primitive, const std::string& path, size_t level) {
+    if (primitive.mode < kGltfTriangles) return;
     if (!warned_repeated_) asset_.warn(path + ": repeats another primitive of its mesh and is drawn once");
     warned_repeated_ = true;
     const auto position = primitive.attributes.find("POSITION");
     if (level > 0 || position == primitive.attributes.end()) return;
     const size_t corners = asset_.view_of(primitive.indices >= 0 ? primitive.indices : position->second).count;
-    repeated_triangles_ += primitive.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners - 2;
+    repeated_triangles_ += primitive.mode == kGltfTriangles ? corners / 3 : corners - 2;
   }
 
   // Character::levels, each read where the finest one was; together within the limits of one mesh.
@@ -244,8 +245,8 @@ class Loader {
   void find_optional_attributes() {
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
       if (!draws(i)) continue;
-      for (const tinygltf::Primitive& p : model_.meshes[index_of(model_.nodes[i].mesh)].primitives) {
-        if (p.mode < TINYGLTF_MODE_TRIANGLES) continue;
+      for (const GltfPrimitive& p : model_.meshes[index_of(model_.nodes[i].mesh)]) {
+        if (p.mode < kGltfTriangles) continue;
         if (p.attributes.count("COLOR_0") != 0) has_colours_ = true;
         if (p.material < 0) continue;
         const Material& m = character_.materials[index_of(p.material)];
@@ -266,12 +267,12 @@ class Loader {
   Palette skin_palette(int skin) {
     auto& joints = character_.skeleton.joints;
     const auto [place, fresh] = skin_first_.emplace(skin, static_cast<int>(joints.size()));
-    const tinygltf::Skin& in = model_.skins[index_of(skin)];
+    const GltfSkin& in = model_.skins[index_of(skin)];
     const Palette palette{place->second, static_cast<int>(in.joints.size()), false};
     if (!fresh) return palette;
     if (first_skin_ < 0) first_skin_ = skin;
     std::optional<AccessorView> binds;
-    if (in.inverseBindMatrices >= 0) binds = asset_.view_of(in.inverseBindMatrices);
+    if (in.inverse_binds >= 0) binds = asset_.view_of(in.inverse_binds);
     for (size_t j = 0; j < in.joints.size(); ++j) {
       Joint joint;
       joint.node = node_of_[index_of(in.joints[j])];
@@ -312,12 +313,12 @@ class Loader {
     return {static_cast<int>(joints.size()) - 1, 1, true};
   }
 
-  void read_primitive(const tinygltf::Primitive& in, const std::string& path, size_t node, const Palette& palette) {
+  void read_primitive(const GltfPrimitive& in, const std::string& path, size_t node, const Palette& palette) {
     const auto position = in.attributes.find("POSITION");
-    if (in.mode < TINYGLTF_MODE_TRIANGLES || position == in.attributes.end()) return;
+    if (in.mode < kGltfTriangles || position == in.attributes.end()) return;
     position_accessors_.insert(position->second);
     Mesh& mesh = character_.mesh;
-    const AccessorView positions = asset_.view_of(position->second);
+    const AccessorView& positions = asset_.view_of(position->second);
     Primitive out;
     out.first_vertex = static_cast<uint32_t>(mesh.positions.size());
     out.first_index = static_cast<uint32_t>(mesh.indices.size());
@@ -364,22 +365,28 @@ class Loader {
     if (options_.undrawn) {
       used.resize(std::min(count, limits_.vertices + 1));
       std::iota(used.begin(), used.end(), 0U);
-    } else {
-      used.assign(indices.begin() + out.first_index, indices.end());
+    } else if (const std::span<uint32_t> corners(indices.begin() + out.first_index, indices.end());
+               count > corners.size()) {
+      used.assign(corners.begin(), corners.end());
       std::sort(used.begin(), used.end());
       used.erase(std::unique(used.begin(), used.end()), used.end());
+      for (uint32_t& corner : corners)
+        corner = static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), corner) - used.begin());
+    } else {
+      std::vector<uint32_t> place(count, UINT32_MAX);
+      for (const uint32_t corner : corners) place[corner] = 0;
+      for (uint32_t v = 0; v < count; ++v) {
+        if (place[v] != 0) continue;
+        place[v] = static_cast<uint32_t>(used.size());
+        used.push_back(v);
+      }
+      for (uint32_t& corner : corners) corner = place[corner];
     }
-    // Mostly all are used, and every index is its own place.
-    const bool all = used.size() == count;
-    for (size_t i = out.first_index; i < indices.size(); ++i) {
-      if (!all && !options_.undrawn)
-        indices[i] = static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), indices[i]) - used.begin());
-      indices[i] += out.first_vertex;
-    }
+    for (size_t i = out.first_index; i < indices.size(); ++i) indices[i] += out.first_vertex;
     return used;
   }
 
-  void read_uvs(const tinygltf::Primitive& in, const std::string& path, const UvSource& uv, bool needed,
+  void read_uvs(const GltfPrimitive& in, const std::string& path, const UvSource& uv, bool needed,
                 const std::vector<uint32_t>& vertices, std::vector<glm::vec2>& out) {
     const auto found = in.attributes.find(fmt::format("TEXCOORD_{}", uv.set));
     if (found == in.attributes.end()) {
@@ -387,7 +394,7 @@ class Loader {
       out.insert(out.end(), vertices.size(), glm::vec2(0.0F));
       return;
     }
-    const AccessorView view = asset_.view_of(found->second);
+    const AccessorView& view = asset_.view_of(found->second);
     // The extension turns counter-clockwise as seen with v pointing down, as the engines agree; its GLSL text has the
     // signs for v pointing up.
     const double c = std::cos(uv.rotation);
@@ -400,14 +407,14 @@ class Loader {
     }
   }
 
-  void read_colours(const tinygltf::Primitive& in, const std::string& path, const std::vector<uint32_t>& vertices) {
+  void read_colours(const GltfPrimitive& in, const std::string& path, const std::vector<uint32_t>& vertices) {
     auto& colours = character_.mesh.colours;
     const auto found = in.attributes.find("COLOR_0");
     if (found == in.attributes.end()) {
       colours.insert(colours.end(), vertices.size(), glm::vec4(1.0F));
       return;
     }
-    const AccessorView view = asset_.view_of(found->second);
+    const AccessorView& view = asset_.view_of(found->second);
     bool black = true;
     for (const uint32_t i : vertices) {
       glm::vec4 colour(1.0F);
@@ -432,24 +439,31 @@ class Loader {
     }
   }
 
+  static bool restarts(const AccessorView& indices, size_t index) {
+    return index == (indices.type == kU8 ? UINT8_MAX : indices.type == kU16 ? UINT16_MAX : UINT32_MAX);
+  }
+
   // The corners of its triangles, as the file numbers its `vertices`.
-  void read_indices(const tinygltf::Primitive& in, const std::string& path, size_t vertices) {
+  void read_indices(const GltfPrimitive& in, const std::string& path, size_t vertices) {
     std::optional<AccessorView> view;
     if (in.indices >= 0) view = asset_.view_of(in.indices);
     const size_t corners = view ? view->count : vertices;
     const auto corner = [&](size_t i) {
       const size_t index = view ? view->unsigned_at(i) : i;
       if (index >= vertices)
-        asset_.fail(view->path, fmt::format("index {} is {}, but {} has {} vertices", i, index, path, vertices));
+        asset_.fail(view->path, fmt::format("index {} is {}, but {} has {} vertices", i, index, path, vertices),
+                    in.mode > kGltfTriangles && restarts(*view, index)
+                        ? "glTF strips do not restart at the largest index: export triangles"
+                        : "");
       return static_cast<uint32_t>(index);
     };
     auto& indices = character_.mesh.indices;
-    if (in.mode == TINYGLTF_MODE_TRIANGLES) {
+    if (in.mode == kGltfTriangles) {
       for (size_t i = 0; i < corners; ++i) indices.push_back(corner(i));
       return;
     }
     for (size_t i = 0; i + 2 < corners; ++i) {
-      if (in.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+      if (in.mode == kGltfFan) {
         for (const size_t k : {i + 1, i + 2, size_t{0}}) indices.push_back(corner(k));
       } else {
         // Every other triangle of a strip turns the other way round.
@@ -472,7 +486,7 @@ class Loader {
   void find_root() {
     Skeleton& skeleton = character_.skeleton;
     if (first_skin_ < 0) return;
-    const tinygltf::Skin& skin = model_.skins[index_of(first_skin_)];
+    const GltfSkin& skin = model_.skins[index_of(first_skin_)];
     if (skin.skeleton >= 0) {
       skeleton.root_node = node_of_[index_of(skin.skeleton)];
       return;
@@ -527,7 +541,7 @@ class Loader {
   }
 
   GltfAsset& asset_;
-  const tinygltf::Model& model_ = *asset_.model;
+  const GltfModel& model_ = asset_.plan.model;
   const GltfPlan& plan_ = asset_.plan;
   const LoadOptions& options_ = asset_.options;
   const GltfLimits& limits_ = asset_.limits;

@@ -1,7 +1,5 @@
 #include "scene/gltf/gltf_materials.h"
 
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <span>
 
@@ -9,61 +7,24 @@
 #include "scene/gltf/gltf_images.h"
 
 namespace crowdbench::scene {
-namespace {
-
-// glTF's number (OpenGL's) of a minFilter; what a file leaves out is trilinear.
-MinFilter min_filter_of(int filter) {
-  switch (filter) {
-    case TINYGLTF_TEXTURE_FILTER_NEAREST: return MinFilter::nearest;
-    case TINYGLTF_TEXTURE_FILTER_LINEAR: return MinFilter::linear;
-    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_NEAREST: return MinFilter::nearest_mipmap_nearest;
-    case TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_NEAREST: return MinFilter::linear_mipmap_nearest;
-    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_LINEAR: return MinFilter::nearest_mipmap_linear;
-    default: return MinFilter::linear_mipmap_linear;
-  }
-}
-
-UvSource uv_source(int tex_coord, const tinygltf::ExtensionMap& extensions) {
-  UvSource uv;
-  uv.set = std::max(tex_coord, 0);
-  const auto found = extensions.find("KHR_texture_transform");
-  if (found == extensions.end()) return uv;
-  const tinygltf::Value& t = found->second;
-  const auto pair = [&](const char* key) {
-    return glm::dvec2(t.Get(key).Get(0).GetNumberAsDouble(), t.Get(key).Get(1).GetNumberAsDouble());
-  };
-  uv.offset = pair("offset");
-  uv.rotation = t.Get("rotation").GetNumberAsDouble();
-  uv.scale = pair("scale");
-  return uv;
-}
-
-}  // namespace
-
 GltfMaterials::GltfMaterials(GltfAsset& asset, const std::vector<bool>& used) : asset_(asset) {
-  for (size_t i = 0; i < asset_.model->materials.size(); ++i) {
-    const tinygltf::Material& in = asset_.model->materials[i];
+  for (size_t i = 0; i < asset_.plan.model.materials.size(); ++i) {
+    const GltfMaterial& in = asset_.plan.model.materials[i];
     Material out;
     out.name = in.name;
     out.slot = static_cast<uint8_t>(std::min<size_t>(i, 255));
-    out.double_sided = in.doubleSided;
-    if (in.alphaMode == "MASK") out.alpha_cutoff = static_cast<float>(in.alphaCutoff);
-    out.unlit = in.extensions.count("KHR_materials_unlit") != 0;
-    const auto& pbr = in.pbrMetallicRoughness;
-    for (int c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
-      out.base_colour[c] = static_cast<float>(pbr.baseColorFactor[index_of(c)]);
-    double strength = 1.0;
-    if (const auto found = in.extensions.find("KHR_materials_emissive_strength"); found != in.extensions.end())
-      strength = found->second.Get("emissiveStrength").GetNumberAsDouble();
-    for (int c = 0; c < 3 && in.emissiveFactor.size() == 3; ++c)
-      out.emissive[c] = static_cast<float>(in.emissiveFactor[index_of(c)] * strength);
+    out.double_sided = in.double_sided;
+    out.alpha_cutoff = static_cast<float>(in.alpha_cutoff);
+    out.unlit = in.unlit;
+    out.base_colour = glm::vec4(in.base_colour);
+    out.emissive = glm::vec3(in.emissive);
     if (used[i]) {
-      if (pbr.baseColorTexture.index >= 0) out.base_colour_image = texture(pbr.baseColorTexture.index);
-      if (in.emissiveTexture.index >= 0 && out.emissive != glm::vec3(0.0F))
-        out.emissive_image = texture(in.emissiveTexture.index);
+      if (in.base_colour_texture.texture >= 0) out.base_colour_image = texture(in.base_colour_texture.texture);
+      if (in.emissive_texture.texture >= 0 && out.emissive != glm::vec3(0.0F))
+        out.emissive_image = texture(in.emissive_texture.texture);
     }
-    base_uv_.push_back(uv_source(pbr.baseColorTexture.texCoord, pbr.baseColorTexture.extensions));
-    emissive_uv_.push_back(uv_source(in.emissiveTexture.texCoord, in.emissiveTexture.extensions));
+    base_uv_.push_back(in.base_colour_texture.uv);
+    emissive_uv_.push_back(in.emissive_texture.uv);
     asset_.character.materials.push_back(std::move(out));
   }
 }
@@ -82,35 +43,45 @@ int GltfMaterials::default_material() {
 }
 
 int GltfMaterials::texture(int index) {
-  const tinygltf::Texture& in = asset_.model->textures[index_of(index)];
-  if (in.source < 0) {
+  const GltfModel& model = asset_.plan.model;
+  const GltfTexture& in = model.textures[index_of(index)];
+  if (in.image < 0) {
     asset_.warn(fmt::format("/textures/{}: has no PNG, JPEG or WebP source and is drawn white", index));
     return -1;
   }
-  int wrap_s = TINYGLTF_TEXTURE_WRAP_REPEAT;
-  int wrap_t = TINYGLTF_TEXTURE_WRAP_REPEAT;
-  bool nearest = false;
-  MinFilter min_filter = MinFilter::linear_mipmap_linear;
-  if (in.sampler >= 0) {
-    const tinygltf::Sampler& sampler = asset_.model->samplers[index_of(in.sampler)];
-    wrap_s = sampler.wrapS;
-    wrap_t = sampler.wrapT;
-    nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
-    min_filter = min_filter_of(sampler.minFilter);
-  }
-  const std::array<int, 5> key = {in.source, wrap_s, wrap_t, nearest ? 1 : 0, static_cast<int>(min_filter)};
+  const GltfSampler how = in.sampler >= 0 ? model.samplers[index_of(in.sampler)] : GltfSampler();
+  const std::array<int, 5> key = {in.image, static_cast<int>(how.wrap_u), static_cast<int>(how.wrap_v),
+                                  how.nearest ? 1 : 0, static_cast<int>(how.min_filter)};
   const auto [place, fresh] = texture_index_.emplace(key, static_cast<int>(asset_.character.images.size()));
   if (!fresh) return place->second;
   Texture out;
-  out.image = decode(asset_.plan.images[index_of(in.source)]);
-  out.repeat_u = wrap_s != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
-  out.repeat_v = wrap_t != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
-  out.mirrored_u = wrap_s == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT;
-  out.mirrored_v = wrap_t == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT;
-  out.nearest = nearest;
-  out.min_filter = min_filter;
+  out.image = picture(in.image);
+  out.repeat_u = how.wrap_u != GltfWrap::clamp;
+  out.repeat_v = how.wrap_v != GltfWrap::clamp;
+  out.mirrored_u = how.wrap_u == GltfWrap::mirrored;
+  out.mirrored_v = how.wrap_v == GltfWrap::mirrored;
+  out.nearest = how.nearest;
+  out.min_filter = how.min_filter;
   asset_.character.images.push_back(std::move(out));
   return place->second;
+}
+
+Image8 GltfMaterials::picture(int image) {
+  const auto [place, fresh] = decoded_.emplace(image, static_cast<int>(asset_.character.images.size()));
+  const GltfImage& in = asset_.plan.images[index_of(image)];
+  if (fresh) return decode(in);
+  const Image8& first = asset_.character.images[index_of(place->second)].image;
+  spend(first.data.size(), asset_.source.where() + ": " + in.path, first.width, first.height);
+  return first;
+}
+
+void GltfMaterials::spend(size_t bytes, const std::string& where, int width, int height) {
+  if (bytes > asset_.limits.image_bytes - decoded_bytes_)
+    throw Error(where,
+                fmt::format("picture is {} x {}, which brings all textures above {} bytes", width, height,
+                            asset_.limits.image_bytes),
+                "use smaller textures");
+  decoded_bytes_ += bytes;
 }
 
 Image8 GltfMaterials::decode(const GltfImage& image) {
@@ -129,10 +100,7 @@ Image8 GltfMaterials::decode(const GltfImage& image) {
   if (header.format == PictureFormat::jpeg && header.pixels() > asset_.limits.jpeg_pixels)
     throw Error(where, fmt::format("{}, the limit for JPEG is {} pixels", size, asset_.limits.jpeg_pixels),
                 "use a smaller texture or a PNG");
-  if (header.pixels() * 4 > asset_.limits.image_bytes - decoded_bytes_)
-    throw Error(where, fmt::format("{}, which brings all textures above {} bytes", size, asset_.limits.image_bytes),
-                "use smaller textures");
-  decoded_bytes_ += header.pixels() * 4;
+  spend(header.pixels() * 4, where, header.width, header.height);
   return decode_picture(bytes, header, where);
 }
 

@@ -2,22 +2,12 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <glm/glm.hpp>
 #include <map>
 #include <vector>
 
 #include "scene/gltf/gltf_asset.h"
 
 namespace crowdbench::scene {
-
-// Where a texture's coordinates come from (KHR_texture_transform): TEXCOORD_set, scaled, turned and moved.
-struct UvSource {
-  int set = 0;
-  glm::dvec2 offset{0.0};
-  double rotation = 0;
-  glm::dvec2 scale{1.0};
-  bool operator==(const UvSource&) const = default;
-};
 
 class GltfMaterials {
  public:
@@ -35,11 +25,16 @@ class GltfMaterials {
  private:
   // Index into Character::images; -1 without image.
   int texture(int index);
+  // Of an image of the file, decoded at the first call.
+  Image8 picture(int image);
   Image8 decode(const GltfImage& image);
+  // Before memory is spent on so many bytes of a picture: all together keep the limit, else Error.
+  void spend(size_t bytes, const std::string& where, int width, int height);
 
   GltfAsset& asset_;
   std::vector<UvSource> base_uv_, emissive_uv_;
   std::map<std::array<int, 5>, int> texture_index_;  // by image, wrap modes and filters
+  std::map<int, int> decoded_;                       // by image: the first texture of it
   size_t decoded_bytes_ = 0;
   int default_material_ = -1;
 };

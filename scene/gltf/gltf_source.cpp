@@ -220,7 +220,7 @@ std::vector<uint8_t> GltfSource::fetch(std::string_view uri, const std::string& 
   if (is_data_uri(uri)) {
     const size_t comma = uri.find(',');
     if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64"))
-      fail(path, "is a data uri without base64 data");
+      fail(path, "is a data uri without base64 data", "embed data as data:application/octet-stream;base64,...");
     const std::string_view text = uri.substr(comma + 1);
     if (text.size() / 4 * 3 > bytes_left_)
       fail(path, fmt::format("brings the asset above the limit of {} bytes", limits_.file_bytes));

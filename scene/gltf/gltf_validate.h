@@ -1,7 +1,7 @@
 // Our own validation of a glTF document, before any other code uses a value of it. Internal to the loader.
 //
-// tinygltf 2.7 takes a file's word for counts, ranges, cycles and places on disk. So it is given what this returns: a
-// pruned document that holds only the members that the loader uses, each of a checked type and range, and no uri.
+// Parsers take a file's word for counts, ranges, cycles and places on disk. So the rest of the loader sees only what
+// this returns: the members that it uses, each of a checked type and range.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,6 +11,7 @@
 
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_human_bones.h"
+#include "scene/gltf/gltf_model.h"
 #include "scene/gltf/gltf_source.h"
 
 namespace crowdbench::scene {
@@ -22,7 +23,7 @@ struct GltfImage {
 };
 
 struct GltfPlan {
-  std::string json;                           // the pruned document
+  GltfModel model;
   std::vector<std::vector<uint8_t>> buffers;  // those that are not the GLB's own chunk
   std::vector<AccessorView> accessors;        // all ranges checked; the data itself is only known to be there
   std::vector<GltfImage> images;

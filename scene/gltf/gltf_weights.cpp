@@ -2,8 +2,6 @@
 // than four influences are reduced to the four largest; weights are renormalised.
 #include "scene/gltf/gltf_weights.h"
 
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +28,7 @@ double GltfWeights::gather(const AccessorView& joints, const AccessorView& weigh
   return weight;
 }
 
-void GltfWeights::read(const tinygltf::Primitive& in, const std::vector<uint32_t>& vertices, int first_joint,
+void GltfWeights::read(const GltfPrimitive& in, const std::vector<uint32_t>& vertices, int first_joint,
                        int palette_size) {
   std::vector<AccessorView> joints;
   std::vector<AccessorView> weights;

@@ -6,10 +6,6 @@
 
 #include "scene/gltf/gltf_asset.h"
 
-namespace tinygltf {
-struct Primitive;
-}
-
 namespace crowdbench::scene {
 
 class GltfWeights {
@@ -21,7 +17,7 @@ class GltfWeights {
   // sum is 1 again. first: where its skin's joints begin in the
   // character's palette; joints: how many it has. Throws Error on a joint that the skin lacks
   // and on weights that are negative or not finite.
-  void read(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices, int first, int joints);
+  void read(const GltfPrimitive& primitive, const std::vector<uint32_t>& vertices, int first, int joints);
   // Warns of what had to be changed.
   void report();
 

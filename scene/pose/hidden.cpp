@@ -19,6 +19,11 @@ bool larger(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, doubl
   return longest > least && glm::length(glm::cross(b - a, c - a)) > least * longest;
 }
 
+// Does any joint of a palette stretch too little for what it carries to be seen?
+bool may_hide(std::span<const double> stretches) {
+  return !stretches.empty() && *std::ranges::min_element(stretches) < kGone * *std::ranges::max_element(stretches);
+}
+
 }  // namespace
 
 bool has_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double figure) {
@@ -47,9 +52,8 @@ std::vector<double> stretches(std::span<const Mat3x4> palette) {
 
 std::vector<uint32_t> hidden_vertices(const Mesh& mesh, std::span<const double> stretches,
                                       const std::function<glm::dvec3(uint32_t)>& posed) {
-  if (stretches.empty()) return {};
+  if (!may_hide(stretches)) return {};
   const double gone = kGone * *std::ranges::max_element(stretches);
-  if (std::ranges::none_of(stretches, [&](double stretch) { return stretch < gone; })) return {};
   std::vector<bool> hidden(mesh.positions.size(), false);
   for (size_t v = 0; v < hidden.size(); ++v) {
     double stretch = 0;
@@ -84,6 +88,28 @@ std::vector<glm::dvec3> shown_positions(const Mesh& mesh, const std::vector<glm:
   return positions;
 }
 
+std::vector<double> shown_heights(const Mesh& mesh, const std::vector<glm::dmat4>& palette) {
+  std::vector<double> heights(mesh.positions.size());
+  if (may_hide(stretches(palette))) {
+    const std::vector<glm::dvec3> positions = shown_positions(mesh, palette);
+    for (size_t v = 0; v < heights.size(); ++v) heights[v] = positions[v].y;
+    return heights;
+  }
+  // In the order of skin_positions(), so that they are the same to the last bit.
+  for (size_t v = 0; v < heights.size(); ++v) {
+    const glm::dvec3 position(mesh.positions[v]);
+    double sum = 0;
+    for (int i = 0; i < kInfluences; ++i) {
+      const double weight = mesh.weights[v][i];
+      if (weight == 0.0) continue;
+      const glm::dmat4& m = palette[mesh.joints[v][i]];
+      sum += weight * ((m[0].y * position.x + m[1].y * position.y) + (m[2].y * position.z + m[3].y));
+    }
+    heights[v] = sum;
+  }
+  return heights;
+}
+
 std::vector<glm::vec3> shown_positions(const Mesh& mesh, std::span<const Mat3x4> palette) {
   std::vector<glm::vec3> positions = skin_points(mesh, palette);
   put_aside(positions, hidden_vertices(mesh, stretches(palette), [&](uint32_t v) { return positions[v]; }));
@@ -98,9 +124,11 @@ std::vector<uint32_t> never_shown(const Character& character) {
       const Clip& curves = character.clips[clip];
       const auto palette = joint_matrices(character, static_cast<int>(clip), curves.start + share * curves.duration());
       const std::vector<double> stretch = stretches(palette);
-      std::vector<uint32_t> here = hidden_vertices(
-          character.mesh, stretch,
-          [&, positions = skin_positions(character.mesh, palette)](uint32_t v) { return positions[v]; });
+      std::vector<uint32_t> here;
+      if (may_hide(stretch)) {
+        const std::vector<glm::dvec3> positions = skin_positions(character.mesh, palette);
+        here = hidden_vertices(character.mesh, stretch, [&](uint32_t v) { return positions[v]; });
+      }
       if (first) {
         out = std::move(here);
       } else {

@@ -38,6 +38,8 @@ void put_aside(Positions& positions, std::span<const uint32_t> hidden) {
 
 // As skin_positions() of scene/pose/pose.h, what the pose hides put aside.
 std::vector<glm::dvec3> shown_positions(const Mesh& mesh, const std::vector<glm::dmat4>& palette);
+// Their y alone, which costs a fourth.
+std::vector<double> shown_heights(const Mesh& mesh, const std::vector<glm::dmat4>& palette);
 // The same of skin_points() of scene/pose/pose_bank.h.
 std::vector<glm::vec3> shown_positions(const Mesh& mesh, std::span<const Mat3x4> palette);
 

@@ -151,6 +151,14 @@ void take_velocity(const glm::dvec2& velocity, double height, ClipMotion& motion
   motion.direction = {settled(velocity.x / speed, 1.0), settled(velocity.y / speed, 1.0)};
 }
 
+std::vector<glm::dmat4> palette_from(const Skeleton& skeleton, const std::vector<glm::dmat4>& nodes) {
+  std::vector<glm::dmat4> palette;
+  palette.reserve(skeleton.joints.size());
+  for (const Joint& joint : skeleton.joints)
+    palette.push_back(nodes[static_cast<size_t>(joint.node)] * joint.inverse_bind);
+  return palette;
+}
+
 // Travel, loop closing and ground speed of one clip.
 Measured measure(const Measures& of, int index) {
   Measured out;
@@ -159,20 +167,20 @@ Measured measure(const Measures& of, int index) {
   const double duration = clip.duration();
   if (duration <= 0.0) return out;
   std::vector<std::vector<glm::dmat4>> poses;
+  std::vector<glm::dmat4> first;  // by node
+  std::vector<glm::dmat4> last;
   SoleTracks tracks{{}, of.height, duration};
   for (int i = 0; i <= kMotionSamples; ++i) {
     const double at = i == kMotionSamples ? clip.end : clip.start + duration * i / kMotionSamples;
-    poses.push_back(joint_matrices(character, index, at));
+    last = node_matrices(character, index, at);
+    poses.push_back(palette_from(character.skeleton, last));
+    if (i == 0) first = last;
     std::vector<glm::dvec3>& points = tracks.poses.emplace_back();
     for (const uint32_t v : of.soles) points.push_back(skin_one(character.mesh, v, poses.back()));
   }
   measure_travel(of, poses, duration, out.motion);
-  if (clip.loops) {
-    const auto first = node_matrices(character, index, clip.start);
-    const auto last = node_matrices(character, index, clip.end);
-    if (!same_pose(character.skeleton, of.body, first, last, out.motion, of.height))
-      out.motion.closing_seconds = last_interval(clip);
-  }
+  if (clip.loops && !same_pose(character.skeleton, of.body, first, last, out.motion, of.height))
+    out.motion.closing_seconds = last_interval(clip);
   for (size_t v = 0; v < of.soles.size(); ++v)
     for (const auto& points : tracks.poses)
       if (glm::length(points[v] - tracks.poses[0][v]) > kMovingFeet * of.height) out.moves_feet = true;
@@ -335,7 +343,8 @@ void normalise(Character& character, const NormaliseOptions& options) {
   DrawnExtent extent(character);
   const double bind_height = std::max(posed_height(extent, bind), 1e-30);
   const Body body(character, unseen);
-  const std::vector<uint32_t> all_soles = find_soles(character, bind, unseen);
+  const std::vector<bool> held = find_held(character, bind);
+  const std::vector<uint32_t> all_soles = find_soles(character, bind, held, unseen);
   const std::vector<uint32_t> soles = thinned(all_soles);
 
   // Posed in glTF space first: placement and motion are found there, then scaled.
@@ -358,7 +367,7 @@ void normalise(Character& character, const NormaliseOptions& options) {
   Placement placement = character.placement;
   placement.upright_clip = choose_upright_clip(character, options.clips);
   character.placement.upright_clip = placement.upright_clip;
-  const Stand stand = measure_stand(character, body, bind, all_soles, bind_height);
+  const Stand stand = measure_stand(character, body, held, all_soles, bind_height);
   for (ClipMotion& motion : character.motion) motion.ground_speed = settled(motion.ground_speed, bind_height);
   placement.height = stand.height;
   if (options.height) {

@@ -65,22 +65,28 @@ std::vector<bool> find_drawn(const Character& character) {
   return drawn;
 }
 
-struct Heights {
-  std::vector<double> of;  // by vertex
+std::vector<double> heights_of(std::span<const glm::dvec3> posed) {
+  std::vector<double> out(posed.size());
+  for (size_t v = 0; v < posed.size(); ++v) out[v] = posed[v].y;
+  return out;
+}
+
+// Of the vertices that count.
+struct HeightRange {
   double low = std::numeric_limits<double>::max();
   double high = std::numeric_limits<double>::lowest();
   template <typename Counts>
-  Heights(std::span<const glm::dvec3> posed, const Counts& counts) {
-    for (uint32_t v = 0; v < posed.size(); ++v) {
-      of.push_back(posed[v].y);
+  HeightRange(std::span<const double> heights, const Counts& counts) {
+    for (uint32_t v = 0; v < heights.size(); ++v) {
       if (!counts(v)) continue;
-      low = std::min(low, of.back());
-      high = std::max(high, of.back());
+      low = std::min(low, heights[v]);
+      high = std::max(high, heights[v]);
     }
   }
 };
 
-// What the body does not stand on: what it holds. Nothing is where all would be.
+}  // namespace
+
 std::vector<bool> find_held(const Character& character, std::span<const glm::dvec3> bind) {
   const Mesh& mesh = character.mesh;
   const Skeleton& skeleton = character.skeleton;
@@ -88,8 +94,9 @@ std::vector<bool> find_held(const Character& character, std::span<const glm::dve
   const auto rigid = [&](size_t v) { return skeleton.joints[mesh.joints[v][0]].rigid; };
   std::vector<bool> held(n, false);
   if (skeleton.root_node < 0) return held;
-  const Heights skin(bind, [&](size_t v) { return !rigid(v); });
-  const Heights all(bind, [](size_t) { return true; });
+  const std::vector<double> heights = heights_of(bind);
+  const HeightRange skin(heights, [&](size_t v) { return !rigid(v); });
+  const HeightRange all(heights, [](size_t) { return true; });
   const bool rigid_feet = skin.low - all.low > kSoleBand * (all.high - all.low);
   const std::vector<bool> hands = in_hands(skeleton);
   for (size_t v = 0; v < n; ++v) held[v] = (rigid(v) && !rigid_feet) || hands[strongest_joint(mesh, v)];
@@ -97,10 +104,13 @@ std::vector<bool> find_held(const Character& character, std::span<const glm::dve
   return held;
 }
 
+namespace {
+
 // The lowest point of the whole body, which what it holds cannot be.
-double lowest_of_body(const Heights& heights, const std::vector<bool>& held, DrawnExtent& extent) {
-  std::vector<double> depths;
-  for (size_t v = 0; v < heights.of.size(); ++v) depths.push_back(held[v] ? -heights.high : -heights.of[v]);
+double lowest_of_body(const std::vector<double>& heights, const std::vector<bool>& held, DrawnExtent& extent) {
+  const double high = *std::ranges::max_element(heights);
+  std::vector<double> depths(heights.size());
+  for (size_t v = 0; v < heights.size(); ++v) depths[v] = held[v] ? -high : -heights[v];
   return -extent.most(depths);
 }
 
@@ -113,18 +123,58 @@ double ground_of(const std::vector<double>& soles, const std::vector<double>& bo
   return lower <= kSameLevel * height || lower > kSoleBand * height ? by_body : by_soles;
 }
 
-// Where the skin's root is at a phase of a clip, its travel undone.
-glm::dvec3 root_at(const Character& character, int clip, double phase, int root) {
-  const double cycle = cycle_of(character, clip);
-  const auto node = static_cast<size_t>(root);
-  if (cycle <= 0) {
-    const double start = clip < 0 ? 0.0 : character.clips[static_cast<size_t>(clip)].start;
-    return glm::dvec3(node_matrices(character, clip, start)[node][3]);
+// The skin's root, posed by itself: what hangs on other nodes takes no part.
+class RootPath {
+ public:
+  // clip: -1 for the rest pose.
+  RootPath(const Character& character, int clip) : cycle_(cycle_of(character, clip)) {
+    const Skeleton& skeleton = character.skeleton;
+    std::vector<int> path;
+    for (int node = travelling_node(skeleton); node >= 0; node = skeleton.nodes[static_cast<size_t>(node)].parent)
+      path.insert(path.begin(), node);
+    std::vector<int> place(skeleton.nodes.size(), -1);
+    for (const int node : path) {
+      place[static_cast<size_t>(node)] = static_cast<int>(path_.skeleton.nodes.size());
+      path_.skeleton.nodes.push_back(skeleton.nodes[static_cast<size_t>(node)]);
+      path_.skeleton.nodes.back().parent = static_cast<int>(path_.skeleton.nodes.size()) - 2;
+    }
+    if (clip < 0) return;
+    const Clip& all = character.clips[static_cast<size_t>(clip)];
+    Clip& curves = path_.clips.emplace_back();
+    curves.start = all.start;
+    curves.end = all.end;
+    for (const Channel& channel : all.channels) {
+      if (place[static_cast<size_t>(channel.node)] < 0) continue;
+      curves.channels.push_back(channel);
+      curves.channels.back().node = place[static_cast<size_t>(channel.node)];
+    }
+    if (cycle_ > 0) motion_ = character.motion[static_cast<size_t>(clip)];
   }
-  const Clip& curves = character.clips[static_cast<size_t>(clip)];
-  const double progress = std::min(phase * cycle / curves.duration(), 1.0);
-  return glm::dvec3(travel_undone(character.motion[static_cast<size_t>(clip)], progress) *
-                    node_matrices(character, clip, curves.start + progress * curves.duration())[node][3]);
+
+  bool empty() const { return path_.skeleton.nodes.empty(); }
+
+  // At a phase, its travel undone. Only where there is a root.
+  glm::dvec3 at(double phase) const {
+    const int clip = path_.clips.empty() ? -1 : 0;
+    if (cycle_ <= 0) return place_of(clip, clip < 0 ? 0.0 : path_.clips[0].start);
+    const Clip& curves = path_.clips[0];
+    const double progress = std::min(phase * cycle_ / curves.duration(), 1.0);
+    return glm::dvec3(travel_undone(motion_, progress) *
+                      glm::dvec4(place_of(clip, curves.start + progress * curves.duration()), 1.0));
+  }
+
+ private:
+  glm::dvec3 place_of(int clip, double time) const { return glm::dvec3(node_matrices(path_, clip, time).back()[3]); }
+
+  Character path_;  // its nodes, from the top of the hierarchy, and what moves them
+  ClipMotion motion_;
+  double cycle_;
+};
+
+double extent_of(std::vector<double> heights, DrawnExtent& extent) {
+  const double high = extent.most(heights);
+  for (double& height : heights) height = -height;
+  return high + extent.most(heights);
 }
 
 }  // namespace
@@ -146,23 +196,20 @@ double settled(double value, double height) {
 }
 
 double posed_height(DrawnExtent& extent, std::span<const glm::dvec3> posed) {
-  Heights heights(posed, [](size_t) { return true; });
-  const double high = extent.most(heights.of);
-  for (double& height : heights.of) height = -height;
-  return high + extent.most(heights.of);
+  return extent_of(heights_of(posed), extent);
 }
 
 std::vector<uint32_t> find_soles(const Character& character, std::span<const glm::dvec3> bind,
-                                 std::span<const uint32_t> unseen) {
-  const std::vector<bool> held = find_held(character, bind);
+                                 const std::vector<bool>& held, std::span<const uint32_t> unseen) {
   std::vector<bool> counts = find_drawn(character);
   for (size_t v = 0; v < counts.size(); ++v) counts[v] = counts[v] && !held[v];
   for (const uint32_t v : unseen) counts[v] = false;
   if (std::ranges::count(counts, true) == 0) counts.assign(counts.size(), true);
-  const Heights heights(bind, [&](size_t v) { return counts[v]; });
+  const std::vector<double> heights = heights_of(bind);
+  const HeightRange range(heights, [&](size_t v) { return counts[v]; });
   std::vector<uint32_t> soles;
   for (uint32_t v = 0; v < counts.size(); ++v)
-    if (counts[v] && heights.of[v] <= heights.low + kSoleBand * (heights.high - heights.low)) soles.push_back(v);
+    if (counts[v] && heights[v] <= range.low + kSoleBand * (range.high - range.low)) soles.push_back(v);
   return soles;
 }
 
@@ -174,14 +221,13 @@ double supporting_height(std::vector<double> lowest, double figure_height) {
   return lowest.front();
 }
 
-Stand measure_stand(const Character& character, const Body& body, std::span<const glm::dvec3> bind,
+Stand measure_stand(const Character& character, const Body& body, const std::vector<bool>& held,
                     const std::vector<uint32_t>& soles, double bind_height) {
   const Mesh& mesh = character.mesh;
   const int clip = character.placement.upright_clip;
   const double cycle = cycle_of(character, clip);
   const int samples = cycle > 0.0 ? std::clamp(static_cast<int>(std::ceil(cycle * kBoundsRate)), 2, 150) : 1;
-  const int root = travelling_node(character.skeleton);
-  const std::vector<bool> held = find_held(character, bind);
+  const RootPath root(character, clip);
   DrawnExtent extent(character);
   Stand out;
   glm::dvec3 root_middle{0.0};
@@ -191,23 +237,21 @@ Stand measure_stand(const Character& character, const Body& body, std::span<cons
   for (int i = 0; i < samples; ++i) {
     const double phase = static_cast<double>(i) / samples;
     const auto palette = model_matrices(character, clip, phase);
-    const std::vector<glm::dvec3> posed = shown_positions(mesh, palette);
-    const Heights heights(posed, [](size_t) { return true; });
-    if (i == 0) out.height = posed_height(extent, posed);
+    const std::vector<double> heights = shown_heights(mesh, palette);
+    if (i == 0) out.height = extent_of(heights, extent);
     double sole = std::numeric_limits<double>::max();
-    for (const uint32_t v : soles) sole = std::min(sole, heights.of[v]);
+    for (const uint32_t v : soles) sole = std::min(sole, heights[v]);
     lowest_soles.push_back(sole);
     lowest_body.push_back(lowest_of_body(heights, held, extent));
     body_middle += body.centre(palette) / static_cast<double>(samples);
-    if (root >= 0) root_middle += root_at(character, clip, phase, root) / static_cast<double>(samples);
+    if (!root.empty()) root_middle += root.at(phase) / static_cast<double>(samples);
   }
   out.ground = ground_of(lowest_soles, lowest_body, bind_height);
   // A root that stands apart from the body, or falls behind it within a cycle, is not where the character is.
   const auto near = [&](const glm::dvec3& apart) {
     return glm::length(glm::dvec2(apart.x, apart.z)) <= kApart * bind_height;
   };
-  const bool leads = root >= 0 && near(root_middle - body_middle) &&
-                     near(root_at(character, clip, 1, root) - root_at(character, clip, 0, root));
+  const bool leads = !root.empty() && near(root_middle - body_middle) && near(root.at(1) - root.at(0));
   out.pivot = leads ? root_middle : body_middle;
   out.height = settled(out.height, bind_height);
   out.ground = settled(out.ground, bind_height);

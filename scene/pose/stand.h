@@ -22,12 +22,16 @@ double settled(double value, double height);
 // From the lowest to the highest point that is drawn, of a posed mesh (scene/pose/hidden.h).
 double posed_height(DrawnExtent& extent, std::span<const glm::dvec3> posed);
 
-// Vertices that can touch the ground: the lowest of the bind pose, as far as they are drawn there. What is held has no
-// say where there is anything else: rigid meshes beside a skin (boots may be rigid too: not where they reach lower than
-// the skin), what hangs on a hand node, and what no clip shows. bind: the mesh in that pose; unseen: never_shown() of
-// it.
+// By vertex, what the body does not stand on, as it holds it: rigid meshes beside a skin (boots may be rigid too: not
+// where they reach lower than the skin) and what hangs on a hand node. Nothing is where all would be. bind: the mesh in
+// that pose.
+std::vector<bool> find_held(const Character& character, std::span<const glm::dvec3> bind);
+
+// Vertices that can touch the ground: the lowest of the bind pose, as far as they are drawn there. What is held and
+// what no clip shows have no say where there is anything else. held: find_held(); unseen: never_shown() of the
+// character.
 std::vector<uint32_t> find_soles(const Character& character, std::span<const glm::dvec3> bind,
-                                 std::span<const uint32_t> unseen);
+                                 const std::vector<bool>& held, std::span<const uint32_t> unseen);
 
 // The height that carries: the lowest at which the lowest points of a cycle's poses, evenly spaced, stay for a sixth of
 // it within a hundredth of the figure's height. A toe or a blade that dips below in a few frames does not lift the
@@ -42,9 +46,9 @@ struct Stand {
   double ground = 0;
   glm::dvec3 pivot{0.0};
 };
-// Of the upright clip, which Character::placement and motion hold already. bind: as for find_soles, whose soles these
-// are.
-Stand measure_stand(const Character& character, const Body& body, std::span<const glm::dvec3> bind,
+// Of the upright clip, which Character::placement and motion hold already. held and soles: of find_held() and
+// find_soles().
+Stand measure_stand(const Character& character, const Body& body, const std::vector<bool>& held,
                     const std::vector<uint32_t>& soles, double bind_height);
 
 }  // namespace crowdbench::scene

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+
+#include "core/sha256_blocks.h"
 
 namespace crowdbench {
 namespace {
@@ -23,6 +26,42 @@ TEST(Sha256, NumbersAreTheirBytes) {
   const uint32_t number = 0x64636261;  // "abcd" in memory
   EXPECT_EQ(Sha256().value(number).hex(), sha256_hex("abcd"));
   EXPECT_NE(Sha256().values(std::vector<int>{1, 2}).hex(), Sha256().values(std::vector<int>{1}).value(2).hex());
+}
+
+// FIPS 180-2, appendix B.3: a million times the letter a. In pieces of every length, so that whole blocks begin
+// anywhere.
+TEST(Sha256, OfPiecesIsThatOfTheWhole) {
+  const std::string letters(1'000'000, 'a');
+  const std::string published = "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0";
+  EXPECT_EQ(sha256_hex(letters), published);
+  Sha256 pieces;
+  for (size_t at = 0, n = 0; at < letters.size(); at += n, n = n % 700 + 1)
+    pieces.bytes(letters.data() + at, std::min(n, letters.size() - at));
+  EXPECT_EQ(pieces.hex(), published);
+}
+
+// Short pieces go through libmd, and long ones through the processor's instructions where it has them.
+TEST(Sha256, IsTheSameByWhicheverCode) {
+  std::string bytes;
+  for (uint32_t i = 0; i < 1000; ++i) bytes.push_back(static_cast<char>(i * 2654435761U >> 24));
+  for (size_t length = 0; length <= bytes.size(); ++length) {
+    Sha256 apart;
+    for (size_t i = 0; i < length; ++i) apart.bytes(&bytes[i], 1);
+    ASSERT_EQ(sha256_hex(std::string_view(bytes).substr(0, length)), apart.hex()) << length;
+  }
+}
+
+// FIPS 180-2, appendix B.1: the one block of "abc", as padded there.
+TEST(Sha256, InstructionsCompressTheBlockOfAbc) {
+  if (!has_sha256_instructions()) GTEST_SKIP() << "needs a processor with SHA instructions";
+  std::vector<uint8_t> block(64, 0);
+  std::copy_n("abc\x80", 4, block.begin());
+  block[63] = 24;
+  std::vector<uint32_t> state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                                 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  compress_sha256(state.data(), block.data(), 1);
+  EXPECT_EQ(state, (std::vector<uint32_t>{0xba7816bf, 0x8f01cfea, 0x414140de, 0x5dae2223, 0xb00361a3, 0x96177a9c,
+                                          0xb410ff61, 0xf20015ad}));
 }
 
 // The values that xxHash's own self-test has for no bytes, with two seeds, and for one byte of zero.

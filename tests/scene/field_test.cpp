@@ -10,6 +10,7 @@
 #include "scene/character/cut_out.h"
 #include "scene/character/drawn.h"
 #include "scene/crowd/crowd.h"
+#include "scene/mannequin/mannequin.h"
 #include "scene/pose/body.h"
 #include "scene/pose/hidden.h"
 #include "scene/pose/pose.h"
@@ -200,6 +201,23 @@ TEST(Undrawn, AVertexIsShownByTheTrianglesThatReachToIt) {
   EXPECT_EQ(hidden(), std::vector<uint32_t>{3});
   EXPECT_EQ(shown_positions(c.mesh, palette)[3], glm::dvec3(0, 0, 0));
   EXPECT_EQ(shown_positions(c.mesh, palette)[2].y, 9);
+  EXPECT_EQ(shown_heights(c.mesh, palette)[3], 0);
+}
+
+// What goes into a bake's key is to be the same by the shorter computation.
+TEST(Undrawn, HeightsAreThoseOfThePositionsToTheLastBit) {
+  const Character c = make_mannequin({.triangles = 500});
+  for (int clip = -1; clip < static_cast<int>(c.clips.size()); ++clip)
+    for (const double phase : {0.0, 0.37, 0.81}) {
+      auto palette = model_matrices(c, clip, phase);
+      for (const double scale : {1.0, 1e-6}) {
+        palette[3] = palette[3] * glm::dmat4(glm::dmat3(scale));  // hides what it carries
+        const std::vector<glm::dvec3> positions = shown_positions(c.mesh, palette);
+        const std::vector<double> heights = shown_heights(c.mesh, palette);
+        ASSERT_EQ(heights.size(), positions.size());
+        for (size_t v = 0; v < heights.size(); ++v) ASSERT_EQ(heights[v], positions[v].y) << clip << " " << v;
+      }
+    }
 }
 
 TEST(Undrawn, SharedVerticesCountOnceAndAreLimitedByWhatIsNamed) {

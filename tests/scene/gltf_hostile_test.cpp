@@ -328,6 +328,17 @@ TEST(GltfHostile, IndexPastTheVertices) {
   expect_refused(b.glb(), "index 2 is 4, but /meshes/0/primitives/0 has 4 vertices");
   b.doc["meshes"][0]["primitives"][0]["indices"] = b.accessor<uint32_t>({0, 4294967295U, 1}, "SCALAR");
   expect_refused(b.glb(), "index 1 is 4294967295");
+  b.doc["meshes"][0]["primitives"][0]["indices"] = b.accessor<uint16_t>({0, 1, 2, 65535, 0, 2, 3}, "SCALAR");
+  b.doc["meshes"][0]["primitives"][0]["mode"] = 5;
+  expect_refused(b.glb(), "strips do not restart at the largest index: export triangles");
+}
+
+TEST(GltfHostile, ASceneThatShowsNothingBesideOneThatDoes) {
+  Builder b = bending_card();
+  b.doc["scenes"] = {{{"nodes", json::array()}}, {{"nodes", {0, 1}}}};
+  expect_refused(b.glb(), "others have some: make one of these its `scene`");
+  b.doc["scene"] = 1;
+  EXPECT_EQ(load(b).triangles(), 2U);
 }
 
 // --- containers and JSON ---

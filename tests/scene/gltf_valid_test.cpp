@@ -89,6 +89,29 @@ TEST(GltfValid, MaterialAndPicture) {
   EXPECT_EQ(c.mesh.uvs[2], glm::vec2(1, 0));
 }
 
+// OpenGL's numbers; what is left out is trilinear and repeats.
+TEST(GltfValid, SamplersOfEveryKind) {
+  const auto with = [](const json& sampler) {
+    Builder b = bending_card();
+    b.doc["samplers"][0] = sampler;
+    return load(b).images.at(0);
+  };
+  const std::vector<std::pair<int, MinFilter>> filters = {{9728, MinFilter::nearest},
+                                                          {9729, MinFilter::linear},
+                                                          {9984, MinFilter::nearest_mipmap_nearest},
+                                                          {9985, MinFilter::linear_mipmap_nearest},
+                                                          {9986, MinFilter::nearest_mipmap_linear},
+                                                          {9987, MinFilter::linear_mipmap_linear}};
+  for (const auto& [number, filter] : filters) EXPECT_EQ(with({{"minFilter", number}}).min_filter, filter) << number;
+  const Texture usual = with(json::object());
+  EXPECT_EQ(usual.min_filter, MinFilter::linear_mipmap_linear);
+  EXPECT_FALSE(usual.nearest);
+  EXPECT_TRUE(usual.repeat_u && usual.repeat_v && !usual.mirrored_u && !usual.mirrored_v);
+  EXPECT_FALSE(with({{"magFilter", 9729}}).nearest);
+  const Texture mixed = with({{"wrapS", 10497}, {"wrapT", 33071}});
+  EXPECT_TRUE(mixed.repeat_u && !mixed.mirrored_u && !mixed.repeat_v);
+}
+
 TEST(GltfValid, ContainersAreAlike) {
   Builder b = bending_card();
   const Character glb = load(b);
@@ -105,6 +128,45 @@ TEST(GltfValid, ContainersAreAlike) {
   fs::current_path(folder.path);
   EXPECT_EQ(load_character("card.gltf", as_is()).content_hash, glb.content_hash);
   fs::current_path(here);
+}
+
+// A mark of the byte order, parameters of a data uri, uris that nobody encoded, chunks and bytes of others.
+TEST(GltfValid, ContainersAsSomeExportersWriteThem) {
+  Builder b = bending_card();
+  const std::string hash = load(b).content_hash;
+  std::vector<uint8_t> text = b.gltf("data:application/gltf-buffer;charset=utf-8;base64," + test::base64(b.bin));
+  text.insert(text.begin(), {0xEF, 0xBB, 0xBF});
+  EXPECT_EQ(load(text).content_hash, hash);
+
+  TemporaryFolder folder;
+  for (const char* name : {"my data.bin", "d\xC3\xA4ta+1.bin"}) {
+    write_file(folder.path / name, b.bin.data(), b.bin.size());
+    text = b.gltf(name);
+    write_file(folder.path / "card.gltf", text.data(), text.size());
+    EXPECT_EQ(load_character(folder.path / "card.gltf", as_is()).content_hash, hash) << name;
+  }
+
+  b.set_buffer();
+  std::vector<uint8_t> glb = b.glb();
+  const std::vector<uint8_t> chunk = {4, 0, 0, 0, 'X', 'T', 'R', 'A', 1, 2, 3, 4};
+  glb.insert(glb.end(), chunk.begin(), chunk.end());
+  EXPECT_EQ(load(glb).content_hash, hash) << "beyond the length that the header says";
+  const auto length = static_cast<uint32_t>(glb.size());
+  std::memcpy(&glb[8], &length, sizeof length);
+  EXPECT_EQ(load(glb).content_hash, hash);
+}
+
+TEST(GltfValid, NamesMayHoldAnything) {
+  Builder b = bending_card();
+  const std::string name = "w\xC3\xA4ve \"two\"\n\t\\";
+  b.doc["animations"][0]["name"] = name;
+  b.doc["nodes"][2]["name"] = name;
+  const Character c = load(b);
+  EXPECT_EQ(require_clip(c, name), 0);
+  EXPECT_EQ(c.skeleton.joints[1].name, name);
+  TemporaryFolder folder;
+  save_character(c, folder.path / "again.glb");
+  EXPECT_EQ(load_character(folder.path / "again.glb", as_is()).clips[0].name, name);
 }
 
 TEST(GltfValid, HashChangesWithWhatIsDrawn) {
@@ -606,6 +668,46 @@ TEST(GltfValid, OpenCharacterRefusesUnknownOptions) {
   EXPECT_THROW(open_character("mannequin:triangles=many"), Error);
   EXPECT_THROW(open_character("mannequin:joints"), Error);
   EXPECT_THROW(open_character("no-such-file.glb"), Error);
+}
+
+// A name is the first clip that has it; the warning says how the others are reached.
+TEST(GltfValid, ClipsThatANameDoesNotReachAreSaid) {
+  Builder b = bending_card();
+  const json wave = b.doc["animations"][0];
+  json& animations = b.doc["animations"];
+  for (const char* name : {"walk", "wave", "", "", "0", "9"}) {
+    json one = wave;
+    one["name"] = name;
+    animations.push_back(one);
+  }
+  TemporaryFolder folder;
+  const std::vector<uint8_t> bytes = b.glb();
+  write_file(folder.path / "card.glb", bytes.data(), bytes.size());
+  const Character c = open_character((folder.path / "card.glb").string(), as_is());
+  EXPECT_TRUE(warns(c, "2 clips are named 'wave': the name stands for clip 0; name the other by its number: 2"));
+  EXPECT_TRUE(warns(c, "clip 5 is named '0': that stands for it, and not for clip 0"));
+  EXPECT_EQ(c.warnings.size(), 2U) << "clips without a name, and a number that no clip has, hide nothing";
+  EXPECT_EQ(require_clip(c, "wave"), 0);
+  EXPECT_EQ(require_clip(c, "2"), 2);
+  EXPECT_EQ(require_clip(c, "0"), 5);
+}
+
+// Decoded once, sampled as each texture says, and each counted towards the limit.
+TEST(GltfValid, TwoTexturesOfOnePicture) {
+  Builder b = bending_card();
+  b.doc["textures"].push_back({{"source", 0}});
+  b.doc["materials"][0]["emissiveTexture"] = {{"index", 1}};
+  b.doc["materials"][0]["emissiveFactor"] = {1, 1, 1};
+  const Character c = load(b);
+  ASSERT_EQ(c.images.size(), 2U);
+  EXPECT_EQ(c.images[0].image, c.images[1].image);
+  EXPECT_TRUE(c.images[0].nearest);
+  EXPECT_FALSE(c.images[1].nearest);
+  LoadOptions options = as_is();
+  options.limits.image_bytes = 31;
+  EXPECT_THROW(load(b, options), Error);
+  options.limits.image_bytes = 32;
+  EXPECT_NO_THROW(load(b, options));
 }
 
 TEST(GltfValid, SkinsThatShareJointsAreSavedApart) {

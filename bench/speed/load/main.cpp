@@ -5,8 +5,11 @@
 //
 // Both take turns in one process, so that a busy machine slows both alike; a figure is the median of the rounds, and
 // the ratio that of each round. tinygltf's parse decodes the pictures as well; it checks nothing, unpacks no accessor,
-// measures no motion and hashes nothing.
+// measures no motion and hashes nothing. Memory is what each takes at most beside the file's bytes, in a process of its
+// own.
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <tiny_gltf.h>
 #include <unistd.h>
 
@@ -94,9 +97,31 @@ double parse_seconds(const std::vector<uint8_t>& bytes) {
   return cpu_seconds() - start;
 }
 
+// The most memory that a process holds which does the work, MiB.
+template <typename Work>
+double peak_mib(const Work& work) {
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      work();
+      _exit(0);
+    } catch (...) {
+      _exit(1);
+    }
+  }
+  int status = 0;
+  rusage used{};
+  if (child < 0 || wait4(child, &status, 0, &used) != child || status != 0)
+    throw Error("a process of its own", "could not do the work", "look at what the other line says");
+  return static_cast<double>(used.ru_maxrss) / 1024;
+}
+
 int run(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "made here";
   const std::vector<uint8_t> bytes = argc > 1 ? read_file(argv[1]) : made_file();
+  const double before = peak_mib([] {});
+  const double our_peak = peak_mib([&] { scene::load_character(bytes, name, {}); }) - before;
+  const double their_peak = peak_mib([&] { parse_seconds(bytes); }) - before;
   std::vector<double> ours;
   std::vector<double> theirs;
   std::vector<double> ratios;
@@ -112,6 +137,7 @@ int run(int argc, char** argv) {
   fmt::print("load_character {:.3f} s, tinygltf {:.3f} s of CPU; ratio {:.2f} [{:.2f}, {:.2f}] over {} rounds\n",
              median(ours), median(theirs), median(ratios), *std::ranges::min_element(ratios),
              *std::ranges::max_element(ratios), kRounds);
+  fmt::print("memory at most: load_character {:.0f} MiB, tinygltf {:.0f} MiB\n", our_peak, their_peak);
   return 0;
 }
 
