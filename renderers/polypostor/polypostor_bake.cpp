@@ -251,7 +251,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
     const int texels =
         fitting_size(options.texels, kLeastTexels, bytes, static_cast<uint64_t>(kSafe * static_cast<double>(budget)));
     throw Error(fmt::format("polypostor bake of {}", character->name),
-                fmt::format("{} clip{}, {} views and {} texels need about {:.0f} MiB, the budget is {:.0f}", clips,
+                fmt::format("{} clip{}, {} views and {} texels need about {:.1f} MiB, the budget is {:.0f}", clips,
                             clips == 1 ? "" : "s", grid_views, options.texels, static_cast<double>(bytes) / (1 << 20),
                             static_cast<double>(budget) / (1 << 20)),
                 budget_advice(texels == 0 ? "" : fmt::format("texels={}", texels),

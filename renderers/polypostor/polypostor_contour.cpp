@@ -415,61 +415,6 @@ PartMask unite(std::span<const PartMask> masks) {
   return out;
 }
 
-namespace {
-
-// Whether a point lies within a distance of a closed line. edge: of the line, tried first; becomes the one found.
-bool lies_within(const Polyline& closed, const glm::dvec2& p, double distance, size_t& edge) {
-  const size_t n = closed.size();
-  for (size_t k = 0; k < n; ++k, edge = edge + 1 < n ? edge + 1 : 0) {
-    const glm::dvec2& a = closed[edge];
-    const glm::dvec2 ab = closed[edge + 1 < n ? edge + 1 : 0] - a;
-    const glm::dvec2 ap = p - a;
-    const double square = glm::dot(ab, ab);
-    const double t = square > 0 ? std::clamp(glm::dot(ap, ab) / square, 0.0, 1.0) : 0.0;
-    const glm::dvec2 off = ap - ab * t;
-    if (glm::dot(off, off) <= distance * distance) return true;
-  }
-  return false;
-}
-
-// How many of the places `reach` to the left, right, above and below of a point the figure covers.
-int covered_around(const PartMask& figure, const glm::dvec2& p, double reach) {
-  int count = 0;
-  for (const glm::dvec2& side :
-       {glm::dvec2(reach, 0), glm::dvec2(-reach, 0), glm::dvec2(0, reach), glm::dvec2(0, -reach)}) {
-    const glm::dvec2 q = (p + side) * double{kMaskSamples};
-    count +=
-        figure.at(static_cast<int>(std::floor(q.x)) - figure.x, static_cast<int>(std::floor(q.y)) - figure.y) ? 1 : 0;
-  }
-  return count;
-}
-
-}  // namespace
-
-double area_between(const Polyline& points, const Polyline& wanted) {
-  double apart = 0;
-  for (const glm::dvec2& p : points) apart += nearest_point(wanted, p).distance;
-  return points.empty() ? 0 : apart / static_cast<double>(points.size()) * perimeter(wanted);
-}
-
-bool is_on_outline(const PartMask& figure, const glm::dvec2& p) { return covered_around(figure, p, 1) < 4; }
-
-double torn_area(const Polyline& shown, const Polyline& wanted, const PartMask& figure, double slack) {
-  constexpr size_t kPoints = 96;
-  if (shown.empty() || wanted.empty()) return 0;
-  const auto beyond = [&](const Polyline& line, const Polyline& other, const auto& seen) {
-    double area = 0;
-    size_t edge = 0;
-    for (const glm::dvec2& p : resample(line, kPoints)) {
-      if (lies_within(other, p, slack, edge) || contains(other, p) || !seen(p)) continue;
-      area += nearest_point(other, p).distance - slack;
-    }
-    return area * perimeter(line) / kPoints;
-  };
-  return beyond(shown, wanted, [&](const glm::dvec2& p) { return covered_around(figure, p, slack) == 0; }) +
-         beyond(wanted, shown, [&](const glm::dvec2& p) { return is_on_outline(figure, p); });
-}
-
 Polyline resample(const Polyline& closed, size_t count) {
   Polyline out;
   if (closed.empty()) return out;
@@ -490,15 +435,16 @@ Polyline resample(const Polyline& closed, size_t count) {
   return out;
 }
 
-NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p) {
-  NearestPoint best;
-  best.distance = std::numeric_limits<double>::infinity();
-  if (closed.empty()) return best;
-  // This is where bakes spend their time: squares only, and a division only for an edge that is the nearest so far.
-  double least = best.distance;
+namespace {
+
+// The nearest edge so far. This is where bakes spend their time: squares only, and a division only for an edge that is
+// the nearest.
+struct NearestEdge {
+  double least = std::numeric_limits<double>::infinity();  // squared
   size_t edge = 0;
   double along = 0;
-  for (size_t i = 0; i < closed.size(); ++i) {
+
+  void try_edge(const Polyline& closed, size_t i, const glm::dvec2& p) {
     const glm::dvec2& a = closed[i];
     const glm::dvec2 ab = closed[i + 1 < closed.size() ? i + 1 : 0] - a;
     const glm::dvec2 ap = p - a;
@@ -507,24 +453,72 @@ NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p) {
     double t = 0;
     if (dot > 0 && dot < square) {
       const double off = cross(ab, ap);
-      if (off * off >= least * square) continue;
+      if (off * off >= least * square) return;
       t = dot / square;
     } else if (dot > 0) {
       t = 1;
     }
     const glm::dvec2 away = ap - ab * t;
     const double distance = glm::dot(away, away);
-    if (distance >= least) continue;
+    if (distance >= least) return;
     least = distance;
     edge = i;
     along = t;
   }
-  const glm::dvec2& a = closed[edge];
-  best.edge = edge;
-  best.along = along;
-  best.point = a + (closed[(edge + 1) % closed.size()] - a) * along;
-  best.distance = glm::distance(best.point, p);
-  return best;
+  NearestPoint point(const Polyline& closed, const glm::dvec2& p) const {
+    const glm::dvec2& a = closed[edge];
+    NearestPoint out;
+    out.edge = edge;
+    out.along = along;
+    out.point = a + (closed[(edge + 1) % closed.size()] - a) * along;
+    out.distance = glm::distance(out.point, p);
+    return out;
+  }
+};
+
+constexpr size_t kRun = 8;  // edges
+
+}  // namespace
+
+NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p) {
+  NearestPoint none;
+  none.distance = std::numeric_limits<double>::infinity();
+  if (closed.empty()) return none;
+  NearestEdge best;
+  for (size_t i = 0; i < closed.size(); ++i) best.try_edge(closed, i, p);
+  return best.point(closed, p);
+}
+
+IndexedLine::IndexedLine(const Polyline& closed) : line_(&closed), perimeter_(renderers::perimeter(closed)) {
+  for (size_t first = 0; first < closed.size(); first += kRun) {
+    Run run{closed[first], closed[first]};
+    for (size_t i = first + 1; i <= std::min(first + kRun, closed.size()); ++i) {
+      const glm::dvec2& p = closed[i < closed.size() ? i : 0];
+      run.low = glm::min(run.low, p);
+      run.high = glm::max(run.high, p);
+    }
+    runs_.push_back(run);
+  }
+}
+
+NearestPoint IndexedLine::nearest(const glm::dvec2& p, size_t hint) const {
+  const Polyline& closed = *line_;
+  NearestPoint none;
+  none.distance = std::numeric_limits<double>::infinity();
+  if (closed.empty()) return none;
+  // The hint only bounds the search, wider than it is by more than rounding makes of a point that lies on its edge: of
+  // edges equally near the first is taken, whatever the hint.
+  NearestEdge bound;
+  bound.try_edge(closed, std::min(hint, closed.size() - 1), p);
+  NearestEdge best;
+  best.least = bound.least * (1 + 1e-9) + 1e-18;
+  for (size_t r = 0; r < runs_.size(); ++r) {
+    const glm::dvec2 off = glm::max(glm::max(runs_[r].low - p, p - runs_[r].high), glm::dvec2(0.0));
+    if (glm::dot(off, off) > best.least) continue;
+    const size_t end = std::min((r + 1) * kRun, closed.size());
+    for (size_t i = r * kRun; i < end; ++i) best.try_edge(closed, i, p);
+  }
+  return best.point(closed, p);
 }
 
 Polyline outward_polygon(const Polyline& contour, int corners, double margin, double room) {

@@ -62,16 +62,24 @@ struct NearestPoint {
 };
 NearestPoint nearest_point(const Polyline& closed, const glm::dvec2& p);
 
-// How torn a figure is where an outline that is shown stands for the one that is wanted: the area, square texels, that
-// lies between the two farther than `slack` from one of them, in so far as it is seen. What is shown too much is not
-// seen in front of the figure, and what is missing is not where the figure goes on beyond the outline.
-double torn_area(const Polyline& shown, const Polyline& wanted, const PartMask& figure, double slack);
+// A closed line that is asked often: runs of edges whose bounding box lies farther than what was found are passed over.
+// It refers to the line. The answers are nearest_point's.
+class IndexedLine {
+ public:
+  explicit IndexedLine(const Polyline& closed);
+  const Polyline& line() const { return *line_; }
+  double perimeter() const { return perimeter_; }
+  // hint: an edge that may be near, as that of the point asked for before; any number is sound.
+  NearestPoint nearest(const glm::dvec2& p, size_t hint) const;
 
-// The area, square texels, between evenly spread points of an outline and the line that is wanted: their mean distance
-// times its length.
-double area_between(const Polyline& points, const Polyline& wanted);
-// Whether the figure leaves one of the four places a texel away from a point of one of its parts uncovered.
-bool is_on_outline(const PartMask& figure, const glm::dvec2& p);
+ private:
+  struct Run {  // of edges
+    glm::dvec2 low, high;
+  };
+  const Polyline* line_;
+  std::vector<Run> runs_;
+  double perimeter_ = 0;
+};
 
 // A simple polygon of at most `corners` (4..32) that holds every point of the contour, `margin` texels wider than it
 // need be, and reaches at most `room` texels beyond the contour's bounding box. Corners go where that adds the least

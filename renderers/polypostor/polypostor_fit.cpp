@@ -9,6 +9,8 @@
 #include <limits>
 #include <numeric>
 
+#include "renderers/polypostor/polypostor_torn.h"
+
 namespace crowdbench::renderers {
 namespace {
 
@@ -19,24 +21,30 @@ double square(double v) { return v * v; }
 // The angle from one direction to another, in (-pi, pi].
 double turning(const glm::dvec2& a, const glm::dvec2& b) { return std::atan2(cross(a, b), glm::dot(a, b)); }
 
-// What one corner costs at each sample, and the lengths between samples.
+// What one corner costs at each sample, and the lengths between samples. The samples go round twice, so that those from
+// any on follow each other.
 struct CostTable {
   size_t corners, samples;
-  std::vector<double> unary;    // corners x samples
-  std::vector<double> lengths;  // samples x samples
+  std::vector<double> unary;    // corners x twice the samples
+  std::vector<double> lengths;  // samples x twice the samples
   std::vector<double> edges;    // of the prediction, from each corner to the next
   double edge_weight;
 
   CostTable(const Polyline& line, const Polyline& predicted, const CorrespondenceWeights& weights)
       : corners(predicted.size()),
         samples(line.size()),
-        unary(corners * samples),
-        lengths(samples * samples),
+        unary(corners * 2 * samples),
+        lengths(samples * 2 * samples),
         edge_weight(weights.edge) {
     for (size_t i = 0; i < corners; ++i) edges.push_back(glm::distance(predicted[i], predicted[(i + 1) % corners]));
     for (size_t a = 0; a < samples; ++a)
-      for (size_t b = 0; b < a; ++b)
-        lengths[a * samples + b] = lengths[b * samples + a] = glm::distance(line[a], line[b]);
+      for (size_t b = 0; b < a; ++b) {
+        const double length = glm::distance(line[a], line[b]);
+        for (const size_t turn : {size_t{0}, samples}) {
+          lengths[2 * a * samples + turn + b] = length;
+          lengths[2 * b * samples + turn + a] = length;
+        }
+      }
     const double step = std::max(perimeter(line) / static_cast<double>(samples), 1e-9);
     for (size_t i = 0; i < corners; ++i) {
       const size_t before = (i + corners - 1) % corners;
@@ -52,12 +60,15 @@ struct CostTable {
         const glm::dvec2& p = line[j];
         const double here = turning(p - line[(j + samples - back) % samples], line[(j + on) % samples] - p);
         const glm::dvec2 off = p - predicted[i];
-        unary[i * samples + j] = glm::dot(off, off) + weights.turn * square(arm * (here - bend));
+        at(i, j) = at(i, j + samples) = glm::dot(off, off) + weights.turn * square(arm * (here - bend));
       }
     }
   }
+  double& at(size_t corner, size_t sample) { return unary[2 * corner * samples + sample]; }
+  double at(size_t corner, size_t sample) const { return unary[2 * corner * samples + sample]; }
+  // a: below the number of samples; b: below twice that.
   double edge(size_t corner, size_t a, size_t b) const {
-    return edge_weight * square(lengths[a * samples + b] - edges[corner]);
+    return edge_weight * square(lengths[2 * a * samples + b] - edges[corner]);
   }
 };
 
@@ -99,23 +110,26 @@ Weights barycentric(const Polyline& polygon, std::span<const Triangle> triangles
   return best;
 }
 
-// Solves a symmetric positive definite system in place (Cholesky).
+// Solves a symmetric positive definite system in place (Cholesky), of which only what is on and right of the diagonal
+// is read. By rows, each taken from all below it at once: what lies beside each other in memory is reckoned together.
 void solve(std::vector<double>& m, std::vector<double>& rhs) {
   const size_t n = rhs.size();
-  for (size_t j = 0; j < n; ++j) {
-    for (size_t k = 0; k < j; ++k) m[j * n + j] -= square(m[j * n + k]);
-    m[j * n + j] = std::sqrt(std::max(m[j * n + j], 1e-12));
-    for (size_t i = j + 1; i < n; ++i) {
-      for (size_t k = 0; k < j; ++k) m[i * n + j] -= m[i * n + k] * m[j * n + k];
-      m[i * n + j] /= m[j * n + j];
+  for (size_t k = 0; k < n; ++k) {
+    double* from = m.data() + k * n;
+    from[k] = std::sqrt(std::max(from[k], 1e-12));
+    for (size_t j = k + 1; j < n; ++j) from[j] /= from[k];
+    for (size_t i = k + 1; i < n; ++i) {
+      double* row = m.data() + i * n;
+      const double by = from[i];
+      for (size_t j = i; j < n; ++j) row[j] -= from[j] * by;
     }
   }
-  for (size_t i = 0; i < n; ++i) {
-    for (size_t k = 0; k < i; ++k) rhs[i] -= m[i * n + k] * rhs[k];
-    rhs[i] /= m[i * n + i];
+  for (size_t k = 0; k < n; ++k) {
+    rhs[k] /= m[k * n + k];
+    for (size_t i = k + 1; i < n; ++i) rhs[i] -= m[k * n + i] * rhs[k];
   }
   for (size_t i = n; i-- > 0;) {
-    for (size_t k = i + 1; k < n; ++k) rhs[i] -= m[k * n + i] * rhs[k];
+    for (size_t k = i + 1; k < n; ++k) rhs[i] -= m[i * n + k] * rhs[k];
     rhs[i] /= m[i * n + i];
   }
 }
@@ -132,7 +146,7 @@ struct Outline {
 
 // Moves the corners so that the carried outline lies on the frame's: first each of its points to the point that the
 // corners' correspondence says, then to the nearest, mostly across the line. weights: of the points.
-Polyline refine(const Outline& outline, const Polyline& contour, const Polyline& start,
+Polyline refine(const Outline& outline, const IndexedLine& contour, const Polyline& start,
                 const std::vector<glm::dvec2>& targets, const std::vector<double>& weights) {
   constexpr int kRounds = 4;
   constexpr double kStay = 0.1;  // of the outline's points, spread over the corners
@@ -150,18 +164,23 @@ Polyline refine(const Outline& outline, const Polyline& contour, const Polyline&
           const size_t row = 2 * w.corners[i] + static_cast<size_t>(u);
           const double gi = weight * w.w[i] * axis[u];
           rhs[row] += gi * target;
-          for (size_t k = 0; k < 3; ++k)
-            for (int v = 0; v < 2; ++v)
-              m[row * 2 * n + 2 * w.corners[k] + static_cast<size_t>(v)] += gi * w.w[k] * axis[v];
+          for (size_t k = 0; k < 3; ++k) {
+            const size_t column = 2 * size_t{w.corners[k]};
+            for (size_t v = 0; v < 2; ++v)
+              if (column + v <= row) m[(column + v) * 2 * n + row] += gi * w.w[k] * axis[static_cast<int>(v)];
+          }
         }
     };
+    size_t edge = 0;
     for (size_t i = 0; i < outline.weights.size(); ++i) {
       const glm::dvec2 now = outline.moved(i, pose);
       glm::dvec2 target = targets[i];
       glm::dvec2 normal(1, 0);
       double along = 1;
       if (round > 0) {
-        target = nearest_point(contour, now).point;
+        const NearestPoint near = contour.nearest(now, edge);
+        target = near.point;
+        edge = near.edge;
         const glm::dvec2 off = now - target;
         const double length = glm::length(off);
         if (length > 1e-9) normal = off / length;
@@ -184,7 +203,7 @@ Polyline refine(const Outline& outline, const Polyline& contour, const Polyline&
 
 // What a pose costs: triangles that it inverts count before all else.
 std::pair<size_t, double> cost_of(const Outline& outline, std::span<const Triangle> triangles, const Polyline& pose,
-                                  size_t frame, const Polyline& contour, const Onlooker& onlooker) {
+                                  size_t frame, const IndexedLine& contour, const Onlooker& onlooker) {
   Polyline moved;
   for (size_t k = 0; k < outline.weights.size(); ++k) moved.push_back(outline.moved(k, pose));
   return {inverted_triangles(pose, triangles),
@@ -193,19 +212,21 @@ std::pair<size_t, double> cost_of(const Outline& outline, std::span<const Triang
 
 // Whether the carried outline lies on the frame's, and nothing of the frame's lies elsewhere, within what the masks'
 // samples can tell.
-bool explains(const Outline& outline, const Polyline& contour, const Polyline& pose) {
+bool explains(const Outline& outline, const IndexedLine& contour, const Polyline& pose) {
   constexpr double kMean = 0.2;  // texels
   constexpr double kMost = 0.6;
   double sum = 0;
   Polyline moved;
+  size_t edge = 0;
   for (size_t i = 0; i < outline.weights.size(); ++i) {
     moved.push_back(outline.moved(i, pose));
-    const double distance = nearest_point(contour, moved.back()).distance;
-    if (distance > kMost) return false;
-    sum += distance;
+    const NearestPoint near = contour.nearest(moved.back(), edge);
+    if (near.distance > kMost) return false;
+    sum += near.distance;
+    edge = near.edge;
   }
   return sum <= kMean * static_cast<double>(outline.weights.size()) &&
-         std::abs(signed_area(moved) - signed_area(contour)) <= kMean * perimeter(contour);
+         std::abs(signed_area(moved) - signed_area(contour.line())) <= kMean * contour.perimeter();
 }
 
 // Arc lengths on the key contour (of the running `lengths`) of the polygon's corners: ascending, going round once, the
@@ -254,8 +275,7 @@ double correspondence_cost(const Polyline& samples, const Polyline& predicted, s
                            const CorrespondenceWeights& weights) {
   const CostTable table(samples, predicted, weights);
   double sum = 0;
-  for (size_t i = 0; i < at.size(); ++i)
-    sum += table.unary[i * table.samples + at[i]] + table.edge(i, at[i], at[(i + 1) % at.size()]);
+  for (size_t i = 0; i < at.size(); ++i) sum += table.at(i, at[i]) + table.edge(i, at[i], at[(i + 1) % at.size()]);
   return sum;
 }
 
@@ -268,22 +288,27 @@ Correspondence correspond(const Polyline& samples, const Polyline& predicted, co
   best.cost = kNever;
   std::vector<size_t> starts(m);
   std::iota(starts.begin(), starts.end(), size_t{0});
-  std::stable_sort(starts.begin(), starts.end(), [&](size_t a, size_t b) { return table.unary[a] < table.unary[b]; });
+  std::stable_sort(starts.begin(), starts.end(), [&](size_t a, size_t b) { return table.at(0, a) < table.at(0, b); });
+  // What the corners from each on cost at least.
+  std::vector<double> rest(n + 1, 0);
+  for (size_t i = n; i-- > 0;) {
+    const auto first = table.unary.begin() + static_cast<std::ptrdiff_t>(2 * i * m);
+    rest[i] = rest[i + 1] + *std::min_element(first, first + static_cast<std::ptrdiff_t>(m));
+  }
   // cost[i][k]: the least for corners 0 .. i with corner i at the k'th sample after the start.
   std::vector<double> cost(n * m);
   std::vector<size_t> from(n * m);
   for (const size_t start : starts) {
-    if (table.unary[start] >= best.cost) break;
+    if (table.at(0, start) + rest[1] >= best.cost) break;
     std::fill(cost.begin(), cost.end(), kNever);
-    cost[0] = table.unary[start];
+    cost[0] = table.at(0, start);
     for (size_t i = 1; i < n; ++i)
       for (size_t before = i - 1; before + (n - i) < m; ++before) {
         const double so_far = cost[(i - 1) * m + before];
-        if (so_far >= best.cost) continue;
-        const size_t a = (start + before) % m;
+        if (so_far + rest[i] >= best.cost) continue;
+        const size_t a = start + before < m ? start + before : start + before - m;
         for (size_t k = before + 1; k + (n - 1 - i) < m; ++k) {
-          const size_t b = (start + k) % m;
-          const double here = so_far + table.edge(i - 1, a, b) + table.unary[i * m + b];
+          const double here = so_far + table.edge(i - 1, a, start + k) + table.at(i, start + k);
           if (here < cost[i * m + k]) {
             cost[i * m + k] = here;
             from[i * m + k] = before;
@@ -426,7 +451,6 @@ struct Carried {
 // A frame's outline, and where the anchors went on it; where the part is not seen, nothing but that.
 struct Followed {
   bool seen = false;
-  const Polyline* contour = nullptr;
   Polyline samples;          // of it, evenly spaced
   std::vector<size_t> at;    // by anchor, of the samples
   std::vector<double> arcs;  // by anchor, on the samples as Anchors::arcs on the key contour
@@ -434,7 +458,6 @@ struct Followed {
 
 void follow(const Polyline& contour, const Polyline& predicted, Followed& out) {
   const size_t samples = std::max<size_t>(64, 4 * predicted.size());
-  out.contour = &contour;
   out.samples = resample(contour, samples);
   out.at = correspond(out.samples, predicted).at;
   const double step = perimeter(out.samples) / static_cast<double>(samples);
@@ -516,7 +539,7 @@ std::vector<glm::dvec2> targets_of(const Outline& outline, const Anchors& anchor
 // The outline that a frame is to have, and where the points of the key's go on it.
 struct Wanted {
   size_t frame;
-  const Polyline& contour;
+  const IndexedLine& contour;
   std::vector<glm::dvec2> targets;
 };
 
@@ -533,7 +556,7 @@ Polyline move_onto(const Outline& outline, const Wanted& wanted, const Polyline&
   };
   Polyline best = refine(outline, wanted.contour, carried, wanted.targets, weights);
   auto least = cost(best);
-  if (least <= std::pair(size_t{0}, kEnough * perimeter(wanted.contour))) return best;
+  if (least <= std::pair(size_t{0}, kEnough * wanted.contour.perimeter())) return best;
   for (const Polyline& other : {refine(outline, wanted.contour, beside, wanted.targets, weights), carried}) {
     const auto one = cost(other);
     if (one >= least) continue;
@@ -579,19 +602,22 @@ void unfold(std::span<const Followed> followed, double quantum, Fit& fit) {
 }
 
 // How the part has turned, and how far the moved outline lies from each frame's own.
-void judge(std::span<const Followed> followed, const Outline& outline, Fit& fit) {
+void judge(std::span<const IndexedLine> contours, const Outline& outline, Fit& fit) {
   const auto points = static_cast<double>(outline.weights.size());
   for (size_t f = 0; f < fit.poses.size(); ++f) {
     const Similarity similar = fit_similarity(fit.polygon, fit.poses[f]);
     const double scale = std::hypot(similar.a, similar.b);
-    fit.turns.push_back(followed[f].seen && scale > 1e-6 ? glm::dvec2(similar.a, similar.b) / scale : glm::dvec2(1, 0));
+    const bool seen = !contours[f].line().empty();
+    fit.turns.push_back(seen && scale > 1e-6 ? glm::dvec2(similar.a, similar.b) / scale : glm::dvec2(1, 0));
     double error = 0;
     Polyline& moved = fit.outlines.emplace_back();
-    if (followed[f].seen)
-      for (size_t k = 0; k < outline.weights.size(); ++k) {
-        moved.push_back(outline.moved(k, fit.poses[f]));
-        error += nearest_point(*followed[f].contour, moved.back()).distance / points;
-      }
+    size_t edge = 0;
+    for (size_t k = 0; seen && k < outline.weights.size(); ++k) {
+      moved.push_back(outline.moved(k, fit.poses[f]));
+      const NearestPoint near = contours[f].nearest(moved.back(), edge);
+      error += near.distance / points;
+      edge = near.edge;
+    }
     fit.errors.push_back(error);
   }
 }
@@ -628,19 +654,20 @@ Fit fit_part(const Polyline& image, std::span<const Polyline> contours, size_t k
   }
 
   const Outline outline = outline_of(image, anchors, fit);
+  const std::vector<IndexedLine> lines(contours.begin(), contours.end());
   for (size_t f = 0; f < contours.size(); ++f) {
     if (!followed[f].seen) continue;
     const Polyline& there = carried.polygon[f];
-    if (explains(outline, contours[f], there) && inverted_triangles(there, fit.triangles) == 0) {
+    if (explains(outline, lines[f], there) && inverted_triangles(there, fit.triangles) == 0) {
       fit.poses[f] = there;
     } else {
-      fit.poses[f] = move_onto(outline, {f, contours[f], targets_of(outline, anchors, followed[f])}, there,
-                               fit.poses[f], fit.triangles, onlooker);
+      fit.poses[f] = move_onto(outline, {f, lines[f], targets_of(outline, anchors, followed[f])}, there, fit.poses[f],
+                               fit.triangles, onlooker);
     }
     quantise(fit.poses[f], options.quantum);
   }
   unfold(followed, options.quantum, fit);
-  judge(followed, outline, fit);
+  judge(lines, outline, fit);
   return fit;
 }
 

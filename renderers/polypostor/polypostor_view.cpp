@@ -8,6 +8,7 @@
 
 #include "renderers/polypostor/polypostor_contour.h"
 #include "renderers/polypostor/polypostor_key.h"
+#include "renderers/polypostor/polypostor_torn.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -130,6 +131,7 @@ TileRect rect_around(const Polyline& contour, double scale) {
 // What a view sees of one part through a clip.
 struct SeenPart {
   std::vector<Polyline> contours;           // by pose
+  std::vector<TileRect> rects;              // by pose: around the contour as it was traced, texels of level 0
   std::vector<double> areas;                // by pose, texels of level 0
   std::vector<std::vector<double>> errors;  // by key and pose: look_error; empty where the key does not show the part
 };
@@ -193,7 +195,9 @@ SeenView see_parts(const PolypostorPlan& plan, const PolypostorTier& tier, const
       face_the_eye(tier.two_sided[c], flat);
       masks[c] = rasterise(flat);
       part.areas.push_back(facing_area(masks[c]) * tier.texel * tier.texel);
-      part.contours.push_back(part.areas.back() > 0 ? simplify(trace_contour(masks[c]), kSmooth) : Polyline{});
+      const Polyline traced = part.areas.back() > 0 ? trace_contour(masks[c]) : Polyline{};
+      part.contours.push_back(simplify(traced, kSmooth));
+      part.rects.push_back(traced.empty() ? TileRect{} : rect_around(traced, tier.texel));
     }
     out.figures.push_back(unite(masks));
   }
@@ -224,10 +228,10 @@ size_t cheapest(const Costly& fits, size_t f, size_t poses) {
 
 class KeyFitter {
  public:
-  // fit(key, finely): its image and polygon, of more corners where it is to be fine. slack: texels.
-  KeyFitter(const SeenPart& part, std::span<const PartMask> figures, double slack,
-            std::function<KeyFit(size_t, bool)> fit)
-      : part_(part), figures_(figures), slack_(slack), fit_(std::move(fit)) {}
+  // wanted: the part's outlines, by pose. fit(key, finely): its image and polygon, of more corners where it is to be
+  // fine.
+  KeyFitter(const SeenPart& part, std::span<const WantedOutline> wanted, std::function<KeyFit(size_t, bool)> fit)
+      : part_(part), wanted_(wanted), fit_(std::move(fit)) {}
 
   // The fits whose images of the part are kept: none, one, or several.
   std::vector<KeyFit> run(KeyChoice choice) {
@@ -275,8 +279,8 @@ class KeyFitter {
     one.costs = part_.errors[key];
     one.costs.resize(part_.areas.size());
     for (size_t f = 0; f < part_.areas.size(); ++f) {
-      one.torn.push_back(torn_area(one.fit.outlines[f], part_.contours[f], figures_[f], slack_));
-      one.costs[f] += kOutline * one.fit.errors[f] * perimeter(part_.contours[f]) + kTear * one.torn[f];
+      one.torn.push_back(wanted_[f].torn(one.fit.outlines[f]));
+      one.costs[f] += kOutline * one.fit.errors[f] * wanted_[f].perimeter() + kTear * one.torn[f];
     }
     one.fit.outlines.clear();
     return one;
@@ -348,19 +352,17 @@ class KeyFitter {
   }
 
   const SeenPart& part_;
-  std::span<const PartMask> figures_;
-  double slack_;
+  std::span<const WantedOutline> wanted_;
   bool refines_ = false;  // polygons, where they need more corners
   std::function<KeyFit(size_t, bool)> fit_;
 };
 
-// It refers to both.
-Onlooker onlooker_of(const SeenPart& part, std::span<const PartMask> figures, double slack) {
-  return {[&part, figures, slack](size_t f, const Polyline& moved) {
-            const Polyline& wanted = part.contours[f];
-            return torn_area(moved, wanted, figures[f], slack) + kHidden * area_between(moved, wanted);
+// It refers to them.
+Onlooker onlooker_of(std::span<const WantedOutline> wanted) {
+  return {[wanted](size_t f, const Polyline& moved) {
+            return wanted[f].torn(moved) + kHidden * wanted[f].area_between(moved);
           },
-          [figures](size_t f, const glm::dvec2& p) { return is_on_outline(figures[f], p); }};
+          [wanted](size_t f, const glm::dvec2& p) { return wanted[f].shows(p); }};
 }
 
 // To texels of level 0.
@@ -382,18 +384,14 @@ void fit_view(const PolypostorPlan& plan, const ViewBasis& basis, KeyChoice choi
   for (size_t part = 0; part < seen.parts.size(); ++part) {
     const SeenPart& of = seen.parts[part];
     const double slack = tier.texel > 1 ? 0.5 : plan.slack;
-    const Onlooker onlooker = onlooker_of(of, seen.figures, slack);
-    KeyFitter fitter(of, seen.figures, slack, [&](size_t key, bool finely) {
-      std::vector<glm::dvec2> corners;
-      for (const uint32_t v : tier.corners[part]) corners.emplace_back(seen.positions[key][v]);
-      const Polyline image = trace_contour(rasterise(corners));
+    std::vector<WantedOutline> wanted;
+    for (size_t f = 0; f < of.contours.size(); ++f) wanted.emplace_back(of.contours[f], seen.figures[f], slack);
+    const Onlooker onlooker = onlooker_of(wanted);
+    KeyFitter fitter(of, wanted, [&](size_t key, bool finely) {
       const Carrier carrier(plan, tier, basis, clip, part, key, seen.positions[key]);
       FitOptions options = tier.fit;
       if (finely) options.corners = std::min(2 * options.corners, kMostCorners);
-      return KeyFit{fit_part(simplify(image, kSmooth), of.contours, key, carrier, options, onlooker),
-                    rect_around(image, tier.texel),
-                    {},
-                    {}};
+      return KeyFit{fit_part(of.contours[key], of.contours, key, carrier, options, onlooker), of.rects[key], {}, {}};
     });
     std::vector<KeyFit> fits = fitter.run(choice);
     for (KeyFit& one : fits) {

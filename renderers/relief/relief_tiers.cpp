@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "core/error.h"
@@ -22,7 +23,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 16;
+constexpr uint32_t kBakeVersion = 17;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -220,14 +221,24 @@ void add_cones(ReliefTiers& bake, BakeSteps& steps) {
   }
 }
 
-// Makes do with coarser texels for cut skin; false where there is none.
-bool coarsen(std::vector<Piece>& pieces) {
+// Makes do with texels so many times as coarse for cut skin; false where there is none.
+bool coarsen(std::vector<Piece>& pieces, double times) {
   bool any = false;
   for (Piece& piece : pieces) {
-    piece.texel *= 1.2;
+    piece.texel *= times;
     any = any || (piece.texel > 0 && piece.texel < 1e3);
   }
   return any;
+}
+
+// smallest: the model of the coarsest texels that there are.
+[[noreturn]] void refuse_budget(const scene::Character& character, const ReliefTierOptions& options,
+                                const ReliefModel& smallest) {
+  constexpr double kMiB = 1 << 20;
+  throw Error("relief: budget",
+              fmt::format("{} does not fit in {:.3g} MiB", character.name, static_cast<double>(options.budget) / kMiB),
+              fmt::format("budget={:.2f} would fit",
+                          std::ceil(100 * static_cast<double>(atlas_bytes(smallest, options)) / kMiB) / 100));
 }
 
 }  // namespace
@@ -249,15 +260,20 @@ void require_room(const scene::Character& character, size_t texels, const Relief
                   const ReliefAllowance& allowance) {
   const uint64_t bytes = maps_bytes(texels, emission_peak(character), options);
   if (options.budget > 0 || bytes <= allowance.left) return;
+  constexpr int kLeastMap = 32;     // that the option takes
+  constexpr double kShrinks = 0.3;  // by half the texels a side: gutters do not
   int map = options.maps.map_size;
-  uint64_t smaller = bytes;
-  for (; smaller > allowance.left && map > 16; map /= 2) smaller /= 4;
-  const bool fits = smaller <= allowance.left;
+  auto smaller = static_cast<double>(bytes);
+  for (; smaller > static_cast<double>(allowance.left) && map > kLeastMap; map /= 2) smaller *= kShrinks;
+  const bool fits = smaller <= static_cast<double>(allowance.left);
+  const uint64_t whole = allowance.left >> 20;  // MiB, as the option takes them
   throw Error("relief",
               fmt::format("the maps of {} need {} MiB, more than the {} MiB left of the bake budget", character.name,
                           bytes >> 20, allowance.left >> 20),
               budget_advice(fits ? fmt::format("map={}", map) : "",
-                            "lower map or its other sizes, give it a budget=", bytes, allowance.left));
+                            fmt::format("lower map or its other sizes{}",
+                                        fits && whole > 0 ? fmt::format(", give it budget={}", whole) : ""),
+                            bytes, allowance.left));
 }
 
 uint64_t depth_texel_bytes(const ReliefTierOptions& options) {
@@ -377,7 +393,7 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
     bake.loose = cells.loose;
     const double most = kMore * static_cast<double>(relief_texels(character, what));
     what.pieces = std::move(cells.pieces);
-    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces)) continue;
+    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces, 1.2)) continue;
   }
   size_t texels = relief_texels(character, what);
   while (options.part_auto && what.longest > 0 &&
@@ -396,12 +412,11 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
       what.texel = std::max(what.texel, texel) * 1.25;
     } else {
       what.map_size /= 2;
+      coarsen(what.pieces, 2);
       for (int& side : what.texels_of_joint)
         if (side > 0) side = std::max(16, side / 2);
     }
-    if (what.map_size < 16 || what.texel > 1e3)
-      throw Error("relief: budget", fmt::format("{} does not fit in {} bytes", character.name, options.budget),
-                  "raise the budget");
+    if (what.map_size < 16 || what.texel > 1e3) refuse_budget(character, options, bake.models[0]);
     bake.models[0] = bake_relief(character, what, steps.of(kMapStep));
   }
   if (options.merge > 0) add_tiers(character, bank, options, what, bake, steps);

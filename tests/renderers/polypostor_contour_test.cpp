@@ -131,21 +131,5 @@ TEST(PolypostorContour, SimplerLinesStayNear) {
   EXPECT_EQ(simplify(square, 0.1), (Polyline{{0, 0}, {4, 0}, {4, 4}, {0, 4}}));
 }
 
-TEST(PolypostorContour, TornIsWhatIsSeenToStandOutOrLack) {
-  const auto box = [](double right) { return Polyline{{0, 0}, {right, 0}, {right, 10}, {0, 10}}; };
-  const auto mask = [](double right) {
-    return rasterise(std::vector<glm::dvec2>{{0, 0}, {right, 0}, {right, 10}, {0, 0}, {right, 10}, {0, 10}});
-  };
-  EXPECT_EQ(torn_area(box(10), box(10), mask(10), 0.5), 0);
-  EXPECT_EQ(torn_area(box(10.4), box(10), mask(10), 0.5), 0) << "within the slack";
-  // Three texels too wide, or too narrow: 2.5 beyond the slack along an edge of ten, and what of the edges beside it.
-  const double wide = torn_area(box(13), box(10), mask(10), 0.5);
-  EXPECT_NEAR(wide, 25 + 2 * 0.5 * 2.5 * 2.5, 5);
-  EXPECT_NEAR(torn_area(box(7), box(10), mask(10), 0.5), wide, 5);
-  // Neither is seen where the rest of the figure lies there.
-  EXPECT_EQ(torn_area(box(13), box(10), mask(20), 0.5), 0);
-  EXPECT_LT(torn_area(box(7), box(10), mask(20), 0.5), wide / 2);
-}
-
 }  // namespace
 }  // namespace crowdbench::renderers

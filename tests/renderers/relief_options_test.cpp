@@ -1,4 +1,5 @@
 // What the options of bone-relief impostors promise: resolution by joint, the published sizes, triangle rules.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include "scene/cast/cast.h"
 #include "scene/cast/open_character.h"
 #include "scene/gltf/gltf.h"
+#include "scene/mannequin/mannequin.h"
 #include "solids.h"
 #include "tests/support/sanitized.h"
 
@@ -64,6 +66,32 @@ TEST_F(ReliefOptionsGl, ABudgetKeepsTheProportions) {
   EXPECT_EQ(fact(fits->bake_info().items[0].facts, "texels"), 32);
   EXPECT_EQ(fact(fits->bake_info().items[1].facts, "texels"), 128);
   EXPECT_LE(fact(fits->bake_info().facts, "actual_bytes"), 2.2 * 1048576);
+}
+
+// What is too small a budget is told one that is not.
+TEST_F(ReliefOptionsGl, ABudgetThatIsTooSmallIsToldWhatFits) {
+  const scene::Cast cast = cast_of(testing::two_bones());
+  const std::string spec = "relief:map=32,merge=0,capture=bind";
+  try {
+    make(cast, spec + ",budget=0.01");
+    FAIL() << "nothing is as small";
+  } catch (const Error& e) {
+    const std::string said = e.what();
+    const size_t at = said.find("budget=");
+    ASSERT_NE(at, std::string::npos) << said;
+    const std::string named = said.substr(at, said.find(' ', at) - at);
+    EXPECT_NO_THROW(make(cast, spec + "," + named)) << said;
+  }
+}
+
+// Skin that is cut into cells has texels of its own: they get coarser as well.
+TEST_F(ReliefOptionsGl, ABudgetHoldsOfCutSkinToo) {
+  CROWDBENCH_SKIP_SANITIZED("ABudgetKeepsTheProportions");
+  const scene::Cast cast = cast_of(scene::make_mannequin({.triangles = 500}));
+  const std::string spec = "relief:map=64,merge=0,capture=bind,cells=24";
+  const auto mib = [](const Representation& one) { return fact(one.bake_info().facts, "actual_bytes") / 1048576; };
+  const double some = 0.6 * mib(*make(cast, spec));
+  EXPECT_LE(mib(*make(cast, spec + fmt::format(",budget={:.2f}", some))), some);
 }
 
 TEST_F(ReliefOptionsGl, WrongResolutionsAreNamed) {

@@ -129,6 +129,21 @@ TEST_F(ReliefPartsGl, AutomaticPartsKeepToTheBudget) {
   EXPECT_EQ(boxes("relief:map=32,capture=bind,merge=0", 512 << 20), 1);
   EXPECT_THROW(make(cast, "relief:map=32,capture=bind,part=0.27", {.budget = 2 << 20}), Error)
       << "what is asked for is not changed";
+  // What the refusal names does fit.
+  const auto refusal = [&](const std::string& spec, uint64_t budget) -> std::string {
+    try {
+      make(cast, spec, {.budget = budget});
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string asked = "relief:map=64,capture=bind,part=0.27";
+  const std::string said = refusal(asked, 8 << 20);
+  EXPECT_NE(said.find("map=32 would fit"), std::string::npos) << said;
+  EXPECT_NE(said.find("give it budget=8"), std::string::npos) << said;
+  EXPECT_EQ(refusal("relief:map=32,capture=bind,part=0.27", 8 << 20), "");
+  EXPECT_EQ(refusal(asked + ",budget=8", 8 << 20), "");
   EXPECT_THROW(make(cast, "relief:part=-1"), Error);
   EXPECT_THROW(make(cast, "relief:bend=x"), Error);
 }
