@@ -75,7 +75,15 @@ struct Progress::Job {
   std::optional<double> expected;  // seconds left at `expected_at`
   Nanoseconds expected_at{};
 
-  std::string text(Nanoseconds now) const {
+  // Seconds; nothing where nobody can say.
+  std::optional<double> left(Nanoseconds now) const {
+    if (expected) return std::max(0.0, *expected - seconds_of(now - expected_at));
+    if (total == 0 || done == 0 || done >= total || now - begun < kFirstEstimate) return std::nullopt;
+    return seconds_of(now - begun) / static_cast<double>(done) * static_cast<double>(total - done);
+  }
+
+  // at_least: seconds that pieces within it have left.
+  std::string text(Nanoseconds now, double at_least = 0) const {
     std::string out = label;
     std::string separator = ": ";
     const auto add = [&](const std::string& piece) {
@@ -87,14 +95,10 @@ struct Progress::Job {
     else if (done > 0)
       add(fmt::format("{}", done));
     if (!note.empty()) add(note);
-    const double spent = seconds_of(now - begun);
-    if (expected) {
-      const double left = *expected - seconds_of(now - expected_at);
-      if (left > 0) add(duration_text(left) + " left");
-    } else if (total > 0 && done > 0 && done < total && now - begun >= kFirstEstimate) {
-      add(duration_text(spent / static_cast<double>(done) * static_cast<double>(total - done)) + " left");
+    if (const std::optional<double> own = left(now)) {
+      if (const double most = std::max(*own, at_least); most > 0) add(duration_text(most) + " left");
     } else if (done < total || total == 0) {
-      add(duration_text(spent) + " so far");
+      add(duration_text(seconds_of(now - begun)) + " so far");
     }
     return out;
   }
@@ -121,7 +125,10 @@ struct ProgressBoard::State {
     if (jobs.empty() || (!force && now - written < (output.terminal ? kTerminalInterval : kLineInterval))) return;
     written = now;
     std::string line;
-    for (const auto& job : jobs) line += (line.empty() ? "" : "; ") + job->text(now);
+    // The outermost holds all others: an estimate of its own that knows nothing of a long piece is no less than that.
+    double within = 0;
+    for (size_t i = 1; i < jobs.size(); ++i) within = std::max(within, jobs[i]->left(now).value_or(0));
+    for (const auto& job : jobs) line += (line.empty() ? "" : "; ") + job->text(now, job == jobs.front() ? within : 0);
     if (!output.terminal) {
       output.write(line + "\n");
       return;

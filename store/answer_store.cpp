@@ -154,6 +154,16 @@ AnswerStore::Kept AnswerStore::add(const StudyAnswerRow& row) {
   });
 }
 
+void AnswerStore::begin(int64_t participant, const std::string& trial, uint32_t count) {
+  state_->transaction([&] {
+    Statement& set = state_->statement(
+        "UPDATE study_participant SET begun = json_set(coalesce(begun, '{}'), ?2, "
+        "max(?3, coalesce(json_extract(begun, ?2), 0))) WHERE id = ?1 AND state = 'started'");
+    set.bind(participant).bind("$." + trial).bind(static_cast<int64_t>(count));
+    return set.step();
+  });
+}
+
 void AnswerStore::calibrate(int64_t participant, double pixels_per_degree, double standard_error) {
   state_->transaction([&] {
     Statement& set =
@@ -179,7 +189,7 @@ void AnswerStore::withdraw(int64_t participant, const std::string& day) {
     rows.step();
     Statement& who = state_->statement(
         "UPDATE study_participant SET state = 'withdrawn', participant = '', token = '', started = ?, ended = NULL, "
-        "pixels_per_degree = NULL, pixels_per_degree_se = NULL WHERE id = ?");
+        "pixels_per_degree = NULL, pixels_per_degree_se = NULL, begun = NULL WHERE id = ?");
     who.bind(day).bind(participant);
     state_->truncate_due = true;
     return who.step();

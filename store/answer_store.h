@@ -44,6 +44,9 @@ class AnswerStore {
     closed      // the participant has finished or withdrawn
   };
   Kept add(const StudyAnswerRow& row);
+  // That a trial (its id in the list: letters and digits) is shown for the count-th time; a smaller count than before
+  // changes nothing, nor does any once the participant has finished or withdrawn.
+  void begin(int64_t participant, const std::string& trial, uint32_t count);
   void calibrate(int64_t participant, double pixels_per_degree, double standard_error);
   void finish(int64_t participant, const std::string& now);
   // Deletes all that the participant sent, overwrites it in the file and empties the log. What stays is a row that says

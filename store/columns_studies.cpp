@@ -38,7 +38,11 @@ const Table<StudyParticipantRow>& table<StudyParticipantRow>() {
                                     .meaning = "of CSS in one degree of the visual field, by the page's calibration"}),
       field<&R::pixels_per_degree_se>({.name = "pixels_per_degree_se",
                                        .unit = "px",
-                                       .meaning = "its standard error, spread between eyes included"}));
+                                       .meaning = "its standard error, spread between eyes included"}),
+      field<&R::begun>({.name = "begun",
+                        .meaning = "JSON, an object: how often each trial was begun, as the page said when it began; "
+                                   "answers carry it as restarts",
+                        .since = 8}));
   return made;
 }
 

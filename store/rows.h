@@ -375,6 +375,7 @@ struct StudyParticipantRow {
   std::string started;
   std::optional<std::string> ended;
   std::optional<double> pixels_per_degree, pixels_per_degree_se;
+  std::optional<std::string> begun;  // JSON: of every trial how often it was begun
   bool operator==(const StudyParticipantRow&) const = default;
 };
 

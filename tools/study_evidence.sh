@@ -47,7 +47,7 @@ rows() {
   printf '\n## Intervals and verdicts\n\nHow often 95 %% intervals hold the truth, and what is called equivalent. "Limits": between which a\n'
   printf 'count lies 95 times of 100 where the nominal share is true.\n\n'
   printf '| what | found | share | nominal | limits |\n|---|--:|--:|--:|--:|\n'
-  rows studies 'Recovery.ThresholdOf*:Recovery.Differences*:Recovery.Equivalent*'
+  rows studies 'Recovery.Threshold*:Recovery.Differences*:Recovery.Equivalent*'
   rows bench 'RecoveredStudyTest.*'
   printf '\n## QUEST+ against constant stimuli\n\nThresholds drawn anew for each study; both read as means of the same posterior.\n\n'
   printf '| method | trials | median error of the threshold |\n|---|--:|--:|\n'

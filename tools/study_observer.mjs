@@ -4,6 +4,8 @@
 //   node tools/study_observer.mjs URL [--browser chromium|firefox] [--participant NAME] [--seed N] [--keyboard]
 //     [--study OUT --threshold T --slope S]   right with the probability of a logistic function of the stimulus's level
 //     [--reload N] [--hide N] [--crash N]     in the middle of trial N: reload; another tab in front; kill the browser, come back
+//     [--another N]                           in the middle of trial N: the browser ends and a new one, which knows nothing, goes on
+//     [--wait N --until FILE]                 in the middle of trial N: nothing, until that file is there; then reload
 //     [--lost N]                              no network while trial N is answered
 //     [--full-screen] [--no-calibration] [--withdraw N] [--width W --height H] [--pictures FOLDER] [--profile FOLDER]
 //
@@ -24,7 +26,7 @@ try {
     allowPositionals: true,
     options: {
       browser: { ...text, default: 'chromium' }, participant: text, seed: { ...text, default: '1' }, keyboard: flag, study: text,
-      threshold: text, slope: text, reload: text, hide: text, crash: text, lost: text, 'full-screen': flag,
+      threshold: text, slope: text, reload: text, hide: text, crash: text, another: text, wait: text, until: text, lost: text, 'full-screen': flag,
       'no-calibration': flag, withdraw: text, width: { ...text, default: '1280' }, height: { ...text, default: '900' },
       pictures: text, profile: text
     }
@@ -44,8 +46,8 @@ if (!existsSync(programs[options.browser])) {
 }
 
 const firefox = options.browser === 'firefox'
-const profile = options.profile ?? mkdtempSync(join(tmpdir(), 'crowdbench-observer-'))
-const at = Object.fromEntries(['reload', 'hide', 'crash', 'lost', 'withdraw'].map((name) => [name, Number(options[name] ?? 0)]))
+let profile = options.profile ?? mkdtempSync(join(tmpdir(), 'crowdbench-observer-'))
+const at = Object.fromEntries(['reload', 'hide', 'crash', 'another', 'wait', 'lost', 'withdraw'].map((name) => [name, Number(options[name] ?? 0)]))
 const url = new URL(urls[0])
 if (options.participant) url.searchParams.set('PROLIFIC_PID', options.participant)
 const sleep = (ms) => new Promise((wake) => setTimeout(wake, ms))
@@ -144,6 +146,17 @@ async function disturb(trial) {
     await sleep(700)
     await page.bringToFront()
     await other.close()
+  }
+  if (number === at.wait) {
+    for (let waits = 0; !existsSync(options.until) && waits < 600; ++waits) await sleep(100)
+    await page.reload({ waitUntil: 'load' })
+  }
+  if (number === at.another) {
+    await browser.close()
+    if (!options.profile) rmSync(profile, { recursive: true, force: true, maxRetries: 5 })
+    profile = mkdtempSync(join(tmpdir(), 'crowdbench-observer-'))
+    browser = await launch()
+    await open(url.href)
   }
   if (number === at.crash) {
     browser.process().kill('SIGKILL')

@@ -58,6 +58,8 @@ Json estimate_json(const StudyPlan& plan, const StudyDesign& design, const Expor
           {"trials", estimate.trials},
           {"minutes_a_participant", estimate.minutes_a_participant},
           {"seconds", estimate.seconds},
+          {"bakes", estimate.bakes},
+          {"bake_seconds", estimate.bake_seconds},
           {"page_bytes", estimate.page_bytes},
           {"work_bytes", estimate.work_bytes}};
 }
@@ -83,7 +85,10 @@ int print_dry_run(const StudyExportOptions& options, const StudyPlan& plan) {
   fmt::print("{}, {}, {} each: about {:.0f} min\n", counted(estimate.lists, "list", "lists"),
              counted(plan.participants.planned, "participant", "participants"),
              counted(estimate.trials, "trial", "trials"), estimate.minutes_a_participant);
-  fmt::print("about {} on two cores without a GPU, {:.0f} MB for participants, {:.0f} MB of working files\n",
+  if (estimate.bakes > 0)
+    fmt::print("{} at first, about {}, unless kept from before\n", counted(estimate.bakes, "bake", "bakes"),
+               duration_text(estimate.bake_seconds));
+  fmt::print("about {} in all on two cores without a GPU, {:.0f} MB for participants, {:.0f} MB of working files\n",
              duration_text(estimate.seconds), estimate.page_bytes / 1e6, estimate.work_bytes / 1e6);
   return 0;
 }

@@ -180,6 +180,20 @@ studies::EquivalencePowerSettings equivalence_settings(const StudyPowerOptions& 
           .seed = o.settings.seed};
 }
 
+// Width and share held are of the studies that end in an interval with two ends: whoever plans must know how many do
+// not.
+void print_without_interval(uint32_t participants, const studies::ThresholdPower& got, uint64_t simulations) {
+  if (got.open + got.failed == 0) return;
+  const auto share = [&](size_t n) { return 100 * static_cast<double>(n) / static_cast<double>(simulations); };
+  fmt::print(
+      "  with {}, {} of {} end without an interval ({:.0f} %: {} open, since the slope is not told from none; {} "
+      "without "
+      "a fit);\n  width and held are of the others. More repeats, crowds or participants, or levels nearer to the "
+      "threshold, mend it\n",
+      counted(participants, "participant", "participants"), got.open + got.failed,
+      counted(simulations, "study", "studies"), share(got.open + got.failed), got.open, got.failed);
+}
+
 Json threshold_rows(const StudyPowerOptions& o, studies::ThresholdPowerSettings s) {
   const double truth = studies::true_threshold(s);
   Json rows = Json::array();
@@ -204,6 +218,7 @@ Json threshold_rows(const StudyPowerOptions& o, studies::ThresholdPowerSettings 
     if (!o.json)
       fmt::print("{:>12} {:>8} {:>14.4g} {:>7.3f} {:>7.3f} {:>7} {:>7}\n", participants, trials, got.median_width,
                  got.held, got.held_se, got.open, got.failed);
+    if (!o.json) print_without_interval(participants, got, o.simulations);
   });
   return {{"threshold", truth},           {"slope", s.observers.slope}, {"guess", s.observers.guess},
           {"at", s.analysis.curve.level}, {"levels", s.design.levels},  {"confidence", s.analysis.confidence},

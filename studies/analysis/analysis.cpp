@@ -142,12 +142,26 @@ std::string axis_title(const LevelAxis& axis) {
 
 std::optional<ThresholdInterval> threshold_interval(const CurveResult& c) {
   if (!c.fit.threshold) return std::nullopt;
-  if (c.bootstrap && c.bootstrap->has_interval())
-    return ThresholdInterval{c.bootstrap->threshold.low, c.bootstrap->threshold.high,
-                             c.by_participant ? "bootstrap over participants" : "parametric bootstrap"};
+  const auto none = [](std::string why) { return ThresholdInterval{{}, {}, "", std::move(why)}; };
+  const JackknifeState spread = c.jackknife ? c.jackknife->state : JackknifeState::alike;
+  if (spread == JackknifeState::done)
+    return ThresholdInterval{
+        c.jackknife->threshold.low, c.jackknife->threshold.high, "jackknife over participants",
+        fmt::format("participants differ, and Student's t with {} degrees of freedom counts how few they are",
+                    c.jackknife->groups - 1)};
+  if (spread == JackknifeState::too_few && c.participants > 1)
+    return none(fmt::format("{} participants do not say how much people differ; that takes {}", c.participants,
+                            kLeastJackknifeGroups));
+  if (spread == JackknifeState::one_decides)
+    return none("without one of the participants the others have no threshold");
+  const std::string why = c.participants == 1 ? "of this one participant, not of people"
+                          : c.jackknife       ? "the participants' answers show no spread between them"
+                                              : "it is not known whose answers these are";
+  if (c.bootstrap && !c.by_participant && c.bootstrap->has_interval())
+    return ThresholdInterval{c.bootstrap->threshold.low, c.bootstrap->threshold.high, "parametric bootstrap", why};
   const CurveFit::Ends& ends = c.fit.threshold_profile;
-  if (!ends.low && !ends.high) return std::nullopt;
-  return ThresholdInterval{ends.low, ends.high, "profile likelihood"};
+  if (!ends.low && !ends.high) return none("the answers exclude no value");
+  return ThresholdInterval{ends.low, ends.high, "profile likelihood", why};
 }
 
 Analysis analyse(Answers answers, const AnalysisSettings& settings, const ScoreTable& scores) {

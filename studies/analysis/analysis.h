@@ -88,17 +88,21 @@ struct CurveResult {
   std::string condition;
   CurveFit fit;
   std::optional<CurveBootstrap> bootstrap;
-  bool by_participant = false;  // what the bootstrap draws
+  std::optional<CurveJackknife> jackknife;  // where participants are known
+  bool by_participant = false;              // what the bootstrap draws
   size_t participants = 0;
   std::optional<AngleThreshold> angle;  // of threshold_interval(); levels in pixels and calibrated participants
 };
 
-// The interval of a curve's threshold that is told and drawn: the bootstrap's where it has one, else the likelihood's.
+// The interval of a curve's threshold that is told and drawn. Of several participants the jackknife's, which counts
+// that they differ: it is refused where there are too few of them, or one decides. Where their answers show no spread,
+// or they are not known, or there is one: the parametric bootstrap's, else the likelihood's.
 struct ThresholdInterval {
-  std::optional<double> low, high;  // nothing: open that way
-  std::string method;               // "bootstrap over participants", "parametric bootstrap", "profile likelihood"
+  std::optional<double> low, high;  // nothing: open that way; both: there is none
+  std::string method;               // "jackknife over participants", "parametric bootstrap", "profile likelihood"
+  std::string why;                  // this method, or there is none
 };
-// Nothing where there is no threshold, or its interval is open both ways.
+// Nothing where there is no threshold.
 std::optional<ThresholdInterval> threshold_interval(const CurveResult& curve);
 
 // Where the rate of guesses that a mixed model holds comes from.

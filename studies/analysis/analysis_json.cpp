@@ -148,10 +148,14 @@ Json json_of(const CurveResult& c, const CurveSettings& s) {
                                   {"resamples", c.bootstrap->resamples},
                                   {"failed", c.bootstrap->failed},
                                   {"widened", c.bootstrap->widened},
-                                  {"alike", c.bootstrap->alike}};
+                                  {"alike", c.bootstrap->alike},
+                                  {"few", c.bootstrap->few},
+                                  {"stretch", c.bootstrap->stretch}};
   if (const auto told = threshold_interval(c))
-    out["threshold_interval"] = {{"interval", Json::array({json_of(told->low), json_of(told->high)})},
-                                 {"method", told->method}};
+    out["threshold_interval"] = {
+        {"interval", told->method.empty() ? Json() : Json::array({json_of(told->low), json_of(told->high)})},
+        {"method", told->method.empty() ? Json() : Json(told->method)},
+        {"why", told->why}};
   if (c.angle) out["threshold_degrees"] = json_of(*c.angle);
   return out;
 }

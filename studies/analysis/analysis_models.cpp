@@ -67,6 +67,7 @@ CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSe
   out.fit = fit_curve(levels, settings);
   std::vector<std::vector<Level>> people;
   for (const auto& [participant, theirs] : by_participant(rows)) people.push_back(levels_of(theirs, s.ties));
+  if (!people.empty()) out.jackknife = jackknife_threshold(out.fit, people, settings);
   if (people.size() < 2) people.clear();
   out.by_participant = !people.empty();
   out.bootstrap = bootstrap_threshold(out.fit, levels, people, settings, s.seed, s.resamples);

@@ -112,21 +112,29 @@ std::optional<Section> detections(const TaskResult& t) {
   return out.table->rows.empty() ? std::nullopt : std::optional(out);
 }
 
+// The interval that is told; by which method stands below the table.
+std::string told_text(const CurveResult& c) {
+  const auto told = threshold_interval(c);
+  if (!told || (!told->low && !told->high)) return "none";
+  return ends_text(told->low, told->high);
+}
+
 std::vector<std::string> curve_row(const CurveResult& c) {
   const CurveFit& f = c.fit;
   std::vector<std::string> row = {named(c.condition), std::string(state_text(f.state)), number(f.threshold)};
   if (f.state != CurveState::fitted && f.state != CurveState::step) {
-    row.resize(10, "-");
+    row.resize(11, "-");
     return row;
   }
   std::string bootstrap = "-";
   if (c.bootstrap)
-    bootstrap = c.bootstrap->open ? "open"
+    bootstrap = c.bootstrap->few    ? "none: too few"
+                : c.bootstrap->open ? "open"
                 : c.bootstrap->alike
                     ? "none: draws alike"
                     : fmt::format("{:.4g} to {:.4g}", c.bootstrap->threshold.low, c.bootstrap->threshold.high);
   row.insert(row.end(),
-             {ends_text(f.threshold_profile.low, f.threshold_profile.high), bootstrap,
+             {told_text(c), ends_text(f.threshold_profile.low, f.threshold_profile.high), bootstrap,
               fmt::format("{:.4g}", f.at.location), fmt::format("{:.4g}", f.at.scale),
               fmt::format("{:.3g}", f.at.guess), fmt::format("{:.3g}", f.at.lapse), fmt::format("{:.2f}", f.deviance)});
   return row;
@@ -137,12 +145,16 @@ std::optional<Section> curves(const TaskResult& t, const AnalysisSettings& s) {
   Section out{Part::curves, "Thresholds"};
   out.lead = fmt::format("Psychometric function: {}{}, threshold at {:g}, over {}.", curve_name(s.curve.curve),
                          s.curve.falling ? ", falling" : "", s.curve.level, axis_title(s.axis));
-  out.table = TextTable{{"condition", "state", "threshold", "by likelihood", "by bootstrap", "location", "scale",
-                         "guess", "lapse", "deviance"},
+  out.table = TextTable{{"condition", "state", "threshold", "interval", "by likelihood", "by bootstrap", "location",
+                         "scale", "guess", "lapse", "deviance"},
                         2,
                         {}};
   for (const CurveResult& c : t.curves) {
     out.table->rows.push_back(curve_row(c));
+    if (const auto told = threshold_interval(c))
+      out.list.push_back(told->method.empty()
+                             ? fmt::format("{}: no interval: {}", named(c.condition), told->why)
+                             : fmt::format("{}: interval by {}: {}", named(c.condition), told->method, told->why));
     if (c.angle)
       out.list.push_back(fmt::format("{}: {}, of {} whose answers these are", named(c.condition),
                                      text::angle_text(*c.angle, s.confidence), c.participants));

@@ -1,5 +1,7 @@
 // Based on: Wichmann and Hill, "The psychometric function: II. Bootstrap-based confidence intervals and sampling"
-// (2001). Differs: where participants are known, whole participants are drawn.
+// (2001). Differs: where participants are known, whole participants are drawn, and the interval is stretched by what
+// makes that of a mean right (Hesterberg, "What teachers should know about the bootstrap", 2015, moves the
+// percentiles instead, which few draws do not have).
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +15,6 @@ namespace {
 constexpr uint64_t kCurveDraw = 0x70737963;
 constexpr uint64_t kMostDrawn = 2000;  // answers that are drawn one by one
 constexpr double kLargeVariance = 1e4;
-constexpr double kAlike = 1e-6;  // of the range of levels: an interval that is no wider is the optimiser's
 
 double unit(uint64_t seed, size_t resample, size_t draw) {
   return random_unit(mix64(seed + kCurveDraw), resample, draw);
@@ -55,6 +56,13 @@ std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span
   const std::vector<Level> merged = merged_levels(levels);
   CurveBootstrap out;
   out.resamples = resamples;
+  const double tail = (1 - settings.confidence) / 2;
+  if (!groups.empty()) {
+    const auto n = static_cast<double>(groups.size());
+    out.few = groups.size() < kLeastBootstrapGroups;
+    if (out.few) return out;
+    out.stretch = student_t_quantile(1 - tail, n - 1) / normal_quantile(1 - tail) * std::sqrt(n / (n - 1));
+  }
   std::vector<double> thresholds;
   size_t steps = 0;
   for (size_t r = 0; r < resamples; ++r) {
@@ -82,14 +90,15 @@ std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span
     else
       ++out.failed;
   }
-  const double tail = (1 - settings.confidence) / 2;
   out.open = thresholds.empty() || static_cast<double>(out.failed) > tail * static_cast<double>(resamples);
   if (thresholds.empty()) return out;
   out.threshold = {quantile(thresholds, tail), quantile(thresholds, 1 - tail)};
   const double span = merged.back().x - merged.front().x;
-  out.alike = 2 * steps > resamples || out.threshold.high - out.threshold.low <= kAlike * span;
+  out.alike = 2 * steps > resamples || out.threshold.high - out.threshold.low <= curve::kAlike * span;
   out.widened = out.threshold.low > *fit.threshold || out.threshold.high < *fit.threshold;
   out.threshold = {std::min(out.threshold.low, *fit.threshold), std::max(out.threshold.high, *fit.threshold)};
+  out.threshold.low = *fit.threshold - out.stretch * (*fit.threshold - out.threshold.low);
+  out.threshold.high = *fit.threshold + out.stretch * (out.threshold.high - *fit.threshold);
   return out;
 }
 

@@ -11,6 +11,9 @@
 
 namespace crowdbench::studies::curve {
 
+// Of the range of levels: a spread of thresholds that is no wider is the optimiser's.
+inline constexpr double kAlike = 1e-6;
+
 // F without guesses and slips.
 double base(Curve curve, const CurveParameters& p, double x);
 // What F must be where psi is `level`.

@@ -49,8 +49,11 @@ Spread spread_at(const MixedFit& fit, double x) {
     more += share / each.degrees;
     squares += (share + share / each.degrees) * (share + share / each.degrees) / each.degrees;
   }
-  if (squares == 0) return {};
-  return {1 + more / stated, (stated + more) * (stated + more) / squares};
+  // Of few participants the variance between them is often estimated as 0 where it is not, which would leave infinitely
+  // many degrees: there are never more than participants less one.
+  const double most = fit.participants > 1 ? static_cast<double>(fit.participants - 1) : Spread().degrees;
+  if (squares == 0) return {1, most};
+  return {1 + more / stated, std::min(most, (stated + more) * (stated + more) / squares)};
 }
 
 // How many squared standard errors a two-sided interval reaches.

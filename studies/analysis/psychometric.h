@@ -91,7 +91,10 @@ CurveFit fit_curve(std::span<const Level> levels, const CurveSettings& settings)
 
 // Percentile intervals of refits to answers drawn anew: parametric (binomial, from the fitted curve) where `groups` is
 // empty; else whole groups (participants) drawn with replacement, which keeps that answers of one are alike. An
-// interval that missed the estimate is widened to hold it (`widened`).
+// interval that missed the estimate is widened to hold it (`widened`). Percentiles of few groups lie too near: draws of
+// n differ by (n - 1) / n of the groups' variance, and a normal distribution's tails are not those of a variance that
+// is estimated. Of groups both ends are therefore moved away from the estimate, by
+//   stretch = t(n - 1) / z sqrt(n / (n - 1)),  t and z: quantiles of Student's and the normal distribution
 struct CurveBootstrap {
   size_t resamples = 0;
   size_t failed = 0;  // refits without a threshold; they count as beyond either end if more than alpha / 2 of all are
@@ -101,11 +104,35 @@ struct CurveBootstrap {
   // The refits say nothing of the spread: all have one threshold, or more than half are steps, whose threshold is
   // placed between two levels by the optimiser and not by the data. The interval is then none.
   bool alike = false;
+  // Fewer groups than kLeastBootstrapGroups: so few differing draws that percentiles are single participants' own fits.
+  bool few = false;
+  double stretch = 1;
 
-  bool has_interval() const { return !open && !alike; }
+  bool has_interval() const { return !open && !alike && !few; }
 };
+inline constexpr size_t kLeastBootstrapGroups = 6;
 std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span<const Level> levels,
                                                   std::span<const std::vector<Level>> groups,
                                                   const CurveSettings& settings, uint64_t seed, size_t resamples);
+
+// The interval of a threshold over participants, as of a mean of as many numbers: without each participant in turn
+// (Tukey's jackknife), the estimate less or more Student's t with n - 1 degrees of freedom times
+//   SE = sqrt((n - 1) / n sum over i of (t_i - t)^2),  t_i: the threshold without i, t: that of all
+// (of Weibull's curve, of the logs of thresholds). tests/studies/recovery_test.cpp says how often it holds the truth.
+enum class JackknifeState {
+  done,
+  too_few,      // fewer than kLeastJackknifeGroups
+  one_decides,  // without one of them the rest have no threshold
+  alike,  // the threshold is the same without any of them, or a step, which the optimiser places: no spread is seen
+};
+struct CurveJackknife {
+  JackknifeState state = JackknifeState::done;
+  size_t groups = 0;
+  Interval threshold;  // where done
+};
+inline constexpr size_t kLeastJackknifeGroups = 3;
+// groups: at least one. Nothing where the fit has no threshold.
+std::optional<CurveJackknife> jackknife_threshold(const CurveFit& fit, std::span<const std::vector<Level>> groups,
+                                                  const CurveSettings& settings);
 
 }  // namespace crowdbench::studies

@@ -131,6 +131,9 @@ class Reader {
 };
 
 void require_columns(const Table& table, size_t line) {
+  if (table.columns.size() == 1 && table.columns[0].find(';') != std::string::npos)
+    throw Error(place(table.source, line), "separates columns by semicolons, as spreadsheets with decimal commas do",
+                "export the table with commas (or tabs) between columns and points in numbers");
   std::set<std::string> seen;
   for (size_t i = 0; i < table.columns.size(); ++i) {
     const std::string& name = table.columns[i];

@@ -126,7 +126,8 @@ std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
                   s.curve.level, *c.fit.threshold, unit.empty() ? "" : " " + unit);
   const std::string angle = c.angle ? " That is " + text::angle_text(*c.angle, s.confidence) + "." : "";
   const std::optional<ThresholdInterval> interval = threshold_interval(c);
-  if (!interval) return threshold + ", and these answers give it no interval." + angle;
+  if (!interval->low && !interval->high)
+    return fmt::format("{}, and these answers give it no interval: {}.{}", threshold, interval->why, angle);
   return fmt::format("{} ({:.0f} % interval {}, {}{}).{}", threshold, 100 * s.confidence,
                      ends_text(interval->low, interval->high), interval->method,
                      c.fit.state == CurveState::step ? "; the answers are a step, which may lie anywhere in it" : "",

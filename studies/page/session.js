@@ -72,7 +72,10 @@
     begin(item) {
       const before = this.state.begun[item] ?? 0
       this.state.begun[item] = before + 1
+      // The server remembers it for whoever goes on in another browser, at another address or after this one lost its storage.
+      if (this.served) this.state.outbox.push(JSON.stringify({ item, kind: 'begin', begun: before + 1 }))
       this.save()
+      this.send()
       return before
     }
 
@@ -109,7 +112,8 @@
       this.state.token = said.token
       this.state.list = said.list
       this.state.finished = said.state === 'finished'
-      const waiting = this.state.outbox.map((text) => JSON.parse(text).item)
+      for (const [item, count] of Object.entries(said.begun ?? {})) this.state.begun[item] = Math.max(count, this.state.begun[item] ?? 0)
+      const waiting = this.state.outbox.map((text) => JSON.parse(text)).filter(({ kind }) => kind !== 'begin').map(({ item }) => item)
       this.state.items = [...new Set([...said.items, ...waiting])]
       // What was answered in another browser; of what is still on its way this one knows better.
       const here = Object.entries(this.state.given).filter(([item]) => waiting.includes(item))

@@ -1,6 +1,7 @@
 #include "studies/plan/export.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -18,6 +19,7 @@
 #include "studies/plan/page_files.h"
 #include "studies/plan/records.h"
 #include "studies/plan/staging.h"
+#include "studies/plan/time_left.h"
 #include "studies/stimuli/clip.h"
 #include "studies/stimuli/crowd_clip.h"
 
@@ -31,6 +33,8 @@ constexpr int kProofVersion = 1;  // raised when stimuli are to be made and prov
 constexpr double kSampleMicros = 0.1, kWriteMicros = 0.1, kStackMicros = 0.25, kWebmMicros = 1.5;
 constexpr double kHalfBytes = 0.2, kClipBytes = 0.045;
 constexpr double kAnswerSeconds = 4;
+// Of a character for a representation: from about 10 (flat) to 90 (the slowest) of the shared characters.
+constexpr double kBakeSeconds = 30;
 
 // About what a half takes: drawn and written once.
 double seconds_of(const StudyPlan& plan, const PlannedHalf& half) {
@@ -50,21 +54,36 @@ double seconds_of(const StudyPlan& plan, const Stimulus& stimulus, bool webm) {
   return pixels_of(plan, stimulus) * (kStackMicros + (webm ? kWebmMicros : 0)) / 1e6;
 }
 
-// Time left by what the steps cost: halves and stimuli differ by more than their numbers of frames. The estimate is of
-// one machine; what was made here says how much faster or slower this one is.
+// What a half bakes, a name each: every component but the reference for every character. A bake is made once for all
+// halves that name it.
+std::set<std::string> bakes_of(const renderers::Spec& spec, const scene::Scenario& scenario) {
+  std::set<std::string> out;
+  for (const renderers::Spec& component : spec.components) out.merge(bakes_of(component, scenario));
+  if (!spec.components.empty() || renderers::representation_type(spec.name).reference) return out;
+  for (const scene::CharacterEntry& entry : scenario.characters)
+    out.insert(fmt::format("{}\n{}\n{}", spec.text(), entry.source, fmt::join(entry.clips, ",")));
+  return out;
+}
+std::set<std::string> bakes_of(const PlannedHalf& half) { return bakes_of(half.spec, half.scenario); }
+
+// Tells the progress what is left as steps end.
 class StepsLeft {
  public:
-  StepsLeft(Progress& progress, double seconds) : progress_(progress), left_(seconds) { progress_.expect(left_); }
-  // A step is over; made: it was not kept from before.
-  void end(double seconds, bool made) {
+  // to_bake: how many bakes are to come.
+  StepsLeft(Progress& progress, const ExportEstimate& estimate, size_t to_bake)
+      : progress_(progress), left_(estimate.seconds - estimate.bake_seconds, kBakeSeconds) {
+    left_.set_bakes(to_bake);
+    progress_.expect(left_.seconds());
+  }
+  // A step is over; made: it was not kept from before. bakes of it took bake_seconds; to_bake are to come.
+  void end(double seconds, bool made, size_t bakes = 0, double bake_seconds = 0, size_t to_bake = 0) {
     const auto now = Clock::now();
-    if (made) {
-      made_ += seconds;
-      spent_ += std::chrono::duration<double>(now - begun_).count();
-    }
+    const double spent = std::chrono::duration<double>(now - begun_).count();
     begun_ = now;
-    left_ -= seconds;
-    progress_.expect(left_ * (made_ > 0 ? spent_ / made_ : 1));
+    left_.baked(bakes, bake_seconds);
+    left_.step(seconds, made, std::max(0.0, spent - bake_seconds));
+    left_.set_bakes(to_bake);
+    progress_.expect(left_.seconds());
     progress_.advance();
   }
 
@@ -72,7 +91,7 @@ class StepsLeft {
   using Clock = std::chrono::steady_clock;
   Progress& progress_;
   Clock::time_point begun_ = Clock::now();
-  double left_ = 0, made_ = 0, spent_ = 0;
+  TimeLeft left_;
 };
 
 // One export under way.
@@ -91,11 +110,15 @@ class Exporter {
   Exported run() {
     make_folders();
     Progress progress("study export", design_.halves.size() + design_.stimuli.size());
-    StepsLeft left(progress, estimate_export(plan_, design_, settings_.webm).seconds);
-    for (const PlannedHalf& half : design_.halves) {
-      const size_t before = result_.drawn;
+    StepsLeft left(progress, estimate_export(plan_, design_, settings_.webm), bakes_from(0).size());
+    for (size_t i = 0; i < design_.halves.size(); ++i) {
+      const PlannedHalf& half = design_.halves[i];
+      const size_t drawn = result_.drawn;
+      const size_t baked = baked_.size();
+      const double bake_seconds = bake_seconds_ + staging_.bake_seconds();
       draw(half);
-      left.end(seconds_of(plan_, half), result_.drawn > before);
+      left.end(seconds_of(plan_, half), result_.drawn > drawn, baked_.size() - baked,
+               bake_seconds_ + staging_.bake_seconds() - bake_seconds, bakes_from(i + 1).size());
     }
     remove_strangers();
     for (const Stimulus& stimulus : design_.stimuli) {
@@ -116,6 +139,15 @@ class Exporter {
     if (!before.empty() && before != frozen_.current_hash())
       throw Error(out_.string(), "holds the export of another plan", "choose another folder, or remove this one");
     for (const char* const name : {"work", "page", "page/clips"}) make_folder(out_ / name);
+  }
+
+  // What the halves from `first` on still bake, were none of them kept.
+  std::set<std::string> bakes_from(size_t first) const {
+    std::set<std::string> out;
+    for (size_t i = first; i < design_.halves.size(); ++i)
+      for (const std::string& bake : bakes_of(design_.halves[i]))
+        if (!baked_.contains(bake)) out.insert(bake);
+    return out;
   }
 
   fs::path half_file(const PlannedHalf& half) { return out_ / "work" / (keys_.at(half.key) + ".mp4"); }
@@ -145,6 +177,8 @@ class Exporter {
       const std::string name = "work/" + key + ".mp4";
       write_record(record, key, {{name, file_sha256(out_ / name)}}, *facts);
       ++result_.drawn;
+      baked_.merge(bakes_of(half));
+      bake_seconds_ += clip.bake_seconds;
     }
     note_alike(half, *facts);
     Json entry = half_json(half, scenario);
@@ -271,6 +305,8 @@ class Exporter {
   StudyDesign design_;
   Staging staging_;
   std::map<std::string, std::string> keys_;  // of halves: planned to drawn
+  std::set<std::string> baked_;              // bakes_of() the halves that were drawn
+  double bake_seconds_ = 0;                  // of these
   Json halves_ = Json::array();
   Json stimuli_ = Json::array();
   std::set<size_t> warned_;
@@ -289,7 +325,9 @@ ExportEstimate estimate_export(const StudyPlan& plan, const StudyDesign& design,
   out.trials = trials_of_participant(plan);
   out.minutes_a_participant = static_cast<double>(out.trials) * (plan.stimulus.seconds + kAnswerSeconds) / 60;
   const auto frames = static_cast<double>(plan.frames());
+  std::set<std::string> bakes;
   for (const PlannedHalf& half : design.halves) {
+    bakes.merge(bakes_of(half));
     out.seconds += seconds_of(plan, half);
     out.work_bytes += frames * half.scenario.width * half.scenario.height * kHalfBytes;
   }
@@ -297,6 +335,9 @@ ExportEstimate estimate_export(const StudyPlan& plan, const StudyDesign& design,
     out.seconds += seconds_of(plan, stimulus, webm);
     out.page_bytes += pixels_of(plan, stimulus) * kClipBytes * (webm ? 2 : 1);
   }
+  out.bakes = bakes.size();
+  out.bake_seconds = kBakeSeconds * static_cast<double>(out.bakes);
+  out.seconds += out.bake_seconds;
   return out;
 }
 

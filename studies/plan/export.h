@@ -25,7 +25,9 @@ struct ExportEstimate {
   size_t halves = 0, stimuli = 0, lists = 0;
   uint64_t trials = 0;               // a participant
   double minutes_a_participant = 0;  // clips and four seconds to answer each, breaks not counted
-  double seconds = 0;                // of drawing and encoding on two cores without a GPU: an order of magnitude
+  double seconds = 0;                // of all of it on two cores without a GPU: an order of magnitude
+  size_t bakes = 0;                  // of a representation for a character, were none kept from before
+  double bake_seconds = 0;           // of these, part of `seconds`
   double page_bytes = 0;             // of what participants load, likewise
   double work_bytes = 0;             // of OUT/work
 };

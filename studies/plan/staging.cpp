@@ -39,8 +39,11 @@ const scene::Cast& Staging::cast(const StudyCondition& condition) {
 
 double Staging::texel_metres(const StudyCondition& condition) {
   const auto [found, fresh] = texels_.emplace(condition.id, 0.0);
-  if (fresh)
-    found->second = renderers::make_representation({context_, cast(condition)}, condition.test)->texel_metres(0);
+  if (fresh) {
+    const auto made = renderers::make_representation({context_, cast(condition)}, condition.test);
+    found->second = made->texel_metres(0);
+    bake_seconds_ += made->bake_info().seconds;
+  }
   if (found->second <= 0)
     throw Error(
         plan_.where,

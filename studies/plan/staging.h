@@ -21,6 +21,8 @@ class Staging {
   scene::Scenario scenario(const PlannedHalf& half);
   // PlannedHalf::key with what the files of characters and the machine's renderer add to it, 16 digits.
   std::string key(const PlannedHalf& half);
+  // That finding cameras by texels has spent on bakes.
+  double bake_seconds() const { return bake_seconds_; }
 
  private:
   void place_camera(const StudyCondition& condition, scene::Scenario& scenario);
@@ -30,6 +32,7 @@ class Staging {
   const StudyPlan& plan_;
   std::map<std::string, std::unique_ptr<scene::Cast>> casts_;
   std::map<std::string, double> texels_;  // by condition
+  double bake_seconds_ = 0;
 };
 
 }  // namespace crowdbench::studies

@@ -165,6 +165,7 @@ HttpReply StudyService::start(const HttpRequest& r) {
   const std::string token = new_token();
   const AnswerStore::Start started =
       store_.start(folder_.study, *participant, sha256_hex(token), folder_.lists, wanted, now_());
+  const Json begun = started.row.begun ? Json::parse(*started.row.begun) : Json::object();
   Json items = Json::array();
   Json given = Json::object();
   for (const StudyAnswerRow& row : store_.answers(started.row.id)) {
@@ -176,7 +177,8 @@ HttpReply StudyService::start(const HttpRequest& r) {
                 {"state", started.row.state},
                 {"resumed", started.resumed},
                 {"items", items},
-                {"given", given}});
+                {"given", given},
+                {"begun", begun}});
 }
 
 HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& who) {
@@ -186,6 +188,13 @@ HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& 
   row.participant = who.id;
   row.item = text_of(record, "item").value_or("");
   row.kind = text_of(record, "kind").value_or("");
+  if (row.kind == "begin") {
+    const auto count = count_of(record, "begun");
+    if (!folder_.trials.at(who.list).contains(row.item)) return error(400, "there is no such trial in this list");
+    if (count.value_or(0) == 0) return error(400, "a count is missing");
+    store_.begin(who.id, row.item, *count);
+    return reply({{"kept", true}});
+  }
   row.received = now_();
   row.data = r.body;
   if (row.kind == "page") {

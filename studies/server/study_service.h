@@ -3,8 +3,10 @@
 //   GET  /...           a file of the page; "/" is index.html
 //   GET  /api/study     {"crowdbench": 1, "study": HASH}: the page is served by this program, not by a static server
 //   POST /api/start     {"study", "participant", "list"?} -> {"token", "list", "state", "items": [answered so far],
-//                       "given": {TRIAL: {"stimulus", "answer"}}}, from which the page chooses on where it adapts
-//   POST /api/answer    the page's record of one item; header X-Study-Token -> {"kept": true} once it is on the disk
+//                       "given": {TRIAL: {"stimulus", "answer"}}}, from which the page chooses on where it adapts,
+//                       "begun": {TRIAL: how often it was begun}
+//   POST /api/answer    the page's record of one item; header X-Study-Token -> {"kept": true} once it is on the disk;
+//                       {"item": TRIAL, "kind": "begin", "begun": COUNT}: it is about to be shown, the COUNT-th time
 //   POST /api/finish    {} -> {"state": "finished"}
 //   POST /api/withdraw  {} -> {"state": "withdrawn"}: what was sent is deleted
 //

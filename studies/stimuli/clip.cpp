@@ -151,8 +151,8 @@ ClipReader::ClipReader(const fs::path& path) : state_(std::make_unique<State>())
   state_->decoder = api().open_decoder(path.c_str(), &state_->info, state_->message);
   if (!state_->decoder) throw Error(state_->name, state_->message, "name a video file that FFmpeg reads");
   const video::Info& info = state_->info;
-  state_->tags = {info.codec, info.pixel_format, info.primaries,     info.transfer,        info.matrix,
-                  info.range, info.title,        info.fps_numerator, info.fps_denominator, info.frames};
+  state_->tags = {info.codec, info.pixel_format,  info.primaries,       info.transfer, info.matrix,     info.range,
+                  info.title, info.fps_numerator, info.fps_denominator, info.frames,   info.duration_us};
 }
 
 ClipReader::~ClipReader() = default;
@@ -172,6 +172,49 @@ bool ClipReader::next(Frame& frame) {
   frame.time_base_denominator = info.time_base_denominator;
   frame.key = info.key != 0;
   return got > 0;
+}
+
+struct ClipComparison::State {
+  ClipReader reader;
+  std::string name;
+  int fps;
+  ClipCheck check;
+  ClipReader::Frame decoded;
+  ErrorSum sum;
+  int64_t count = 0;
+
+  // Exactly n / fps where the container's time base can say that, else the nearest that it can (WebM: milliseconds).
+  bool is_on_time() const {
+    const int64_t shown = decoded.pts * decoded.time_base_numerator * fps;
+    const int64_t meant = count * decoded.time_base_denominator;
+    const int64_t unit = int64_t{decoded.time_base_numerator} * fps;
+    return decoded.time_base_denominator % unit == 0 ? shown == meant : 2 * std::abs(shown - meant) <= unit;
+  }
+};
+
+ClipComparison::ClipComparison(const fs::path& file, std::string name, int fps, const ClipCheck& check)
+    : state_(new State{.reader = ClipReader(file), .name = std::move(name), .fps = fps, .check = check}) {}
+
+ClipComparison::~ClipComparison() = default;
+
+void ClipComparison::next(const std::vector<uint8_t>& raw) {
+  State& s = *state_;
+  if (!s.reader.next(s.decoded)) throw Error(s.name, fmt::format("ends after {} frames", s.count));
+  if (!s.is_on_time()) throw Error(s.name, fmt::format("frame {} has a wrong time stamp", s.count));
+  assert(raw.size() == s.decoded.rgb.data.size());
+  s.sum.add(raw, s.decoded.rgb.data);
+  if (s.check.frame) s.check.frame(static_cast<size_t>(s.count), raw, s.decoded.rgb.data);
+  ++s.count;
+}
+
+ClipError ClipComparison::finish() {
+  State& s = *state_;
+  if (s.reader.next(s.decoded)) throw Error(s.name, "has more frames than were written");
+  const double said = static_cast<double>(s.reader.tags().duration_us) / 1e6;
+  const double meant = static_cast<double>(s.count) / s.fps;
+  if (2 * std::fabs(said - meant) * s.fps >= 1)
+    throw Error(s.name, fmt::format("says that it lasts {:.3f} s; {} frames last {:.3f} s", said, s.count, meant));
+  return s.sum.result();
 }
 
 struct ClipWriter::State {
@@ -235,34 +278,11 @@ struct ClipWriter::State {
     encoder.finish();
   }
 
-  // Decodes again; also holds the file to the exact frame count and time stamps.
   ClipError compare(const fs::path& path, const fs::path& final_name, const ClipCheck& check = {}) const {
-    ClipReader reader(path);
-    ClipReader::Frame decoded;
-    ErrorSum sum;
-    int64_t count = 0;
+    ClipComparison comparison(path, final_name.string(), clip.fps, check);
     for_each_raw_frame(fmt::format("checking {}", final_name.filename().string()),
-                       [&](const std::vector<uint8_t>& rgb) {
-                         if (!reader.next(decoded)) {
-                           throw Error(final_name.string(), fmt::format("ends after {} frames", count));
-                         }
-                         if (!is_on_time(decoded, count)) {
-                           throw Error(final_name.string(), fmt::format("frame {} has a wrong time stamp", count));
-                         }
-                         sum.add(rgb, decoded.rgb.data);
-                         if (check.frame) check.frame(static_cast<size_t>(count), rgb, decoded.rgb.data);
-                         ++count;
-                       });
-    if (reader.next(decoded)) throw Error(final_name.string(), "has more frames than were written");
-    return sum.result();
-  }
-
-  // Exactly n / fps where the container's time base can say that, else the nearest that it can (WebM: milliseconds).
-  bool is_on_time(const ClipReader::Frame& frame, int64_t index) const {
-    const int64_t shown = frame.pts * frame.time_base_numerator * clip.fps;
-    const int64_t meant = index * frame.time_base_denominator;
-    const int64_t unit = int64_t{frame.time_base_numerator} * clip.fps;
-    return frame.time_base_denominator % unit == 0 ? shown == meant : 2 * std::abs(shown - meant) <= unit;
+                       [&](const std::vector<uint8_t>& rgb) { comparison.next(rgb); });
+    return comparison.finish();
   }
 
   // A study file: finer and finer until it is accurate.

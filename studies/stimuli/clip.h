@@ -141,7 +141,8 @@ class ClipReader {
   struct Tags {
     std::string codec, pixel_format, primaries, transfer, matrix, range, title;
     int fps_numerator = 0, fps_denominator = 1;
-    int64_t frames = 0;  // as many as to expect, for a progress; 0: unknown
+    int64_t frames = 0;       // as many as to expect, for a progress; 0: unknown
+    int64_t duration_us = 0;  // microseconds; 0: unknown
   };
   const Tags& tags() const;
 
@@ -153,6 +154,25 @@ class ClipReader {
   };
   // Reads the next frame into `frame`, whose memory is used again; false at the end. Throws Error.
   bool next(Frame& frame);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Holds a video file to the raw frames that it should show, by decoding it: as many, the n-th at n / fps seconds, all
+// together as long as that is. What ClipWriter does with every file before it gets its name.
+class ClipComparison {
+ public:
+  // name: of the file, in errors. fps: constant. check: of every frame; missing_db is the caller's to ask.
+  ClipComparison(const std::filesystem::path& file, std::string name, int fps, const ClipCheck& check = {});
+  ~ClipComparison();
+  ClipComparison(const ClipComparison&) = delete;
+  ClipComparison& operator=(const ClipComparison&) = delete;
+  // The next raw frame, width x height x 3 bytes. Throws Error: the file ends before, or shows it at another time.
+  void next(const std::vector<uint8_t>& raw);
+  // After the last one. Throws Error: the file has more frames, or says that it lasts longer or shorter than they do.
+  ClipError finish();
 
  private:
   struct State;

@@ -157,6 +157,7 @@ CrowdClip draw_crowd_clip(gl::Context& context, const scene::Cast& cast, const C
     progress.advance();
   }
   CrowdClip clip = checks.finish();
+  clip.bake_seconds = representation->bake_info().seconds;
   clip.frame_sha256 = writer.finish();
   return clip;
 }

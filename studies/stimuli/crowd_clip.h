@@ -32,6 +32,7 @@ struct CrowdClip {
   double median_px = 0;  // of all figures of all frames, hidden parts not counted
   uint32_t fewest = 0;   // figures seen in a frame
   uint32_t most = 0;
+  double bake_seconds = 0;  // spent on baking, or on reading the cache; no property of the clip
 };
 Json crowd_clip_json(const CrowdClip& clip);
 

@@ -52,6 +52,27 @@ TEST_F(ProgressLines, WhatNobodyKnowsTheLengthOfSaysHowLongItTookSoFar) {
   EXPECT_EQ(take(), "solving: 2 min left\n") << "what the work itself expects counts down";
 }
 
+// A piece that the estimate of the whole did not know: the first bake of an export.
+TEST_F(ProgressLines, TheWholeTakesNoLessThanAPieceOfIt) {
+  ProgressBoard board(output(false));
+  Progress outer("study export", 56, board);
+  outer.expect(20);
+  {
+    Progress inner("baking", 300, board);
+    now_ += seconds(10);
+    inner.advance(100);
+    board.show();
+    EXPECT_EQ(take(), "study export: 0/56, 20 s left; baking: 100/300, 20 s left\n");
+    now_ += seconds(20);
+    board.show();
+    EXPECT_EQ(take(), "study export: 0/56, 1 min left; baking: 100/300, 1 min left\n");
+  }
+  now_ += seconds(10);
+  outer.expect(30);
+  board.show();
+  EXPECT_EQ(take(), "study export: 0/56, 30 s left\n");
+}
+
 TEST_F(ProgressLines, WorkWithinWorkIsOneLine) {
   ProgressBoard board(output(false));
   Progress outer("bench", 12, board);

@@ -64,9 +64,13 @@ TEST_F(AnswerStoreTest, KeepsOneAnswerAnItemUntilTheEnd) {
   EXPECT_EQ(store_.add(answer(id, "t2", "{1}")), Kept::added);
   EXPECT_EQ(store_.add(answer(id + 1, "t1", "{1}")), Kept::closed) << "there is nobody of that number";
   store_.calibrate(id, 36.5, 3.25);
+  store_.begin(id, "t1", 1);
+  store_.begin(id, "t2", 3);
+  store_.begin(id, "t2", 2);
   store_.finish(id, "2026-01-02T03:34:05Z");
   EXPECT_EQ(store_.add(answer(id, "t1", "{1}")), Kept::same);
   EXPECT_EQ(store_.add(answer(id, "t3", "{1}")), Kept::closed);
+  store_.begin(id, "t3", 1);
   const std::vector<StudyAnswerRow> rows = store_.answers(id);
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].data, "{1}");
@@ -76,12 +80,14 @@ TEST_F(AnswerStoreTest, KeepsOneAnswerAnItemUntilTheEnd) {
   EXPECT_EQ(who.ended, "2026-01-02T03:34:05Z");
   EXPECT_EQ(who.pixels_per_degree, 36.5);
   EXPECT_EQ(who.pixels_per_degree_se, 3.25);
+  EXPECT_EQ(who.begun, R"({"t1":1,"t2":3})") << "the largest count of each, until the end";
 }
 
 TEST_F(AnswerStoreTest, WithdrawalLeavesTheListAndTheDay) {
   const int64_t id = start("p1").row.id;
   store_.add(answer(id, "t1", "{1}"));
   store_.calibrate(id, 36.5, 3.25);
+  store_.begin(id, "t1", 1);
   store_.withdraw(id, "2026-01-03");
   EXPECT_TRUE(store_.answers(id).empty());
   const StoreContents all = read_store(file_);

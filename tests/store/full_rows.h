@@ -265,6 +265,7 @@ inline StudyParticipantRow full_participant() {
   row.ended = "2026-01-02T03:34:05Z";
   row.pixels_per_degree = 36.5;
   row.pixels_per_degree_se = 3.25;
+  row.begun = R"({"t001":2})";
   return row;
 }
 

@@ -4,7 +4,7 @@
 // and tests/data/store/schema-2.sqlite by the last of schema 2:
 //   crowdbench bench --representation flat:views=hemi-4 --agents 1,2 --rounds 10 --occupancy 0.15 --size 64x48
 //     --picture-agents 1 --device software --out schema-2.sqlite
-// and tests/data/store/schema-3.sqlite to schema-6.sqlite by the last of schema 3 to 6 with the same one.
+// and tests/data/store/schema-3.sqlite to schema-7.sqlite by the last of schema 3 to 7 with the same one.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
@@ -152,7 +152,7 @@ TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
   const auto wanted = statements(fresh);
   EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
   for (const char* older : {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite", "schema-4.sqlite",
-                            "schema-5.sqlite", "schema-6.sqlite"}) {
+                            "schema-5.sqlite", "schema-6.sqlite", "schema-7.sqlite"}) {
     take(older);
     { StoreWriter store(file_); }
     EXPECT_EQ(statements(file_), wanted) << older;
@@ -287,6 +287,27 @@ TEST_F(MigrationTest, SchemaSixGainsStabilityCases) {
   ASSERT_EQ(after.stability_cases.size(), 1U);
   EXPECT_TRUE(after.stability_cases[0] == row);
   EXPECT_TRUE(after.measurements == before.measurements);
+}
+
+// Schema 7 did not know how often a participant began each trial.
+TEST_F(MigrationTest, SchemaSevenGainsWhatWasBegun) {
+  take("schema-7.sqlite");
+  rows(file_,
+       "INSERT INTO study_participant (id, study, participant, list, state, token, started) VALUES (1, 'a', 'b', '1', "
+       "'started', 'c', '2026-01-02T03:04:05Z')");
+  const StoreContents before = read_store(file_, true);
+  ASSERT_EQ(before.participants.size(), 1U);
+  EXPECT_EQ(before.participants[0].begun, std::nullopt);
+  StudyParticipantRow who = full_participant();
+  {
+    StoreWriter store(file_);
+    expect_equal(read_store(file_, true), before);
+    who.id = store.write(who);
+  }
+  const StoreContents after = read_store(file_, true);
+  ASSERT_EQ(after.participants.size(), 2U);
+  EXPECT_TRUE(after.participants[0] == before.participants[0]);
+  EXPECT_TRUE(after.participants[1] == who);
 }
 
 TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {

@@ -240,25 +240,77 @@ TEST(Analysis, AStepTakesTheLikelihoodsInterval) {
   const Expected json = json_of(a).at("tasks")[0].at("curves")[0];
   EXPECT_TRUE(json.at("threshold_bootstrap").at("interval").is_null());
   EXPECT_EQ(json.at("threshold_interval").at("method"), "profile likelihood");
+  ASSERT_TRUE(c.jackknife);
+  EXPECT_EQ(c.jackknife->state, JackknifeState::alike);
+  EXPECT_NE(analysis_markdown(a).find("profile likelihood: the participants' answers show no spread"),
+            std::string::npos);
   CurveResult none = c;
   none.fit.threshold_profile = {};
   TaskResult task = a.tasks[0];
   task.curves = {none};
-  EXPECT_FALSE(threshold_interval(none));
+  EXPECT_EQ(threshold_interval(none).value().method, "");
   EXPECT_NE(verdict_sentences(task, settings).back().find("give it no interval"), std::string::npos);
 }
 
-TEST(Analysis, DrawsThatDifferKeepTheirInterval) {
+// n participants whose shares of yes rise with the level, every second one's by one more.
+std::string rising_table(int n) {
   std::string text = "participant,level,yes,no\n";
-  for (int p = 0; p < 6; ++p)
+  for (int p = 0; p < n; ++p)
     for (int level = 1; level <= 5; ++level)
       text += fmt::format("{},{},{},{}\n", p, level, 2 * level - 1 + (p % 2), 11 - 2 * level - (p % 2));
+  return text;
+}
+
+TEST(Analysis, AnIntervalOverParticipantsTakesThree) {
   AnalysisSettings settings{.resamples = 50};
   settings.curve.guess = 0;
-  const CurveResult c = analyse(answers_of(text), settings).tasks.at(0).curves.at(0);
+  settings.curve.level = 0.5;
+  const auto told = [&](int n) {
+    return threshold_interval(analyse(answers_of(rising_table(n)), settings).tasks.at(0).curves.at(0)).value();
+  };
+  const ThresholdInterval one = told(1);
+  EXPECT_EQ(one.method, "parametric bootstrap");
+  EXPECT_EQ(one.why, "of this one participant, not of people");
+  const Analysis two = analyse(answers_of(rising_table(2)), settings);
+  EXPECT_FALSE(threshold_interval(two.tasks[0].curves[0]).value().low);
+  EXPECT_NE(said_of(two).find("no interval: 2 participants do not say how much people differ; that takes 3"),
+            std::string::npos)
+      << said_of(two);
+  const Expected json = json_of(two).at("tasks")[0].at("curves")[0];
+  EXPECT_TRUE(json.at("threshold_interval").at("interval").is_null());
+  EXPECT_TRUE(json.at("threshold_bootstrap").at("interval").is_null()) << "of two people it is two people's thresholds";
+  EXPECT_EQ(json.at("threshold_bootstrap").at("few"), true);
+  const ThresholdInterval three = told(3);
+  EXPECT_EQ(three.method, "jackknife over participants");
+  EXPECT_NE(three.why.find("Student's t with 2 degrees of freedom"), std::string::npos) << three.why;
+  const ThresholdInterval many = told(24);
+  EXPECT_LT(*many.high - *many.low, *three.high - *three.low);
+}
+
+TEST(Analysis, OneWhoDecidesGivesNoInterval) {
+  // Two of three answer yes everywhere: without the third there is no threshold.
+  std::string text = "participant,level,yes,no\n";
+  for (int level = 1; level <= 5; ++level)
+    text += fmt::format("a,{0},8,0\nb,{0},8,0\nc,{0},{1},{2}\n", level, level, 8 - level);
+  AnalysisSettings settings{.resamples = 50};
+  settings.curve.guess = 0;
+  settings.curve.level = 0.8;
+  const Analysis a = analyse(answers_of(text), settings);
+  const CurveResult& c = a.tasks.at(0).curves.at(0);
+  ASSERT_TRUE(c.fit.threshold) << state_text(c.fit.state);
+  EXPECT_EQ(threshold_interval(c).value().method, "");
+  EXPECT_NE(said_of(a).find("without one of the participants"), std::string::npos) << said_of(a);
+}
+
+TEST(Analysis, DrawsThatDifferKeepTheirInterval) {
+  AnalysisSettings settings{.resamples = 50};
+  settings.curve.guess = 0;
+  const CurveResult c = analyse(answers_of(rising_table(6)), settings).tasks.at(0).curves.at(0);
   ASSERT_TRUE(c.bootstrap);
   EXPECT_FALSE(c.bootstrap->alike);
-  EXPECT_EQ(threshold_interval(c).value().method, "bootstrap over participants");
+  EXPECT_TRUE(c.bootstrap->has_interval());
+  EXPECT_NEAR(c.bootstrap->stretch, 2.570582 / 1.959964 * std::sqrt(6.0 / 5), 1e-6);
+  EXPECT_EQ(threshold_interval(c).value().method, "jackknife over participants");
 }
 
 TEST(Analysis, WhatIsStillNeededIsOneNumber) {

@@ -52,6 +52,7 @@ TEST(Tables, RefuseWithTheLine) {
       {"\n\n", "t.csv:1: the file is empty"},
       {"answer\n", "t.csv:1: there are no rows"},
       {"a,a\n1,2\n", "t.csv:1: two columns are named 'a'"},
+      {"a;answer\n1,5;yes\n", "t.csv:1: separates columns by semicolons"},
       {"a,,c\n1,2,3\n", "t.csv:1: column 2 has no name"},
       {"answer,x\n1,2\n1\n", "t.csv:3: has 1 fields where there are 2 columns"},
       {"answer,x\n1,2,3\n", "t.csv:2: has 3 fields where there are 2 columns"},

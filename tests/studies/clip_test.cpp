@@ -6,12 +6,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "core/hash.h"
 #include "core/random.h"
 #include "studies/stimuli/crowd_clip.h"
+#include "studies/stimuli/proof.h"
+#include "studies/stimuli/stack.h"
 
 namespace crowdbench::studies {
 namespace {
@@ -140,6 +143,105 @@ TEST_F(ClipTest, TablesSayHowManyFramesAndHowLong) {
   ASSERT_EQ(times.size(), 4U) << "all frames last equally long";
   EXPECT_EQ(times[2], 35U);
   EXPECT_EQ(times[3] * 30, header[3]);
+}
+
+// The raw frames of picture(), in this order, against a file: what is said of it, or the error of its worst frame.
+std::string said_of(const fs::path& file, const std::vector<int>& frames, int fps = 30, ClipError* error = nullptr) {
+  try {
+    ClipComparison comparison(file, "clip", fps);
+    for (const int frame : frames) comparison.next(picture(96, 80, frame).data);
+    const ClipError got = comparison.finish();
+    if (error != nullptr) *error = got;
+  } catch (const Error& fault) {
+    return fault.what();
+  }
+  return "";
+}
+void write_frames(const fs::path& path, const std::vector<int>& frames, const ClipSettings& settings) {
+  ClipWriter writer(path, 96, 80, settings);
+  for (const int frame : frames) writer.add(picture(96, 80, frame));
+  writer.finish();
+}
+
+TEST_F(ClipTest, AFrameTooManyTooFewOrAtAnotherTimeIsRefused) {
+  const std::vector<int> all = {0, 1, 2, 3, 4, 5, 6, 7};
+  write_frames(folder / "all.mp4", all, {.webm = true});
+  write_frames(folder / "dropped.mp4", {0, 1, 2, 4, 5, 6, 7}, {.webm = true});
+  write_frames(folder / "doubled.mp4", {0, 1, 2, 3, 3, 4, 5, 6, 7}, {.webm = true});
+  write_frames(folder / "both.mp4", {0, 1, 2, 2, 4, 5, 6, 7}, {.webm = true});
+  write_frames(folder / "slow.mp4", all, {.fps = 25, .webm = true});
+  for (const char* const end : {".mp4", ".webm"}) {
+    const auto file = [&](const char* name) { return folder / (std::string(name) + end); };
+    ClipError right;
+    EXPECT_EQ(said_of(file("all"), all, 30, &right), "") << end;
+    EXPECT_GT(right.psnr_worst_frame, 40) << end;
+    EXPECT_NE(said_of(file("dropped"), all).find("ends after 7 frames"), std::string::npos) << end;
+    EXPECT_NE(said_of(file("doubled"), all).find("has more frames than were written"), std::string::npos) << end;
+    EXPECT_NE(said_of(file("slow"), all).find("frame 1 has a wrong time stamp"), std::string::npos) << end;
+    // As many frames, each at its time: the picture tells, and no rate factor would mend it.
+    ClipError wrong;
+    EXPECT_EQ(said_of(file("both"), all, 30, &wrong), "") << end;
+    EXPECT_EQ(wrong.worst_frame, 3U) << end;
+    EXPECT_LT(wrong.psnr_worst_frame, 25) << end;
+  }
+}
+
+TEST_F(ClipTest, ADurationThatIsNotThatOfTheFramesIsRefused) {
+  const std::vector<int> all = {0, 1, 2, 3, 4, 5, 6, 7};
+  write_frames(folder / "a.mp4", all, {});
+  std::string bytes = read_text(folder / "a.mp4");
+  const size_t header = bytes.find("mdhd");
+  ASSERT_NE(header, std::string::npos);
+  const std::vector<uint32_t> fields = numbers(bytes.substr(header + 4, 20));
+  // FFmpeg believes the shorter of this and of the sum of its frames, so that a longer one would not be seen here.
+  for (const uint64_t frames : {1, 7, 8}) {
+    const auto ticks = static_cast<uint32_t>(fields[4] * frames / 8);
+    for (size_t i = 0; i < 4; ++i) bytes[header + 20 + i] = static_cast<char>(ticks >> (24 - 8 * i));
+    write_file(folder / "b.mp4", std::string_view(bytes));
+    const std::string said = said_of(folder / "b.mp4", all);
+    if (frames == 8)
+      EXPECT_EQ(said, "");
+    else
+      EXPECT_NE(said.find("8 frames last 0.267 s"), std::string::npos) << frames << ": " << said;
+  }
+}
+
+// An encoding that is too coarse at the pixels under test alone is refused, however few they are.
+TEST_F(ClipTest, ACoarseEncodingOfWhatIsTestedIsMadeAnew) {
+  constexpr int kHalf = 36;
+  const StackStyle style;
+  const auto half = [](int frame, bool test) {
+    Image8 image(96, kHalf, 3);
+    const Image8 whole = picture(96, kHalf, frame);
+    image.data = whole.data;
+    for (int x = 40; test && x < 44; ++x) image.at(x, 20)[1] ^= 128U;
+    return image;
+  };
+  const auto write = [&](double share, double least_psnr) {
+    ProofRecorder recorder(96, kHalf, style, share);
+    ClipSettings settings{.crf = 44, .least_psnr = least_psnr};
+    if (share < 1e9) settings.check = recorder.check();
+    ClipWriter writer(folder / "a.mp4", 96, stack_size(96, kHalf, style).height, settings);
+    for (int f = 0; f < 6; ++f) {
+      recorder.expect(half(f, true), half(f, false), true, true);
+      writer.add(stack_vertically(half(f, true), half(f, false), style));
+    }
+    const Clip clip = writer.finish();
+    return std::make_tuple(clip, share < 1e9 ? recorder.proof() : ClipProof(), recorder.refusal());
+  };
+  const auto [coarse, unseen, nothing] = write(1e9, 0);
+  EXPECT_EQ(coarse.attempts.size(), 1U) << "nobody asked for more";
+  EXPECT_TRUE(coarse.accurate);
+  const auto [fine, proof, why] = write(0.25, 0);
+  ASSERT_TRUE(fine.accurate) << why;
+  EXPECT_GT(fine.attempts.size(), 1U);
+  EXPECT_LT(fine.attempts.back().crf, 44);
+  EXPECT_EQ(proof.artefact_pixels, 6U * 2 * 4) << "of both halves, since the other one is the reference";
+  EXPECT_LE(proof.decoded_rms, 0.25 * proof.artefact_rms);
+  const auto [never, last, refusal] = write(1e-4, 0);
+  EXPECT_FALSE(never.accurate);
+  EXPECT_EQ(never.attempts.back().crf, 0);
+  EXPECT_NE(refusal.find("pixels under test"), std::string::npos) << refusal;
 }
 
 // libvpx's own decoder, where FFmpeg's reads the clips elsewhere.

@@ -28,6 +28,15 @@ std::vector<std::string> printed_pilot() {
   return out;
 }
 
+// How many of the power's simulated studies end without an interval is what the guide says of them.
+void expect_guide_says_how_many_are_open(const std::string& said) {
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(said, found, std::regex("(\\d+ of 50 studies) end without an interval \\((\\d+ %)")))
+      << said;
+  const std::string guide = read_text(fs::path(CROWDBENCH_SOURCE_DIR) / "studies/README.md");
+  EXPECT_NE(guide.find(found.str(1) + "\nend so (" + found.str(2) + ")"), std::string::npos) << found.str();
+}
+
 TEST(StudyGuideGlSlow, ThePilotRunsAsItIsPrinted) {
   CROWDBENCH_SKIP_SANITIZED("ExportGl and SimulatedStudyTest");
   if (!support::driver_is_built()) GTEST_SKIP() << "the driver is not built";
@@ -48,6 +57,7 @@ TEST(StudyGuideGlSlow, ThePilotRunsAsItIsPrinted) {
     }
     const support::Outcome outcome = support::run_shell(start + line + " 2>&1");
     ASSERT_EQ(outcome.status, 0) << line << "\n" << outcome.text;
+    if (line.find("study power") != std::string::npos) expect_guide_says_how_many_are_open(outcome.text);
     ++run;
   }
   EXPECT_EQ(served, 1U);

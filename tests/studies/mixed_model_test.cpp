@@ -221,6 +221,7 @@ TEST(MixedModel, ThresholdsOfFewParticipantsAreWider) {
   };
   EXPECT_NEAR(half_width(), 1.959964 * std::sqrt(0.02) / 2, 1e-6) << "nothing random";
   fit.participants = 9;
+  EXPECT_NEAR(half_width(), 2.306004 * std::sqrt(0.02) / 2, 1e-6) << "nine alike are nine all the same";
   fit.participant_variance = 0.18;
   EXPECT_NEAR(half_width(), 2.306004 * std::sqrt(0.18 / 8) / 2, 1e-6);
   // Half of the variance each: (0.1 / 8 + 0.3 / 2)^2 over the squares by their degrees.

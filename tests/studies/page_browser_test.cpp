@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "core/command_line.h"
 #include "core/screen_calibration.h"
@@ -40,8 +44,11 @@ class StudyBrowserSlow : public ::testing::Test {
   void serve(bool adaptive = false) {
     support::write_study(out_);
     if (adaptive) support::let_the_page_choose(out_);
+    listen("0");
+  }
+  void listen(const std::string& port) {
     server_ = std::make_unique<support::RunningDriver>(
-        std::vector<std::string>{"study", "serve", out_.string(), "--port", "0"}, folder_.path(), folder_.path());
+        std::vector<std::string>{"study", "serve", out_.string(), "--port", port}, folder_.path(), folder_.path());
     ASSERT_TRUE(server_->wait_until_it_says("Ctrl-C ends", 20)) << server_->said();
     const std::string said = server_->said();
     url_ = said.substr(0, said.find('\n'));
@@ -159,6 +166,7 @@ TEST_F(StudyBrowserSlow, AWholeStudyInFirefoxByTheKeyboardAlone) {
   EXPECT_EQ(all.participants[0].pixels_per_degree, std::nullopt);
   expect_as_chosen(all, said);
   EXPECT_EQ(trial(all, "t002").restarts, 1U);
+  expect_said_to_be_simulated();
   EXPECT_EQ(page_record(all, "screen-1").at("full_screen"), "not wanted");
 }
 
@@ -198,6 +206,36 @@ TEST_F(StudyBrowserSlow, AnAdaptiveStudyChoosesAsTheRuleDoesThroughReloadAndCras
     }
     EXPECT_EQ(trials, 5U);
   }
+}
+
+// In the middle of a trial the server is killed, started again and the page reloaded; in the middle of another the
+// participant goes on in a browser that knows nothing of the first.
+TEST_F(StudyBrowserSlow, RestartsAreCountedThroughAKillOfTheServerAndInAnotherBrowser) {
+  if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
+  serve();
+  const fs::path again = folder_ / "again";
+  std::thread killer([&] {
+    const auto begun = [&] {
+      const StoreContents all = kept();
+      return !all.participants.empty() && all.participants[0].begun.value_or("").find("t002") != std::string::npos;
+    };
+    for (int waits = 0; !begun() && waits < 600; ++waits) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    server_->send(SIGKILL);
+    server_->wait_for_end(5);
+    const size_t colon = url_.rfind(':') + 1;
+    listen(url_.substr(colon, url_.rfind('/') - colon));
+    write_file(again, std::string_view("now"));
+  });
+  const nlohmann::json said =
+      observe("--browser chromium --participant 5f00ad --no-calibration --another 4 --wait 2 --until " +
+              shell_quoted(again.string()));
+  killer.join();
+  EXPECT_EQ(said.at("state"), "finished");
+  const StoreContents all = kept();
+  expect_as_chosen(all, said);
+  ASSERT_EQ(all.participants.size(), 1U);
+  const std::map<std::string, uint32_t> restarts = {{"t001", 0}, {"t002", 1}, {"t003", 0}, {"t004", 1}, {"t005", 0}};
+  for (const auto& [item, count] : restarts) EXPECT_EQ(trial(all, item).restarts, count) << item;
 }
 
 TEST_F(StudyBrowserSlow, WhoWithdrawsLeavesNothing) {

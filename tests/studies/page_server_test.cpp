@@ -248,6 +248,31 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
   }
 }
 
+TEST_F(StudyServer, RemembersWhatWasBegunThroughAKillAndForAnotherBrowser) {
+  serve();
+  const std::string token = start(1);
+  const auto begin = [&](const char* trial, const nlohmann::json& count) {
+    return send(token, {{"item", trial}, {"kind", "begin"}, {"begun", count}});
+  };
+  EXPECT_EQ(begin("t001", 1), 200);
+  EXPECT_EQ(begin("t002", 2), 200);
+  EXPECT_EQ(begin("t002", 1), 200) << "sent late, or twice";
+  for (const char* trial : {"t009", "consent", "", "t001\", 1); --"}) EXPECT_EQ(begin(trial, 1), 400) << trial;
+  for (const nlohmann::json& count : {nlohmann::json(0), nlohmann::json(-1), nlohmann::json(1.5), nlohmann::json("2"),
+                                      nlohmann::json(), nlohmann::json(5e9)})
+    EXPECT_EQ(begin("t003", count), 400) << count;
+  server_->send(SIGKILL);
+  server_->wait_for_end(5);
+  serve();
+  const nlohmann::json again = nlohmann::json::parse(http_post(port_, "/api/start", start_body(1)).body);
+  EXPECT_EQ(again.at("begun"), (nlohmann::json{{"t001", 1}, {"t002", 2}}));
+  EXPECT_EQ(again.at("items"), nlohmann::json::array()) << "nothing was answered";
+  EXPECT_TRUE(kept().answers.empty());
+  EXPECT_EQ(send(again.at("token"), record("t002", "upper")), 200);
+  const nlohmann::json other = nlohmann::json::parse(http_post(port_, "/api/start", start_body(2)).body);
+  EXPECT_EQ(other.at("begun"), nlohmann::json::object());
+}
+
 TEST_F(StudyServer, TakesWhatThePageChoseAndTellsItAfterAReload) {
   support::let_the_page_choose(out_);
   serve();

@@ -18,6 +18,7 @@
 #include "studies/plan/frozen.h"
 #include "studies/plan/page_files.h"
 #include "studies/plan/plan_cast.h"
+#include "studies/plan/time_left.h"
 #include "studies/stimuli/bodies.h"
 #include "test_paths.h"
 #include "tests/support/scratch_folder.h"
@@ -303,8 +304,44 @@ TEST(StudyPlan, ShippedOnesAreWhole) {
     EXPECT_GE(plan.participants.planned, 9U) << plan.name;
     EXPECT_LT(estimate.minutes_a_participant, 60) << plan.name;
     EXPECT_LT(estimate.page_bytes, 4e9) << plan.name;
+    EXPECT_GE(estimate.seconds, estimate.bake_seconds) << plan.name;
   }
   EXPECT_EQ(plans, 6U);
+}
+
+// A bake is counted once for a representation and a character, whichever conditions and seeds ask for it; the reference
+// and its levels of detail bake nothing.
+TEST(StudyPlan, EstimatesCountEveryBakeOnce) {
+  const auto estimated = [](const std::string& factors) {
+    const StudyPlan plan = parsed("[question]\ntask = \"forced-choice\"\n[factors]\n" + factors);
+    return estimate_export(plan, make_design(plan), false);
+  };
+  EXPECT_EQ(estimated("switch_m = [0, 10, 20]\n").bakes, 1U) << "the far half of three switches";
+  const ExportEstimate two = estimated("switch_m = [0, 10]\nflat.views = [17, 32]\n");
+  EXPECT_EQ(two.bakes, 2U);
+  EXPECT_GT(two.bake_seconds, 0);
+  EXPECT_GT(two.seconds, two.bake_seconds);
+  const StudyPlan levels = parse_study_plan(
+      "[conditions]\ntest = \"mesh\"\n[question]\ntask = \"forced-choice\"\n[factors]\nmesh.triangles = [40, 80]\n",
+      "study.toml", {});
+  EXPECT_EQ(estimate_export(levels, make_design(levels), false).bakes, 0U);
+}
+
+// The estimate's bakes do not make drawing look slow, and what they took here tells of those to come.
+TEST(TimeLeft, CountsBakesApart) {
+  TimeLeft left(100, 30);
+  left.set_bakes(2);
+  EXPECT_EQ(left.seconds(), 160) << "before anything was made";
+  left.baked(1, 90);
+  left.step(10, true, 20);
+  left.set_bakes(1);
+  EXPECT_EQ(left.seconds(), 90 * 2 + 90) << "twice as slow at drawing, and a bake as long as the first";
+  left.baked(1, 0.5);  // from the cache
+  left.step(10, true, 20);
+  left.set_bakes(0);
+  EXPECT_EQ(left.seconds(), 80 * 2);
+  left.step(50, false, 0.01);  // kept from before
+  EXPECT_EQ(left.seconds(), 30 * 2);
 }
 
 // Between every two switch distances that a shipped plan compares stand a twentieth of those in view, or more: else its

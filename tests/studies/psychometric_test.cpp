@@ -202,6 +202,62 @@ TEST(Psychometric, BootstrapHoldsTheEstimateAndIsWiderByParticipants) {
   EXPECT_EQ(again->threshold.low, participants->threshold.low) << "one seed, one interval";
 }
 
+// Shares of yes of three people at three levels, whose thresholds differ.
+std::vector<std::vector<Level>> three_people() {
+  return {{{1, 2, 20}, {2, 12, 20}, {3, 19, 20}},
+          {{1, 1, 20}, {2, 8, 20}, {3, 17, 20}},
+          {{1, 5, 20}, {2, 15, 20}, {3, 20, 20}}};
+}
+std::vector<Level> levels_without(const std::vector<std::vector<Level>>& people, size_t left_out) {
+  std::vector<Level> out;
+  for (size_t i = 0; i < people.size(); ++i)
+    if (i != left_out) out.insert(out.end(), people[i].begin(), people[i].end());
+  return merged_levels(out);
+}
+
+TEST(Psychometric, JackknifeIsTheFormula) {
+  const auto people = three_people();
+  for (const Curve kind : {Curve::logistic, Curve::weibull}) {
+    CurveSettings settings;
+    settings.curve = kind;
+    settings.guess = 0;
+    settings.level = 0.5;
+    const auto on_axis = [&](double x) { return kind == Curve::weibull ? std::log(x) : x; };
+    const CurveFit fit = fit_curve(levels_without(people, 9), settings);
+    const auto got = jackknife_threshold(fit, people, settings);
+    ASSERT_TRUE(got);
+    ASSERT_EQ(got->state, JackknifeState::done);
+    double squares = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      const double off =
+          on_axis(fit_curve(levels_without(people, i), settings).threshold.value()) - on_axis(*fit.threshold);
+      squares += off * off;
+    }
+    const double half = 4.302653 * std::sqrt(2.0 / 3 * squares);  // t of 2 degrees of freedom at .975
+    EXPECT_NEAR(on_axis(got->threshold.high) - on_axis(*fit.threshold), half, 1e-3 * half);
+    EXPECT_NEAR(on_axis(*fit.threshold) - on_axis(got->threshold.low), half, 1e-3 * half);
+  }
+}
+
+TEST(Psychometric, JackknifeSaysWhyThereIsNone) {
+  CurveSettings settings;
+  settings.guess = 0;
+  settings.level = 0.5;
+  auto people = three_people();
+  const auto state = [&] {
+    return jackknife_threshold(fit_curve(levels_without(people, 9), settings), people, settings).value().state;
+  };
+  EXPECT_EQ(state(), JackknifeState::done);
+  people[1] = people[2] = people[0];
+  EXPECT_EQ(state(), JackknifeState::alike);
+  people = {people[0], {{1, 20, 20}, {2, 20, 20}, {3, 20, 20}}, {{1, 0, 20}, {2, 0, 20}, {3, 0, 20}}};
+  people[0] = {{1, 0, 80}, {2, 40, 80}, {3, 80, 80}};
+  EXPECT_EQ(state(), JackknifeState::one_decides) << "the other two answer alike at all levels";
+  people.pop_back();
+  EXPECT_EQ(state(), JackknifeState::too_few);
+  EXPECT_FALSE(jackknife_threshold(CurveFit(), people, settings)) << "no threshold, no interval";
+}
+
 // ---- what fits are found by
 
 constexpr double kOpen = std::numeric_limits<double>::infinity();

@@ -104,6 +104,52 @@ TEST(Recovery, ThresholdOfPsychometricFunctionIsCovered) {
   expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the psychometric function, profile likelihood");
 }
 
+// Participants whose thresholds differ, few and many of them: the interval over participants, and the mixed model's.
+// Answers without a threshold or an interval are counted, and no part of the share.
+void expect_covered_over_participants(const char* name, const SimulatedObservers& truth, SimulatedDesign design,
+                                      AnalysisSettings settings, size_t n) {
+  settings.resamples = 0;
+  for (const uint32_t participants : {3U, 5U, 9U, 24U}) {
+    design.participants = participants;
+    size_t told = 0, covered = 0, mixed_told = 0, mixed_covered = 0;
+    for (size_t seed = 0; seed < n; ++seed) {
+      const Analysis analysis = analyse(simulate_answers(truth, design, 1000 + seed), settings);
+      const auto interval = threshold_interval(analysis.tasks.at(0).curves.at(0));
+      if (interval && !interval->method.empty()) {
+        ++told;
+        covered += interval->low.value_or(-1e9) <= truth.threshold && truth.threshold <= interval->high.value_or(1e9);
+      }
+      const auto& mixed = analysis.tasks[0].mixed.at(0).threshold;
+      if (mixed && mixed->interval) {
+        ++mixed_told;
+        mixed_covered += mixed->interval->low <= truth.threshold && truth.threshold <= mixed->interval->high;
+      }
+    }
+    EXPECT_GE(told, n * 9 / 10) << name << ", " << participants;
+    expect_share(covered, told, 0.95, 0.93, 0.97,
+                 fmt::format("threshold over {} participants, jackknife, {}", participants, name).c_str());
+    std::cout << fmt::format(
+        "| threshold over {} participants, mixed model, {} | {} of {} | {:.1f} % | 95 % | - |\n", participants, name,
+        mixed_covered, mixed_told,
+        100 * static_cast<double>(mixed_covered) / static_cast<double>(std::max<size_t>(1, mixed_told)));
+  }
+}
+
+TEST(Recovery, ThresholdOverFewParticipantsIsCovered) {
+  CROWDBENCH_SKIP_SANITIZED("ThresholdOfMixedModelIsCovered");
+  AnalysisSettings settings;
+  settings.curve.guess = 0;
+  settings.curve.level = 0.5;
+  expect_covered_over_participants("yes or no", {.threshold = 1.5, .slope = 1.2, .threshold_sd = 0.6},
+                                   {.levels = {0, 1, 2, 3}, .clips = 1, .repeats = 8}, settings, seeds(10));
+  settings.curve.guess = 0.5;
+  settings.curve.level = 0.75;
+  settings.curve.falling = true;
+  expect_covered_over_participants("forced choice, falling",
+                                   {.threshold = 150, .slope = -0.03, .threshold_sd = 30, .guess = 0.5},
+                                   {.levels = {60, 105, 150, 195, 240}, .clips = 1, .repeats = 8}, settings, seeds(10));
+}
+
 TEST(Recovery, DifferencesOfWorthsAreCovered) {
   const SimulatedRanking truth{.log_worth = {0.9, 0.3, 0, -0.5}, .log_nu = -0.6, .position = 0.3};
   const size_t n = seeds(100);

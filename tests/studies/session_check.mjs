@@ -90,6 +90,39 @@ for (const status of [400, 409, 413]) {
   assert.equal(made.given('screen-1'), undefined)
   assert.equal(JSON.parse(JSON.stringify(new Study.Session('a'.repeat(64)).given('t002'))).stimulus, 's003', 'after a reload')
 }
+// How often a trial was begun: counted here, told to the server before the answer, and what the server knows counts where this
+// browser's storage knows less.
+{
+  const { Study, asked } = page((path) => (path === 'api/start'
+    ? { status: 200, ok: true, json: async () => ({ token: 'x', list: '1', state: 'started', items: [], given: {}, begun: { t001: 2, t002: 1 } }) }
+    : answers(200)))
+  const made = new Study.Session('a'.repeat(64))
+  assert.equal(made.begin('t002'), 0)
+  assert.equal(made.begin('t002'), 1)
+  assert.equal(asked.length, 0, 'nothing is sent where no server of ours is')
+  made.served = true
+  await made.start(['1'])
+  assert.equal(made.begin('t001'), 2, 'in another browser')
+  assert.equal(made.begin('t002'), 2, 'this one knows better')
+  assert.equal(made.begin('t003'), 0)
+  made.add({ item: 't003', kind: 'main', answer: 'upper' })
+  await made.send()
+  const sent = asked.filter(({ path }) => path === 'api/answer').map(({ body }) => JSON.parse(body))
+  assert.deepEqual(sent.map(({ item, kind, begun }) => [item, kind, begun]),
+    [['t001', 'begin', 3], ['t002', 'begin', 3], ['t003', 'begin', 1], ['t003', 'main', undefined]])
+}
+// What waits to be sent of a trial that was only begun does not make it an answered one.
+{
+  const { Study } = page((path) => (path === 'api/start'
+    ? { status: 200, ok: true, json: async () => ({ token: 'x', list: '1', state: 'started', items: [], given: {} }) }
+    : answers(502)))
+  const made = new Study.Session('a'.repeat(64))
+  made.served = true
+  made.send = async () => {}
+  made.begin('t001')
+  await made.start(['1'])
+  assert.equal(made.has('t001'), false)
+}
 // One pixel of a clip is one of the screen where the window has room for that, with what belongs to it below or beside.
 {
   const { Study, world } = page(() => answers(200), ['text.js', 'trial.js'])

@@ -286,6 +286,10 @@ bool open_input(Decoder& d, const char* path, Info& info, char* message) {
   info.frames = stream.nb_frames;
   if (info.frames <= 0 && d.format->duration > 0 && stream.avg_frame_rate.num > 0)
     info.frames = av_rescale_q(d.format->duration, {1, AV_TIME_BASE}, av_inv_q(stream.avg_frame_rate));
+  if (stream.duration > 0)
+    info.duration_us = av_rescale_q(stream.duration, stream.time_base, {1, AV_TIME_BASE});
+  else if (d.format->duration > 0)
+    info.duration_us = d.format->duration;
   copy_name(info.codec, avcodec_get_name(c.codec_id));
   copy_name(info.pixel_format, av_get_pix_fmt_name(c.pix_fmt));
   copy_name(info.primaries, av_color_primaries_name(c.color_primaries));

@@ -6,7 +6,7 @@
 
 namespace crowdbench::studies::video {
 
-inline constexpr uint32_t kApiVersion = 3;
+inline constexpr uint32_t kApiVersion = 4;
 inline constexpr int kMessageBytes = 512;
 
 enum class Codec : int32_t {
@@ -33,7 +33,8 @@ struct Info {
   int32_t height = 0;
   int32_t fps_numerator = 0;
   int32_t fps_denominator = 1;
-  int64_t frames = 0;  // as the container says or its duration lets expect; 0: unknown
+  int64_t frames = 0;       // as the container says or its duration lets expect; 0: unknown
+  int64_t duration_us = 0;  // microseconds, as the container says of the video, else of all; 0: unknown
   char codec[32] = {};
   char pixel_format[32] = {};
   char primaries[32] = {};
