@@ -155,6 +155,7 @@ Json promise_json(const TuneReport& report) {
               {"seeds", seeds_json(report.promise->seeds)}};
   out["score"] = {{"mean", json_number(report.score_promise->mean)},
                   {"on_another_seed", interval_json(report.score_promise->on_another_seed)},
+                  {"degrees_of_freedom", report.score_promise->degrees},
                   {"seeds", scores_json(report.score_promise->seeds)}};
   return out;
 }
