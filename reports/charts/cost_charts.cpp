@@ -80,6 +80,7 @@ std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& m
       values.push_back({{"representation", model.representation},
                         {"measured", measured},
                         {"predicted", std::max(in_ms(one.predicted_ns), 1e-6)},
+                        {"where", one.between ? "between the others" : "beyond the others"},
                         {"at", fmt::format("{}{}", agents_text(one.point.agents),
                                            one.point.occupancy > 0 ? ", " + percent_text(one.point.occupancy) : "")}});
     }
@@ -91,17 +92,18 @@ std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& m
   for (const double at : {least / 1.2, most * 1.2})
     band.push_back({{"measured", at}, {"low", 0.85 * at}, {"high", 1.15 * at}});
   const Json low = axis_of("low", "predicted without that point, ms", true);
-  spec["layer"] = Json::array(
-      {{{"data", {{"values", band}}},
-        {"mark", {{"type", "area"}, {"color", "#9aa5b1"}, {"opacity", 0.3}}},
-        {"encoding", {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}}}},
-       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 55}, {"opacity", 0.85}}},
-        {"encoding",
-         {{"x", x},
-          {"y", axis_of("predicted", "predicted without that point, ms", true)},
-          {"color", colours(scene, "representation")},
-          {"tooltip", Json::array({tip("representation", "representation"), tip("at", "at"),
-                                   tip("measured", "measured, ms"), tip("predicted", "predicted, ms")})}}}}});
+  spec["layer"] =
+      Json::array({{{"data", {{"values", band}}},
+                    {"mark", {{"type", "area"}, {"color", "#9aa5b1"}, {"opacity", 0.3}}},
+                    {"encoding", {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}}}},
+                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 55}, {"opacity", 0.85}}},
+                    {"encoding",
+                     {{"x", x},
+                      {"y", axis_of("predicted", "predicted without that point, ms", true)},
+                      {"color", colours(scene, "representation")},
+                      {"tooltip", Json::array({tip("representation", "representation"), tip("at", "at"),
+                                               tip("measured", "measured, ms"), tip("predicted", "predicted, ms"),
+                                               tip("where", "where")})}}}}});
   return spec.dump();
 }
 
