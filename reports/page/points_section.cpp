@@ -74,9 +74,10 @@ Html undrawn_section(const StoreContents& contents) {
   if (all.empty()) return {};
   std::vector<TemplateValues> rows;
   for (const UndrawnPoints& one : all) {
-    std::string some;
-    for (const std::string& name : one.some) some += (some.empty() ? "" : "; ") + name;
-    if (one.count > one.some.size()) some += fmt::format("; {} more", count_text(one.count - one.some.size()));
+    std::vector<TemplateValues> some;
+    for (const std::string& name : one.some) some.push_back({{"point", name}});
+    if (one.count > one.some.size())
+      some.push_back({{"point", fmt::format("{} more", count_text(one.count - one.some.size()))}});
     rows.push_back(
         {{"count", count_text(one.count)}, {"state", one.state}, {"reason", one.reason}, {"points", std::move(some)}});
   }

@@ -58,7 +58,7 @@ TEST(SweepSettings, PointsThatWereNotDrawnAreToldByReason) {
   EXPECT_EQ(all[1].state, "unreachable");
   const std::string section = undrawn_section(contents).text;
   EXPECT_NE(section.find("missing&lt;b&gt;.glb: cannot open"), std::string::npos) << section;
-  EXPECT_NE(section.find("; 2 more"), std::string::npos) << section;
+  EXPECT_NE(section.find("<div>2 more</div>"), std::string::npos) << section;
   const std::string markdown = report_markdown(contents, "made-up.sqlite", made_up_scores());
   EXPECT_NE(markdown.find("7 points of the plan were not drawn (failed: "), std::string::npos);
   EXPECT_EQ(undrawn_section(made_up_contents()).text, "");
