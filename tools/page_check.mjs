@@ -1,7 +1,7 @@
 // Opens a page that crowdbench wrote in a real browser, headless, wide and narrow, light and dark, and says what is wrong
 // with it: messages in the console, charts that were not drawn, requests to elsewhere, sideways scroll, text that a chart
-// cuts off, tick labels or names in a legend that overlap. Prints JSON, with how long the page took to open and the text of
-// every table that has an id.
+// cuts off, tick labels or names in a legend that overlap, or a name and an axis's title. Prints JSON, with how long the page
+// took to open and the text of every table that has an id.
 //
 //   node tools/page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS]   that long at most for the charts
 //   node tools/page_check.mjs PAGE.html --opens N   checks nothing: opens it N times and prints how long each took, seconds:
@@ -87,7 +87,7 @@ function look() {
       if (box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1)
         said.clipped.push(text.textContent)
     }
-    for (const kind of ['.role-axis-label text', '.role-legend-label text']) {
+    for (const kind of ['.role-axis-label text', '.role-legend-label text', '.role-axis-title text, .role-legend-label text']) {
       const labels = [...svg.querySelectorAll(kind)].filter((text) => getComputedStyle(text).opacity !== '0')
       for (let i = 0; i < labels.length; ++i)
         for (let k = i + 1; k < labels.length; ++k) {

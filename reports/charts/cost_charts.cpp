@@ -38,9 +38,11 @@ Json axis_of(const char* field, const char* title, bool log) {
 }
 
 // Of a vertical axis whose title is a sentence: it lies over the axis, from the plot's left edge on. Upright beside a
-// low chart it would be longer than the chart is high, and cut off.
-Json title_above() {
-  return {{"titleAngle", 0}, {"titleAlign", "left"}, {"titleBaseline", "bottom"}, {"titleX", 0}, {"titleY", -10}};
+// low chart it would be longer than the chart is high, and cut off. The legend goes above it.
+void put_title_above(Json& spec, Json& y) {
+  y["axis"].update(
+      {{"titleAngle", 0}, {"titleAlign", "left"}, {"titleBaseline", "bottom"}, {"titleX", 0}, {"titleY", -10}});
+  spec["config"]["legend"]["offset"] = 32;
 }
 
 Json tip(const char* field, const char* title) { return {{"field", field}, {"type", "nominal"}, {"title", title}}; }
@@ -161,7 +163,7 @@ std::string front_chart(const Scene& scene, const ParetoFront& front) {
   spec["data"] = {{"values", values}};
   const std::string title = heading(front.score);
   Json y = axis_of("error", title.c_str(), false);
-  y["axis"].update(title_above());
+  put_title_above(spec, y);
   spec["layer"] = Json::array(
       {{{"mark", {{"type", "rule"}}},
         {"encoding",
