@@ -154,9 +154,10 @@ void add_limits(Command& command, Options& options) {
       ->type_name("NAME")
       ->capture_default_str();
   command
-      .add_option("--run-scatter", options.scatter_percent,
-                  "how much a ratio is known to differ from one run to the next without any change, as a standard "
-                  "deviation, per cent; without it five runs of each side are needed")
+      .add_option(
+          "--run-scatter", options.scatter_percent,
+          "what runs are known to differ by without any change (standard deviation), per cent; else five of each "
+          "tell")
       ->type_name("PCT")
       ->number(0, 1000);
   command
