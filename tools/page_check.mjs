@@ -1,12 +1,15 @@
 // Opens a page that crowdbench wrote in a real browser, headless, wide and narrow, light and dark, and says what is wrong
 // with it: messages in the console, charts that were not drawn, requests to elsewhere, sideways scroll, text that a chart
-// cuts off, tick labels or names in a legend that overlap. Prints JSON, with how long the page took to open and the text of
-// every table that has an id.
+// cuts off, tick labels or names in a legend that overlap, or a name and an axis's title. Prints JSON, with how long the page
+// took to open and the text of every table that has an id.
 //
 //   node tools/page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS]   that long at most for the charts
+//   node tools/page_check.mjs PAGE.html --opens N   checks nothing: opens it N times and prints how long each took, seconds:
+//     load (the browser's loadEventEnd since the navigation began), seen (until it may be read), cpu (of all processes of
+//     the browser meanwhile)
 //
 // Status 0: nothing is wrong; 1: something is; 2: wrong options; 77: there is no chromium.
-import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs'
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join, resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
@@ -16,13 +19,14 @@ import puppeteer from 'puppeteer-core'
 let options
 let pages
 try {
-  ({ values: options, positionals: pages } = parseArgs({ allowPositionals: true, options: { pictures: { type: 'string' }, wait: { type: 'string', default: '60' } } }))
+  ({ values: options, positionals: pages } = parseArgs({ allowPositionals: true, options: { pictures: { type: 'string' }, wait: { type: 'string', default: '60' }, opens: { type: 'string', default: '0' } } }))
 } catch (error) {
   console.error(`page_check: ${error.message}`)
   process.exit(2)
 }
-if (pages.length !== 1 || !existsSync(pages[0]) || !(Number(options.wait) > 0)) {
-  console.error('usage: page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS]')
+const opens = Number(options.opens)
+if (pages.length !== 1 || !existsSync(pages[0]) || !(Number(options.wait) > 0) || !(Number.isInteger(opens) && opens >= 0 && opens <= 1000)) {
+  console.error('usage: page_check.mjs PAGE.html [--pictures FOLDER] [--wait SECONDS] | --opens N')
   process.exit(2)
 }
 const program = '/usr/bin/chromium'
@@ -33,6 +37,41 @@ if (!existsSync(program)) {
 const url = pathToFileURL(resolve(pages[0])).href
 const profile = mkdtempSync(join(tmpdir(), 'crowdbench-page-'))
 if (options.pictures) mkdirSync(options.pictures, { recursive: true })
+
+// Processor time that a process and all that it began have taken, seconds (a hundredth is the step of /proc).
+function cpu_of(root) {
+  const children = new Map()
+  const ticks = new Map()
+  for (const entry of readdirSync('/proc')) {
+    if (!/^\d+$/.test(entry)) continue
+    let stat
+    try { stat = readFileSync(`/proc/${entry}/stat`, 'utf8') } catch { continue } // it ended meanwhile
+    const fields = stat.slice(stat.lastIndexOf(')') + 2).split(' ')
+    children.set(fields[1], [...(children.get(fields[1]) ?? []), entry])
+    ticks.set(entry, Number(fields[11]) + Number(fields[12]))
+  }
+  const sum = (process_id) => (ticks.get(process_id) ?? 0) + (children.get(process_id) ?? []).reduce((all, one) => all + sum(one), 0)
+  return sum(String(root)) / 100
+}
+
+// Until the page may be read: scripts have run and the first picture is on the screen.
+const seen = (page) => page.evaluate(() => new Promise((opened) => {
+  requestAnimationFrame(() => requestAnimationFrame(() => opened(Math.round(performance.now()))))
+}))
+async function times_of(browser) {
+  const said = []
+  for (let i = 0; i < opens; ++i) {
+    const page = await browser.newPage()
+    await page.setViewport({ width: 1280, height: 900 })
+    const before = cpu_of(browser.process().pid)
+    await page.goto(url, { waitUntil: 'load', timeout: 120_000 })
+    const seen_ms = await seen(page)
+    const load_ms = await page.evaluate(() => performance.timing.loadEventEnd - performance.timing.navigationStart)
+    said.push({ load: load_ms / 1000, seen: seen_ms / 1000, cpu: Number((cpu_of(browser.process().pid) - before).toFixed(2)) })
+    await page.close()
+  }
+  return said
+}
 
 // In the page: what is wrong with how it is laid out.
 function look() {
@@ -48,7 +87,7 @@ function look() {
       if (box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1)
         said.clipped.push(text.textContent)
     }
-    for (const kind of ['.role-axis-label text', '.role-legend-label text']) {
+    for (const kind of ['.role-axis-label text', '.role-legend-label text', '.role-axis-title text, .role-legend-label text']) {
       const labels = [...svg.querySelectorAll(kind)].filter((text) => getComputedStyle(text).opacity !== '0')
       for (let i = 0; i < labels.length; ++i)
         for (let k = i + 1; k < labels.length; ++k) {
@@ -74,6 +113,7 @@ const browser = await puppeteer.launch({
 })
 const said = { page: pages[0], views: [], tables: {}, wrong: [] }
 try {
+  if (opens > 0) console.log(JSON.stringify(await times_of(browser)))
   const page = await browser.newPage()
   let view
   page.on('console', (message) => view.console.push(`${message.type()}: ${message.text()}`))
@@ -82,16 +122,13 @@ try {
     const address = request.url()
     if (address !== url && !address.startsWith('data:') && !address.startsWith('blob:')) view.elsewhere.push(address)
   })
-  for (const width of [1280, 390])
+  for (const width of opens > 0 ? [] : [1280, 390])
     for (const scheme of ['light', 'dark']) {
       view = { width, scheme, console: [], elsewhere: [] }
       await page.setViewport({ width, height: 900 })
       await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }])
       await page.goto(url, { waitUntil: 'load', timeout: 120_000 })
-      // Until the page may be read: scripts have run and the first picture is on the screen.
-      view.opened_ms = await page.evaluate(() => new Promise((opened) => {
-        requestAnimationFrame(() => requestAnimationFrame(() => opened(Math.round(performance.now()))))
-      }))
+      view.opened_ms = await seen(page)
       const drawn = "Number(document.body.dataset.drawn || 0) >= document.querySelectorAll('script[data-plot]').length"
       await page.waitForFunction(drawn, { timeout: 1000 * Number(options.wait) }).catch(() => {})
       await page.evaluate(() => document.querySelectorAll('details').forEach((one) => { if (!one.closest('.plot')) one.open = true }))
@@ -109,5 +146,5 @@ try {
   await browser.close()
   rmSync(profile, { recursive: true, force: true })
 }
-console.log(JSON.stringify(said, null, 1))
+if (opens === 0) console.log(JSON.stringify(said, null, 1))
 process.exit(said.wrong.length ? 1 : 0)

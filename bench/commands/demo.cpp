@@ -186,9 +186,9 @@ BenchSummary time_crowds(gl::Context& context, const scene::Cast& cast, const Ti
   request.time_limit_s = options.tiny ? 0.1 : 7;
   request.rounds = options.tiny ? 10 : 24;
   using AgentsByOccupancy = std::vector<std::pair<double, std::vector<uint32_t>>>;
-  const AgentsByOccupancy crowds = options.tiny
-                                       ? AgentsByOccupancy{{0.15, {1, 5}}}
-                                       : AgentsByOccupancy{{0.15, {1, 10, 100, 250, 1000}}, {0.9, {10, 100, 250}}};
+  const AgentsByOccupancy crowds =
+      options.tiny ? AgentsByOccupancy{{0.15, {1, 5}}}
+                   : AgentsByOccupancy{{0.15, {1, 10, 30, 100, 250, 1000}}, {0.9, {10, 30, 100, 250}}};
   BenchSummary summary;
   Progress progress("timing", 0);
   for (const auto& [occupancy, agents] : crowds) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "bench/commands/command_line.h"
@@ -23,10 +24,11 @@ struct RegressOptions {
   std::string baseline, current;
   std::vector<std::string> programs;
   std::string bench;
-  int runs = 6;
+  int runs = 8;
   double effect_percent = 1;
   double detect_percent = 5;
   double picture_percent = 0.1;
+  std::optional<double> scatter_percent;
   std::string correction = "holm";
   std::vector<std::string> tolerances;
   RegressLimits limits;
@@ -46,6 +48,7 @@ RegressLimits limits_of(const RegressOptions& options) {
   limits.least_effect = options.effect_percent / 100;
   limits.detect = options.detect_percent / 100;
   limits.picture_share = options.picture_percent / 100;
+  if (options.scatter_percent) limits.run_scatter = *options.scatter_percent / 100;
   limits.correction = parse_correction(options.correction);
   if (limits.detect <= limits.least_effect)
     throw Error("--detect",
@@ -98,6 +101,20 @@ int say(const RegressReport& report, const RegressOptions& options) {
   return exit_status(report);
 }
 
+// A result file, or all of a folder.
+std::vector<StoreContents> read_side(const std::string& path) {
+  if (!std::filesystem::is_directory(path)) return {read_store(path, true)};
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (entry.path().extension() == ".sqlite") files.push_back(entry.path());
+  if (files.empty())
+    throw Error(path, "holds no result file", "give a file of `bench`, or a folder of such files (.sqlite), one a run");
+  std::sort(files.begin(), files.end());
+  std::vector<StoreContents> out;
+  for (const auto& file : files) out.push_back(read_store(file, true));
+  return out;
+}
+
 int run_regress(const RegressOptions& options) {
   const RegressLimits limits = limits_of(options);
   if (!options.programs.empty()) {
@@ -112,10 +129,9 @@ int run_regress(const RegressOptions& options) {
     return say(report, options);
   }
   if (options.baseline.empty() || options.current.empty())
-    throw Error("regress", "two result files are needed",
-                "`crowdbench regress baseline.sqlite current.sqlite`, or --program twice");
-  const std::vector<StoreContents> baseline = {read_store(options.baseline, true)};
-  const std::vector<StoreContents> current = {read_store(options.current, true)};
+    throw Error("regress", "two result files are needed", "`crowdbench regress baseline current`, or --program twice");
+  const std::vector<StoreContents> baseline = read_side(options.baseline);
+  const std::vector<StoreContents> current = read_side(options.current);
   return say(regress(baseline, current, limits, metrics::scores()), options);
 }
 
@@ -138,6 +154,13 @@ void add_limits(Command& command, RegressOptions& options) {
       ->type_name("NAME")
       ->capture_default_str();
   command
+      .add_option(
+          "--run-scatter", options.scatter_percent,
+          "what runs are known to differ by without any change (standard deviation), per cent; else five of each "
+          "tell")
+      ->type_name("PCT")
+      ->number(0, 1000);
+  command
       .add_option("--tolerance", options.tolerances,
                   "how far a score may get worse, in its unit (else 2 % of its distance from equal); repeat")
       ->type_name("SCORE=VALUE")
@@ -156,13 +179,16 @@ void add_regress(Command& app, Run& run) {
   command->footer(
       "Points are paired by scenario and key. What is compared is the ratio to the reference's time of the same "
       "rounds, by a rank\ntest with a least effect and a correction over all points; scores and pictures by "
-      "thresholds. Exit status 0: nothing is\nworse; 1: something is; 3: not enough data.\nExamples:\n  crowdbench "
-      "regress baseline.sqlite current.sqlite --markdown regress.md --junit regress.xml\n  crowdbench regress "
+      "thresholds. Five runs of each side say\nhow much runs differ without any change: a folder's files, or --runs "
+      "of two programs. Exit status 0: nothing is worse;\n1: something is; 3: not enough data.\nExamples:\n  "
+      "crowdbench "
+      "regress baseline current --markdown regress.md --junit regress.xml\n  crowdbench regress "
       "--program old/crowdbench --program new/crowdbench --bench \"plaza.toml --agents 250 --occupancy 0.15\"\n  "
-      "crowdbench regress baseline.sqlite current.sqlite --explain 3 --pictures why");
+      "crowdbench regress baseline.sqlite current.sqlite --run-scatter 0.5 --explain 3 --pictures why");
   auto options = std::make_shared<RegressOptions>();
-  command->add_option("BASELINE", options->baseline, "result file of `bench`, before")->type_name("FILE.sqlite");
-  command->add_option("CURRENT", options->current, "the same, after")->type_name("FILE.sqlite");
+  command->add_option("BASELINE", options->baseline, "result file of `bench`, before, or a folder of them, one a run")
+      ->type_name("FILE.sqlite|FOLDER");
+  command->add_option("CURRENT", options->current, "the same, after")->type_name("FILE.sqlite|FOLDER");
   const Option* program =
       command
           ->add_option("--program", options->programs,
@@ -172,7 +198,7 @@ void add_regress(Command& app, Run& run) {
   command->add_option("--bench", options->bench, "with --program: what both are asked for, as after `crowdbench bench`")
       ->type_name("ARGUMENTS")
       ->needs(program);
-  command->add_option("--runs", options->runs, "with --program: processes of each; from 5 on they are the values")
+  command->add_option("--runs", options->runs, "with --program: processes of each; under 5 no time has a verdict")
       ->type_name("K")
       ->capture_default_str()
       ->whole_number(1, 1000)

@@ -55,8 +55,10 @@ const char* correction_name(Correction correction) {
 std::string method(const RegressReport& report) {
   const RegressLimits& limits = report.limits;
   return fmt::format(
-      "Ratios to the reference of the same rounds (the reference: to its own floor). Slower: a rank test says that the "
-      "ratio grew by more than {:.2g} % (or than what a control shows without any change), level {:g}, correction over "
+      "Ratios to the reference of the same rounds (the reference: to its own floor), a value a run. Slower: a rank "
+      "test "
+      "says that the ratio grew by more than {:.2g} % (or than what a control shows without any change), level {:g}, "
+      "correction over "
       "all points: {}. Unclear: a slow-down of {:.3g} % is not excluded. A slow-down of the reference makes all others "
       "faster; it shows in the reference's own line.",
       100 * limits.least_effect, limits.level, correction_name(limits.correction), 100 * limits.detect);
@@ -90,10 +92,13 @@ Json time_json(const TimePoint& point) {
                {"metric", point.metric},
                {"unit", point.unit},
                {"values", {{"baseline", point.baseline_values}, {"current", point.current_values}}},
+               {"runs", {{"baseline", point.baseline_runs}, {"current", point.current_runs}}},
+               {"judged", point.judged},
+               {"runs_needed", point.verdict == Verdict::unclear ? Json(point.runs_needed) : Json(nullptr)},
                {"baseline", point.baseline},
                {"current", point.current},
                {"change", point.change},
-               {"interval", Json::array({point.interval.low, point.interval.high})},
+               {"interval", point.judged ? Json::array({point.interval.low, point.interval.high}) : Json(nullptr)},
                {"least_effect", point.least_effect},
                {"p_slower", point.p_slower},
                {"p_slower_adjusted", point.adjusted_slower},
@@ -104,6 +109,9 @@ Json time_json(const TimePoint& point) {
 }
 
 std::string explanation(const TimePoint& point) {
+  if (!point.judged)
+    return fmt::format("  time over that of {}, {} time: {:.4g}, was {:.4g}\n", point.yardstick, point.metric,
+                       point.current, point.baseline);
   return fmt::format(
       "  time over that of {}, {} time: {:.4g}, was {:.4g}\n  change {} [{}, {}]\n  p of slower than {:.2g} % is "
       "{:.3g}, corrected {:.3g}; of faster {:.3g}, corrected {:.3g}\n  {} {} against {} of the baseline; slow-downs "

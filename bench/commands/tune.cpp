@@ -236,8 +236,10 @@ SeedFigures score_seeds(gl::Context& context, const TuneOptions& options, const 
   for (const uint64_t seed : seeds) {
     std::vector<UnseenFigure> all;
     for (size_t s = 0; s < request.subjects.size(); ++s) {
-      const std::vector<UnseenFigure> figures = draw_unseen(context, request, request.subjects[s], representation,
-                                                            static_cast<size_t>(options.prove_figures), seed);
+      const auto count = static_cast<size_t>(options.prove_figures);
+      std::vector<UnseenFigure> figures =
+          draw_unseen(context, request, request.subjects[s], representation, count, seed);
+      for (UnseenFigure& one : figures) one.place += s * count;
       all.insert(all.end(), figures.begin(), figures.end());
       out.by_subject[s].insert(out.by_subject[s].end(), figures.begin(), figures.end());
       progress.advance();

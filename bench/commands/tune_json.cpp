@@ -129,11 +129,15 @@ Json seeds_json(const std::vector<SeedTimes>& seeds) {
 
 Json scores_json(const std::vector<SeedScores>& seeds) {
   Json out = Json::array();
-  for (const SeedScores& one : seeds)
+  for (const SeedScores& one : seeds) {
+    Json values = Json::array();
+    for (const double value : one.by_place) values.push_back(json_number(value));
     out.push_back({{"seed", one.seed},
                    {"figures", one.figures},
                    {"mean", json_number(one.mean)},
-                   {"worst_5_percent", json_number(one.tail)}});
+                   {"worst_5_percent", json_number(one.tail)},
+                   {"values", std::move(values)}});
+  }
   return out;
 }
 
@@ -155,6 +159,7 @@ Json promise_json(const TuneReport& report) {
               {"seeds", seeds_json(report.promise->seeds)}};
   out["score"] = {{"mean", json_number(report.score_promise->mean)},
                   {"on_another_seed", interval_json(report.score_promise->on_another_seed)},
+                  {"degrees_of_freedom", report.score_promise->degrees},
                   {"seeds", scores_json(report.score_promise->seeds)}};
   return out;
 }

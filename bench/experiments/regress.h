@@ -17,12 +17,19 @@
 
 namespace crowdbench::bench {
 
+// From so many runs a side on, runs are the values: what differs from one to the next is then part of the noise.
+inline constexpr size_t kRunsAsValues = 5;
+
 struct RegressLimits {
   double least_effect = 0.01;  // a change of a ratio by less is none: the rank test is of more than this
   double detect = 0.05;        // what the data must be able to exclude; else they are not enough
-  double level = 0.05;         // of slower and of faster, after the correction over all points
+  double level = 0.01;         // of slower and of faster, after the correction over all points
   Correction correction = Correction::holm;
-  size_t least_rounds = 9;    // of either side; fewer are not enough
+  size_t least_rounds = 9;  // of either side where rounds are the values; fewer are not enough
+  // The standard deviation of a ratio's logarithm from one run to the next, where it is known. Rounds of one run share
+  // its load, its memory's layout and its clock rates and say nothing of it: without it no time of fewer than
+  // kRunsAsValues runs a side has a verdict.
+  std::optional<double> run_scatter;
   double score_share = 0.02;  // a score may move away from "equal" by this share of its distance from there
   std::map<std::string, double> score_tolerances;  // by name, in the score's unit, instead
   double picture_share = 0.001;                    // of a picture's pixels that may differ by more than picture_levels
@@ -52,6 +59,9 @@ struct TimePoint : RegressPoint {
   std::string unit;       // what the values are of: "rounds", "runs", or "intervals" (of the stored medians, where no
                           // samples are kept)
   size_t baseline_values = 0, current_values = 0;
+  size_t baseline_runs = 0, current_runs = 0;
+  bool judged = true;      // false: too few runs to know what differs between them; there is no test and no interval
+  size_t runs_needed = 0;  // where it is unclear: of each side, so that `detect` is found with 80 %; 0: nothing says
   double baseline = 0, current = 0;   // medians of the ratio
   double change = 0;                  // current / baseline - 1
   Interval interval;                  // of the change, 95 %
@@ -89,8 +99,9 @@ struct RegressReport {
 int exit_status(const RegressReport& report);
 size_t count(const RegressReport& report, Verdict verdict);
 
-// Files of either side, read with samples and pictures; both outlive the report. Where both sides have five runs of a
-// point or more, each run is one value; else the rounds of all runs are. Throws Error where the sides were drawn by
+// Files of either side, read with samples and pictures; both outlive the report. Where both sides have kRunsAsValues
+// runs of a point or more, each run is one value; else the rounds of all runs are, with limits.run_scatter added to
+// their noise, and without that there is no verdict on times. Throws Error where the sides were drawn by
 // different renderers or are judged by different clocks.
 RegressReport regress(std::span<const StoreContents> baseline, std::span<const StoreContents> current,
                       const RegressLimits& limits, metrics::ScoreTable table);

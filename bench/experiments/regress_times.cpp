@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "bench/experiments/point_name.h"
+#include "bench/timing/control.h"
 #include "bench/timing/timing.h"
 #include "core/block_bootstrap.h"
 #include "core/hodges_lehmann.h"
@@ -19,9 +20,6 @@
 namespace crowdbench::bench {
 namespace {
 
-// From so many runs a side on, runs are the values: what differs from one process to the next is then part of the
-// noise.
-constexpr size_t kRunsAsValues = 5;
 constexpr double kPower = 0.8;
 constexpr const char* kFloor = "its floor";
 
@@ -41,15 +39,26 @@ const MeasurementRow* find_reference(const StoreContents& contents, const Measur
   return found;
 }
 
-// The largest change that a control at this place shows and does not put down to chance.
-double control_at(const StoreContents& contents, const RunRow& run, const PointKey& key) {
-  double largest = 0;
-  for (const ControlRow& control : contents.controls)
-    if (control.run == run.id && control.metric == run.headline && control.of.agents == key.agents &&
-        control.of.requested_occupancy == key.requested_occupancy && control.of.character == key.character &&
-        control.p <= 0.05)
-      largest = std::max(largest, std::abs(std::log(control.ratio)));
-  return std::expm1(largest);
+// What the controls at this place show.
+void add_controls(TimeSeries& series, const StoreContents& contents, const RunRow& run, const PointKey& key) {
+  for (const ControlRow& control : contents.controls) {
+    if (control.run != run.id || control.metric != run.headline || control.of.agents != key.agents ||
+        control.of.requested_occupancy != key.requested_occupancy || control.of.character != key.character)
+      continue;
+    series.controls.push_back(std::log(control.ratio));
+    if (control.p <= kControlLevel)
+      series.control = std::max(series.control, std::expm1(std::abs(series.controls.back())));
+  }
+}
+
+// The change that controls show where nothing changed. One of twenty runs differs by chance: of many it is asked
+// whether they differ to the same side.
+double control_of(const TimeSeries& baseline, const TimeSeries& current, bool by_run) {
+  if (!by_run) return std::max(baseline.control, current.control);
+  std::vector<double> all = baseline.controls;
+  all.insert(all.end(), current.controls.begin(), current.controls.end());
+  if (all.empty() || wilcoxon_signed_rank(all).p_two_sided > kControlLevel) return 0;
+  return std::expm1(std::abs(median(all)));
 }
 
 void add_floor(TimeSeries& series, const StoreContents& contents, const RunRow& run, const PointKey& key) {
@@ -66,7 +75,7 @@ void add_row(TimesByKey& all, const StoreContents& contents, const RunRow& run, 
   TimeSeries series;
   series.scenario = run.scenario_name;
   series.metric = run.headline;
-  series.control = control_at(contents, run, row.key);
+  add_controls(series, contents, run, row.key);
   if (row.key.representation == row.reference) {
     add_floor(series, contents, run, row.key);
     if (!series.median) return;
@@ -83,6 +92,7 @@ void add_row(TimesByKey& all, const StoreContents& contents, const RunRow& run, 
   if (fresh) return;
   TimeSeries& known = place->second;
   known.control = std::max(known.control, series.control);
+  known.controls.insert(known.controls.end(), series.controls.begin(), series.controls.end());
   known.median = series.median;
   known.error = series.error;
   for (std::vector<double>& values : series.runs) known.runs.push_back(std::move(values));
@@ -112,6 +122,40 @@ double inflation_of(const TimeSeries& baseline, const TimeSeries& current) {
   return rounds > 0 ? sum / rounds : 1;
 }
 
+// How many times larger the variance of the difference of both sides is than that of their independent rounds.
+// error: of the difference, from these.
+double inflation_by_runs(const TimeSeries& baseline, const TimeSeries& current, double error, double run_scatter) {
+  const double alike = inflation_of(baseline, current);
+  const double between = run_scatter * run_scatter *
+                         (1 / static_cast<double>(baseline.runs.size()) + 1 / static_cast<double>(current.runs.size()));
+  return alike + (error > 0 ? between / (error * error) : 0);
+}
+
+// The standard deviation of a run's median, over both sides; nothing where no side has two.
+std::optional<double> scatter_of_runs(const TimeSeries& baseline, const TimeSeries& current) {
+  double squares = 0;
+  double degrees = 0;
+  for (const TimeSeries* series : {&baseline, &current}) {
+    const std::vector<double> values = values_by(*series, true);
+    double sum = 0;
+    for (const double value : values) sum += value;
+    const double mean = sum / static_cast<double>(std::max<size_t>(1, values.size()));
+    for (const double value : values) squares += (value - mean) * (value - mean);
+    degrees += static_cast<double>(values.size()) - (values.empty() ? 0 : 1);
+  }
+  return degrees > 0 ? std::optional(std::sqrt(squares / degrees)) : std::nullopt;
+}
+
+// Runs of each side that find a slow-down of limits.detect with kPower, by the normal law; at least kRunsAsValues.
+size_t runs_needed(const TimeSeries& baseline, const TimeSeries& current, double least_effect,
+                   const RegressLimits& limits) {
+  const std::optional<double> scatter = scatter_of_runs(baseline, current);
+  const double step = std::log1p(limits.detect) - std::log1p(least_effect);
+  if (!scatter || !(step > 0)) return kRunsAsValues;
+  const double errors = (normal_quantile(1 - limits.level) + normal_quantile(kPower)) * *scatter / step;
+  return std::max(kRunsAsValues, static_cast<size_t>(std::ceil(std::min(2 * errors * errors, 1e6))));
+}
+
 std::vector<double> moved(std::vector<double> values, double by) {
   for (double& value : values) value += by;
   return values;
@@ -121,33 +165,36 @@ double detectable_of(double error, const RegressLimits& limits, double least_eff
   return std::expm1(std::log1p(least_effect) + (normal_quantile(1 - limits.level) + normal_quantile(kPower)) * error);
 }
 
+double error_of(const Shift& shift) {
+  return (shift.interval.high - shift.interval.low) / (2 * normal_quantile(0.975));
+}
+
+void put_medians(TimePoint& point, double baseline, double current) {
+  point.baseline = std::exp(baseline);
+  point.current = std::exp(current);
+  point.change = std::expm1(current - baseline);
+}
+
 void compare_values(TimePoint& point, const std::vector<double>& baseline, const std::vector<double>& current,
-                    double inflation, const RegressLimits& limits) {
+                    const Shift& shift, double inflation, const RegressLimits& limits) {
   const double step = std::log1p(point.least_effect);
-  const Shift shift = hodges_lehmann(current, baseline);
-  point.baseline = std::exp(median(baseline));
-  point.current = std::exp(median(current));
-  point.change = std::expm1(shift.estimate);
   const auto widened = [&](double end) {
     return std::expm1(shift.estimate + (end - shift.estimate) * std::sqrt(inflation));
   };
   point.interval = {widened(shift.interval.low), widened(shift.interval.high)};
   point.p_slower = inflated_p(mann_whitney(current, moved(baseline, step)).p_greater, inflation);
   point.p_faster = inflated_p(mann_whitney(current, moved(baseline, -step)).p_less, inflation);
-  const double error = (shift.interval.high - shift.interval.low) * std::sqrt(inflation) / (2 * normal_quantile(0.975));
-  point.detectable = detectable_of(error, limits, point.least_effect);
+  point.detectable = detectable_of(error_of(shift) * std::sqrt(inflation), limits, point.least_effect);
 }
 
 // Of the stored medians and their intervals, as if these were of normal values.
 void compare_intervals(TimePoint& point, const TimeSeries& baseline, const TimeSeries& current,
                        const RegressLimits& limits) {
-  const double error = std::max(1e-12, std::hypot(*baseline.error, *current.error));
+  const double scatter = limits.run_scatter.value_or(0);
+  const double error = std::max(1e-12, std::hypot(*baseline.error, *current.error, scatter * std::sqrt(2.0)));
   const double change = *current.median - *baseline.median;
   const double step = std::log1p(point.least_effect);
   const double reach = normal_quantile(0.975) * error;
-  point.baseline = std::exp(*baseline.median);
-  point.current = std::exp(*current.median);
-  point.change = std::expm1(change);
   point.interval = {std::expm1(change - reach), std::expm1(change + reach)};
   point.p_slower = normal_cdf(-(change - step) / error);
   point.p_faster = normal_cdf((change + step) / error);
@@ -164,8 +211,19 @@ std::string change_text(const TimePoint& point) {
                      100 * point.interval.high);
 }
 
+// "; about 30 runs of each tell"
+std::string needed_text(const TimePoint& point) {
+  return point.runs_needed > 0 ? fmt::format("; about {} runs of each tell", point.runs_needed) : std::string();
+}
+
 void judge(TimePoint& point, const RegressLimits& limits) {
-  if (point.unit == "rounds" && std::min(point.baseline_values, point.current_values) < limits.least_rounds) {
+  if (!point.judged) {
+    point.verdict = Verdict::unclear;
+    point.reason = fmt::format(
+        "{:+.1f} % between {} and {} runs; what differs from run to run without any change is not known, {} runs of "
+        "each are needed",
+        100 * point.change, point.baseline_runs, point.current_runs, point.runs_needed);
+  } else if (point.unit == "rounds" && std::min(point.baseline_values, point.current_values) < limits.least_rounds) {
     point.verdict = Verdict::unclear;
     point.reason = fmt::format("{} and {} rounds, {} are needed", point.baseline_values, point.current_values,
                                limits.least_rounds);
@@ -177,7 +235,8 @@ void judge(TimePoint& point, const RegressLimits& limits) {
     point.reason = fmt::format("faster: {}", change_text(point));
   } else if (point.interval.high > limits.detect) {
     point.verdict = Verdict::unclear;
-    point.reason = fmt::format("{}: a slow-down of {:.3g} % is not excluded", change_text(point), 100 * limits.detect);
+    point.reason = fmt::format("{}: a slow-down of {:.3g} % is not excluded{}", change_text(point), 100 * limits.detect,
+                               needed_text(point));
   } else {
     point.verdict = Verdict::same;
     point.reason = change_text(point);
@@ -204,24 +263,31 @@ TimePoint compare_times(const TimeKey& key, const TimeSeries& baseline, const Ti
   point.what = name_of(key.key);
   point.key = key.key;
   point.metric = current.metric;
-  point.least_effect = std::max({limits.least_effect, baseline.control, current.control});
-  const bool by_run = std::min(baseline.runs.size(), current.runs.size()) >= kRunsAsValues;
+  point.baseline_runs = baseline.runs.size();
+  point.current_runs = current.runs.size();
+  const bool by_run = std::min(point.baseline_runs, point.current_runs) >= kRunsAsValues;
+  point.judged = by_run || limits.run_scatter;
+  point.least_effect = std::max(limits.least_effect, control_of(baseline, current, by_run));
   point.yardstick = current.median ? kFloor : "the reference";
-  if (current.median && !by_run) {
-    point.unit = "intervals";
-    point.baseline_values = point.current_values = 1;
+  point.runs_needed = runs_needed(baseline, current, point.least_effect, limits);
+  const std::vector<double> before = values_by(baseline, by_run);
+  const std::vector<double> after = values_by(current, by_run);
+  point.unit = by_run ? "runs" : current.median ? "intervals" : "rounds";
+  point.baseline_values = before.size();
+  point.current_values = after.size();
+  point.detectable = std::numeric_limits<double>::infinity();
+  if (before.empty() || after.empty()) return point;
+  put_medians(point, median(before), median(after));
+  if (!point.judged) return point;
+  if (point.unit == "intervals") {
     compare_intervals(point, baseline, current, limits);
     return point;
   }
-  const std::vector<double> before = values_by(baseline, by_run);
-  const std::vector<double> after = values_by(current, by_run);
-  point.unit = by_run ? "runs" : "rounds";
-  point.baseline_values = before.size();
-  point.current_values = after.size();
-  if (before.empty() || after.empty())
-    point.detectable = std::numeric_limits<double>::infinity();
-  else
-    compare_values(point, before, after, by_run ? 1 : inflation_of(baseline, current), limits);
+  const Shift shift = hodges_lehmann(after, before);
+  const double inflation =
+      by_run ? 1 : inflation_by_runs(baseline, current, error_of(shift), limits.run_scatter.value_or(0));
+  point.change = std::expm1(shift.estimate);
+  compare_values(point, before, after, shift, inflation, limits);
   return point;
 }
 

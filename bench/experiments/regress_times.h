@@ -11,7 +11,8 @@ namespace crowdbench::bench {
 struct TimeSeries {
   std::string scenario, metric;
   std::vector<std::vector<double>> runs;
-  double control = 0;  // the largest change that a control of it shows where nothing changed; 0: none
+  std::vector<double> controls;  // of each run that has one: the logarithm of what its A/A shows where nothing changed
+  double control = 0;            // the largest of them that is not put down to chance by its own rounds, as a change
   // Of the reference, whose floor's samples are not kept: the logarithm of the stored ratio of the latest run, which is
   // the one value of each of its runs, and its standard error.
   std::optional<double> median, error;

@@ -29,6 +29,16 @@ enum ProofPurpose : uint64_t {
   kCharacterSeed
 };
 
+// At least two values.
+double sample_variance(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double one : values) sum += one;
+  const double mean = sum / static_cast<double>(values.size());
+  double squares = 0;
+  for (const double one : values) squares += (one - mean) * (one - mean);
+  return squares / static_cast<double>(values.size() - 1);
+}
+
 // Unseen figures: everything drawn at random, heights in even steps so that every bin has its part.
 std::vector<QualityView> unseen_views(const TuneRequest& request, const TuneSubject& subject, size_t views,
                                       uint64_t seed) {
@@ -83,10 +93,39 @@ SeedTimes times_of(gl::Context& context, const TuneProofRequest& request, uint64
   return out;
 }
 
-// Half of a prediction interval from so many values, in their standard deviations.
-double interval_reach(size_t values) {
-  const auto n = static_cast<double>(values);
-  return student_t_quantile(0.975, n - 1) * std::sqrt(1 + 1 / n);
+// Half of a prediction interval from so many values, in their standard deviation, known with so many degrees of
+// freedom.
+double interval_reach(size_t values, double degrees) {
+  return student_t_quantile(0.975, degrees) * std::sqrt(1 + 1 / static_cast<double>(values));
+}
+
+// The variance of the mean over a seed's figures, and its degrees of freedom; 0 of those where no place has two.
+struct MeanVariance {
+  double variance = 0, degrees = 0;
+};
+MeanVariance variance_of_means(const std::vector<SeedScores>& seeds) {
+  size_t most = 0;
+  for (const SeedScores& one : seeds) most = std::max(most, one.by_place.size());
+  double sum = 0;      // of the places' variances
+  double squares = 0;  // of them, each over its degrees of freedom
+  size_t places = 0;
+  size_t tallied = 0;  // places with a score on any seed
+  for (size_t p = 0; p < most; ++p) {
+    std::vector<double> values;
+    for (const SeedScores& one : seeds)
+      if (p < one.by_place.size() && !std::isnan(one.by_place[p])) values.push_back(one.by_place[p]);
+    tallied += values.empty() ? 0 : 1;
+    if (values.size() < 2) continue;
+    const double variance = sample_variance(values);
+    ++places;
+    sum += variance;
+    squares += variance * variance / static_cast<double>(values.size() - 1);
+  }
+  if (places == 0) return {};
+  MeanVariance out;
+  out.variance = sum / static_cast<double>(places) / static_cast<double>(tallied);
+  out.degrees = squares > 0 ? sum * sum / squares : static_cast<double>(places * (seeds.size() - 1));
+  return out;
 }
 
 // Based on: G. E. P. Box and M. E. Muller, "A note on the generation of random normal deviates", 1958.
@@ -145,9 +184,8 @@ Interval prediction_interval(const std::vector<double>& values, double least_var
   const auto n = static_cast<double>(values.size());
   double sum = 0;
   for (const double one : values) sum += one;
-  double squares = 0;
-  for (const double one : values) squares += (one - sum / n) * (one - sum / n);
-  const double half = interval_reach(values.size()) * std::sqrt(std::max(squares / (n - 1), least_variance));
+  const double half =
+      interval_reach(values.size(), n - 1) * std::sqrt(std::max(sample_variance(values), least_variance));
   return {sum / n - half, sum / n + half};
 }
 
@@ -169,22 +207,22 @@ SpeedPromise promised_speed(std::vector<SeedTimes> seeds) {
   return out;
 }
 
-double chance_of_so_few(size_t within, size_t unseen, size_t promised) {
-  assert(promised >= 2);
+double chance_of_so_few(size_t within, size_t unseen, size_t promised, double degrees) {
+  assert(promised >= 2 && degrees > 0);
   constexpr size_t kPromises = 10'000;
-  const double reach = interval_reach(promised);
-  const auto n = static_cast<double>(promised);
+  constexpr double kMany = 200;  // of more degrees the law is hardly another one
+  const auto squared = std::max<size_t>(1, static_cast<size_t>(std::lround(std::min(degrees, kMany))));
+  const double reach = interval_reach(promised, static_cast<double>(squared));
   double chance = 0;
+  size_t draw = 0;
   for (size_t i = 0; i < kPromises; ++i) {
-    double sum = 0;
+    const double mean = random_normal(draw++) / std::sqrt(static_cast<double>(promised));
     double squares = 0;
-    for (size_t k = 0; k < promised; ++k) {
-      const double value = random_normal(i * promised + k);
-      sum += value;
+    for (size_t k = 0; k < squared; ++k) {
+      const double value = random_normal(draw++);
       squares += value * value;
     }
-    const double mean = sum / n;
-    const double half = reach * std::sqrt(std::max(0.0, squares - sum * mean) / (n - 1));
+    const double half = reach * std::sqrt(squares / static_cast<double>(squared));
     // Given the interval the unseen ones are independent.
     chance += binomial_at_most(within, unseen, normal_cdf(mean + half) - normal_cdf(mean - half));
   }
@@ -195,7 +233,8 @@ SpeedProof prove_speed(const SpeedPromise& promise, std::vector<SeedTimes> unsee
   SpeedProof out;
   out.seeds = std::move(unseen);
   for (const SeedTimes& one : out.seeds) out.within += lies_within(promise.on_another_seed, one.ratio);
-  out.holds = chance_of_so_few(out.within, out.seeds.size(), promise.seeds.size()) >= 0.025;
+  const size_t promised = promise.seeds.size();
+  out.holds = chance_of_so_few(out.within, out.seeds.size(), promised, static_cast<double>(promised - 1)) >= 0.025;
   return out;
 }
 
@@ -212,21 +251,26 @@ std::vector<UnseenFigure> draw_unseen(gl::Context& context, const TuneRequest& r
   setup.display = request.display;
   setup.table = {&score, 1};
   std::vector<UnseenFigure> out;
-  for (const QualityRow& row : compute_quality(context, setup)) {
-    if (!row.refused.empty()) throw Error("tune", row.refused, "");
-    if (const auto value = row.scores.value(score->name)) out.push_back({row.view.height_px, *value});
+  const std::vector<QualityRow> rows = compute_quality(context, setup);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i].refused.empty()) throw Error("tune", rows[i].refused, "");
+    if (const auto value = rows[i].scores.value(score->name)) out.push_back({i, rows[i].view.height_px, *value});
   }
   return out;
 }
 
 SeedScores scores_of(const metrics::Score& score, uint64_t seed, const std::vector<UnseenFigure>& figures) {
-  SeedScores out{seed, figures.size(), 0, 0};
+  SeedScores out;
+  out.seed = seed;
+  out.figures = figures.size();
   if (figures.empty()) return out;
   std::vector<double> bad;
   double sum = 0;
   for (const UnseenFigure& one : figures) {
     bad.push_back(badness_of(score, one.value));
     sum += bad.back();
+    if (out.by_place.size() <= one.place) out.by_place.resize(one.place + 1, std::numeric_limits<double>::quiet_NaN());
+    out.by_place[one.place] = one.value;
   }
   out.mean = value_of_badness(score, sum / static_cast<double>(bad.size()));
   out.tail = value_of_badness(score, badness_tail(bad));
@@ -249,7 +293,15 @@ ScorePromise promised_score(const metrics::Score& score, std::vector<SeedScores>
   }
   ScorePromise out;
   out.mean = sum / static_cast<double>(means.size());
-  out.on_another_seed = within_range(score, prediction_interval(means));
+  const MeanVariance of = variance_of_means(seeds);
+  Interval interval = prediction_interval(means);
+  out.degrees = static_cast<double>(means.size() - 1);
+  if (of.degrees > 0 && std::isfinite(of.variance) && std::isfinite(out.mean)) {
+    out.degrees = of.degrees;
+    const double half = interval_reach(means.size(), of.degrees) * std::sqrt(of.variance);
+    interval = {out.mean - half, out.mean + half};
+  }
+  out.on_another_seed = within_range(score, interval);
   out.seeds = std::move(seeds);
   return out;
 }
@@ -258,7 +310,7 @@ ScoreProof prove_score(const ScorePromise& promise, std::vector<SeedScores> unse
   ScoreProof out;
   out.seeds = std::move(unseen);
   for (const SeedScores& one : out.seeds) out.within += lies_within(promise.on_another_seed, one.mean);
-  out.holds = chance_of_so_few(out.within, out.seeds.size(), promise.seeds.size()) >= 0.025;
+  out.holds = chance_of_so_few(out.within, out.seeds.size(), promise.seeds.size(), promise.degrees) >= 0.025;
   return out;
 }
 

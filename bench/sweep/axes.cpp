@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "bench/sweep/option_values.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "scene/cast/scenario_table.h"
@@ -66,6 +67,11 @@ void set_key(scene::Scenario& scenario, const Key& key, const scene::KeyValue& v
   for (size_t i = 0; i < entries; ++i) key.set(scenario, i, value);
 }
 
+void require_known_values(const renderers::Spec& spec, const std::string& place = {}) {
+  if (const std::string wrong = wrong_option_value(spec); !wrong.empty())
+    throw Error(place, wrong, "`crowdbench info --representations` lists the options");
+}
+
 AxisValue value_of_key(const Key& key, const TomlNode& node, const std::string& where) {
   const scene::KeyValue value = scene::read_key(key, node, where);
   AxisValue out;
@@ -73,7 +79,9 @@ AxisValue value_of_key(const Key& key, const TomlNode& node, const std::string& 
   out.setting = {name_of(key), plain_text(key, value), choice ? std::nullopt : number_of(value)};
   // A representation that there is not is refused where it stands.
   if (key.table.empty() && key.name == "representation") try {
-      out.setting.text = renderers::parse_spec(out.setting.text).text();
+      const renderers::Spec spec = renderers::parse_spec(out.setting.text);
+      require_known_values(spec);
+      out.setting.text = spec.text();
     } catch (const Error& error) {
       throw Error(node.place(where),
                   "`representation`: " + error.where + (error.where.empty() ? "" : ": ") + error.wrong, error.advice);
@@ -103,6 +111,10 @@ AxisValue value_of_option(const renderers::RepresentationType& type, const std::
     throw Error(node.place(where),
                 fmt::format("`{}.{}` holds '{}', which is no option's value", type.name, option, printable(text, 60)),
                 "give one value without commas, colons and brackets");
+  renderers::Spec alone;
+  alone.name = type.name;
+  alone.options = {{option, text}};
+  require_known_values(alone, node.place(where));
   out.setting = {type.name + "." + option, text, node.is_number() ? std::optional(node.as_number()) : std::nullopt};
   out.representation = type.name;
   out.option = option;

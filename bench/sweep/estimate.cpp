@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/progress.h"
@@ -11,8 +12,14 @@ namespace crowdbench::bench::sweep {
 namespace {
 
 // Beside the timed rounds, seconds: solving and looking, a condition; baking, a representation at its first use. Rough.
-constexpr double kConditionOverhead = 4;
+constexpr double kConditionOverhead = 1.5;
 constexpr double kBake = 5;
+// What a frame of the mesh took on two cores of llvmpipe, seconds: by itself, an agent of some thousand triangles, a
+// pixel. Others are taken to be no faster. Warm-ups settle after some rounds.
+constexpr double kFrameSeconds = 0.003;
+constexpr double kAgentSeconds = 0.0004;
+constexpr double kPixelSeconds = 5e-8;
+constexpr double kWarmUpRounds = 8;
 // Bytes in the file, as measured: a run's text and the rows of a condition, a point with its ratios, a sample, a score.
 constexpr double kFileBytes = 60'000;
 constexpr double kConditionBytes = 5000;
@@ -21,6 +28,17 @@ constexpr double kSampleBytes = 34;
 constexpr double kScoreBytes = 40;
 // Of a picture's three PNGs, bytes a pixel.
 constexpr double kPictureBytes = 1.5;
+
+// Each of the warm-up and the rounds ends at the time limit.
+double timed_seconds_of(const Plan& plan, const Condition& condition) {
+  if (!plan.measures.times) return 0;
+  const scene::Scenario& scenario = condition.scenario;
+  const double frame = kFrameSeconds + kAgentSeconds * scenario.crowd.agents +
+                       kPixelSeconds * static_cast<double>(scenario.width) * scenario.height;
+  const double round = frame * static_cast<double>(condition.points.size() + (plan.measures.aa ? 2 : 1));
+  return std::min(plan.measures.time_limit_s, kWarmUpRounds * round) +
+         std::min(plan.measures.time_limit_s, plan.measures.rounds * round);
+}
 
 double bytes_of(const Plan& plan, const Condition& condition) {
   const auto points = static_cast<double>(condition.points.size());
@@ -48,9 +66,11 @@ Estimate estimate(const Plan& plan, const Shard& shard, const std::filesystem::p
   Estimate result;
   result.repetitions = static_cast<size_t>(plan.repetitions);
   std::set<std::string> representations;
+  double guessed = 0;
   for (size_t c = 0; c < plan.conditions.size(); ++c) {
     if (!shard.holds(c)) continue;
     ++result.conditions;
+    guessed += timed_seconds_of(plan, plan.conditions[c]) + kConditionOverhead;
     result.points += plan.conditions[c].points.size() * result.repetitions;
     result.bytes += static_cast<uint64_t>(bytes_of(plan, plan.conditions[c])) * result.repetitions;
     for (const PlannedPoint& point : plan.conditions[c].points) representations.insert(point.representation);
@@ -67,10 +87,11 @@ Estimate estimate(const Plan& plan, const Shard& shard, const std::filesystem::p
   }
   const auto left = static_cast<double>(cells - std::min(cells, result.held));
   result.measured = !before.empty();
-  const double timed = plan.measures.times ? 2 * plan.measures.time_limit_s : 0;
-  result.seconds = result.measured ? left * median(before)
-                                   : left * (timed + kConditionOverhead) +
-                                         (left > 0 ? kBake * static_cast<double>(representations.size()) : 0);
+  if (result.measured)
+    result.seconds = left * median(before);
+  else if (left > 0)
+    result.seconds =
+        left * guessed / static_cast<double>(result.conditions) + kBake * static_cast<double>(representations.size());
   return result;
 }
 

@@ -1,36 +1,5 @@
-// A plan of a sweep: which conditions are measured, what is drawn in each, and what is looked at. One TOML file:
-//
-//   name = "textures"                        # of the rows; the file's name where it is not given
-//   look_for = "SSIM stops growing at ..."   # printed above the tables
-//   [scenario]                               # what all points show: the keys of a scenario, here and in
-//   base = "../scenarios/plaza.toml"         # ... a scenario file, which the other keys change. Both may be missing.
-//   crowd.agents = 100
-//   [axes]                                   # what varies; the first axis changes slowest
-//   occupancy = [0.15, 0.9]                  # a key of the scenario: a list of its values,
-//   crowd.agents = { from = 1, to = 10000, steps = 9, scale = "log" }   # ... or so many steps of a range (linear), or
-//   camera.fov_y_deg = { from = 20, to = 90 }      # ... without `steps`, what [points] `sample` draws from the range
-//   representation = ["flat", "relief"]      # what is drawn (a key like the others)
-//   relief.map = [64, 128]                   # an option, of every representation of that name, in hybrids too
-//   [[axes.types]]                           # any other name: named settings, each with keys as [scenario] has them,
-//                                            # below what axes say of the same keys
-//   label = "ten"
-//   base = "../scenarios/character_types_10.toml"
-//   [points]                                 # all combinations of the axes; but for
-//   where = ["crowd.agents <= 1000 or occupancy > 0.5"]   # ... these conditions (expression.h); one that names an axis
-//                                            # which a point does not have says nothing of that point
-//   sample = { method = "halton", count = 20, seed = 1 }  # of all axes without `steps` together; or "random"
-//   repetitions = 1                          # each with other orders within the rounds
-//   [[points.also]]                          # one more point, by its values
-//   crowd.agents = 7
-//   [measure]
-//   reference = "mesh"                       # what ratios and scores are against
-//   aa = true                                # time the reference twice, as if it were two: the A/A pair
-//   together = 16                            # more points of one scenario make several conditions
-//   times = true, rounds = 24, time_limit_s = 10, scores = [...], pictures = false, bake_budget_mib = 512
-//   [[table]]                                # after the last point, one Markdown table each (sweep_table.h)
-//   rows = "crowd.agents"
-//   columns = "representation"
-//   value = "speed"
+// A plan of a sweep: which conditions are measured, what is drawn in each, and what is looked at. One TOML file, whose
+// whole form is in bench/sweep/README.md (a test reads it).
 //
 // A point is one representation at one place of the grid. Points whose scenarios are equal but for what is drawn make a
 // condition: they are drawn in the same rounds, beside the reference and its A/A twin; a shard holds whole

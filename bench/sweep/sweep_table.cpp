@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -192,7 +193,14 @@ std::string agents_text(const std::map<double, std::vector<double>>& times, doub
   return fmt::format("> {:g}", curve.back().first);
 }
 
-// The different values on an axis, in the order in which points have them.
+bool is_at(const PointView& view, const std::string& axis, const std::string& value) {
+  if (axis.empty()) return true;
+  const auto found = view.settings.find(axis);
+  return found != view.settings.end() && found->second == value;
+}
+
+// The different values on an axis, in the order in which points have them; numbers in no order (samples, points listed
+// besides) ascend.
 std::vector<std::string> values_on(const Views& views, const std::string& axis) {
   std::vector<std::string> out;
   for (const PointView& view : views) {
@@ -200,13 +208,26 @@ std::vector<std::string> values_on(const Views& views, const std::string& axis) 
     if (found != view.settings.end() && std::find(out.begin(), out.end(), found->second) == out.end())
       out.push_back(found->second);
   }
+  std::vector<double> numbers;
+  for (const std::string& text : out) {
+    double number = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (fault != std::errc{} || end != text.data() + text.size()) return out;
+    numbers.push_back(number);
+  }
+  if (std::is_sorted(numbers.begin(), numbers.end()) || std::is_sorted(numbers.rbegin(), numbers.rend())) return out;
+  std::vector<std::pair<double, std::string>> ascending;
+  for (size_t i = 0; i < out.size(); ++i) ascending.emplace_back(numbers[i], out[i]);
+  std::sort(ascending.begin(), ascending.end());
+  for (size_t i = 0; i < out.size(); ++i) out[i] = ascending[i].second;
   return out;
 }
 
-bool is_at(const PointView& view, const std::string& axis, const std::string& value) {
-  if (axis.empty()) return true;
-  const auto found = view.settings.find(axis);
-  return found != view.settings.end() && found->second == value;
+// Whether a column is of the reference alone, which has no such value: a score of it against itself.
+bool is_empty_reference(const Views& views, const std::string& axis, const std::string& value, const Measure& measure) {
+  return std::all_of(views.begin(), views.end(), [&](const PointView& view) {
+    return view.row->role == "aa" || !is_at(view, axis, value) || (view.row->role == "reference" && !measure.of(view));
+  });
 }
 
 std::string cell_of(const Views& views, const TableRequest& request, const Measure& measure, const std::string& row,
@@ -366,7 +387,11 @@ std::string table_text(const TableRequest& request, const Plan& plan, const Stor
   std::string what = measure.title;
   if (request.at) what += fmt::format(" in {:g} ms a frame", *request.at);
   std::vector<std::string> columns = {what};
-  if (!request.columns.empty()) columns = values_on(views, request.columns);
+  if (!request.columns.empty()) {
+    columns = values_on(views, request.columns);
+    std::erase_if(columns,
+                  [&](const std::string& one) { return is_empty_reference(views, request.columns, one, measure); });
+  }
   std::vector<std::string> head = {request.rows};
   head.insert(head.end(), columns.begin(), columns.end());
   std::string out = fmt::format("**{}**{}\n\n", request.title.empty() ? plan.name : request.title,

@@ -40,20 +40,6 @@ Json log_axis(const std::string& title, const std::vector<double>& ticks) {
           {"grid", true},   {"labelOverlap", "greedy"}, {"minExtent", 38}};
 }
 
-Json agents_x(const Scene& scene) {
-  std::vector<double> ticks;
-  for (const uint32_t agents : scene.agents)
-    if (agents > 0) ticks.push_back(agents);
-  const double least = ticks.empty() ? 1 : ticks.front();
-  const double greatest = ticks.empty() ? 10 : ticks.back();
-  return {
-      {"field", "agents"},
-      {"type", "quantitative"},
-      // Room on the right for the names at the lines' ends.
-      {"scale", {{"type", "log"}, {"domain", {least / 1.15, std::max(greatest * 2.2, least * 4)}}, {"nice", false}}},
-      {"axis", log_axis("agents", ticks)}};
-}
-
 struct Range {
   double least = INFINITY;
   double greatest = -INFINITY;
@@ -64,8 +50,32 @@ struct Range {
   }
 };
 
+std::vector<double> agent_ticks(const Scene& scene) {
+  std::vector<double> ticks;
+  for (const uint32_t agents : scene.agents)
+    if (agents > 0) ticks.push_back(agents);
+  return ticks;
+}
+
+// With room on the right for the names at the lines' ends.
+Range agents_shown(const Scene& scene) {
+  const std::vector<double> ticks = agent_ticks(scene);
+  const double least = ticks.empty() ? 1 : ticks.front();
+  const double greatest = ticks.empty() ? 10 : ticks.back();
+  return {least / 1.15, std::max(greatest * 2.2, least * 4)};
+}
+
+Json agents_x(const Scene& scene) {
+  const Range shown = agents_shown(scene);
+  return {{"field", "agents"},
+          {"type", "quantitative"},
+          {"scale", {{"type", "log"}, {"domain", {shown.least, shown.greatest}}, {"nice", false}}},
+          {"axis", log_axis("agents", agent_ticks(scene))}};
+}
+
 // The name of each line at its end, instead of a legend; names that would overlap are moved apart. On a narrow screen,
-// and where one is long, before the end, above the line: beyond it there is no room.
+// and where one is long, above the line: beyond its end there is no room. There it ends with the line, or begins with
+// the end of a line that ends in the left half, before which there is none either.
 Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, const char* y, double height) {
   std::sort(ends.begin(), ends.end(),
             [&](const Json& a, const Json& b) { return a.at(y).number() < b.at(y).number(); });
@@ -73,22 +83,29 @@ Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, 
   const double gap = decades * 15.0 / height;  // 15 pixels in decades
   double below = -INFINITY;
   double longest = 0;
+  const Range shown = agents_shown(scene);
   for (Json& end : ends) {
     longest = std::max(longest, name_px(end.at("label").text()));
     const double at = std::max(std::log10(end.at(y).number()), below + gap);
     end["label_y"] = std::pow(10.0, at);
+    end["early"] = std::log(end.at("agents").number() / shown.least) < 0.5 * std::log(shown.greatest / shown.least);
     below = at;
   }
   constexpr double kBeyond = 80;  // pixels that the axis leaves there
   const std::string before = longest > kBeyond ? "true" : kNarrowScreen;
+  const auto names = [&](const char* which, const std::string& align) {
+    return Json{{"transform", Json::array({{{"filter", which}}})},
+                {"mark",
+                 {{"type", "text"},
+                  {"align", {{"expr", align}}},
+                  {"dx", {{"expr", fmt::format("{} ? 0 : 9", before)}}},
+                  {"dy", {{"expr", fmt::format("{} ? -9 : 0", before)}}},
+                  {"fontSize", 12},
+                  {"fontWeight", 600}}}};
+  };
   return {{"data", {{"values", ends}}},
-          {"mark",
-           {{"type", "text"},
-            {"align", {{"expr", fmt::format("{} ? 'right' : 'left'", before)}}},
-            {"dx", {{"expr", fmt::format("{} ? 0 : 9", before)}}},
-            {"dy", {{"expr", fmt::format("{} ? -9 : 0", before)}}},
-            {"fontSize", 12},
-            {"fontWeight", 600}}},
+          {"layer", Json::array({names("!datum.early", fmt::format("{} ? 'right' : 'left'", before)),
+                                 names("datum.early", "'left'")})},
           {"encoding",
            {{"x", {{"field", "agents"}, {"type", "quantitative"}}},
             {"y", {{"field", "label_y"}, {"type", "quantitative"}}},
@@ -236,7 +253,10 @@ std::string speed_chart(const Scene& scene) {
                           {"times", fmt::format("{}\u00d7", factor_text(ratio->ratio))},
                           {"interval", fmt::format("{} to {}", factor_text(ratio->low), factor_text(ratio->high))},
                           {"pairs", ratio->pairs}});
-        last = {{"representation", name}, {"agents", agents}, {"ratio", ratio->ratio}, {"label", name + ", " + covers}};
+        last = {{"representation", name},
+                {"agents", agents},
+                {"ratio", ratio->ratio},
+                {"label", scene.occupancies.size() > 1 ? name + ", " + covers : name}};
       }
       if (!last.is_null()) ends.push_back(last);
     }

@@ -38,9 +38,11 @@ Json axis_of(const char* field, const char* title, bool log) {
 }
 
 // Of a vertical axis whose title is a sentence: it lies over the axis, from the plot's left edge on. Upright beside a
-// low chart it would be longer than the chart is high, and cut off.
-Json title_above() {
-  return {{"titleAngle", 0}, {"titleAlign", "left"}, {"titleBaseline", "bottom"}, {"titleX", 0}, {"titleY", -10}};
+// low chart it would be longer than the chart is high, and cut off. The legend goes above it.
+void put_title_above(Json& spec, Json& y) {
+  y["axis"].update(
+      {{"titleAngle", 0}, {"titleAlign", "left"}, {"titleBaseline", "bottom"}, {"titleX", 0}, {"titleY", -10}});
+  spec["config"]["legend"]["offset"] = 32;
 }
 
 Json tip(const char* field, const char* title) { return {{"field", field}, {"type", "nominal"}, {"title", title}}; }
@@ -80,6 +82,7 @@ std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& m
       values.push_back({{"representation", model.representation},
                         {"measured", measured},
                         {"predicted", std::max(in_ms(one.predicted_ns), 1e-6)},
+                        {"where", one.between ? "between the others" : "beyond the others"},
                         {"at", fmt::format("{}{}", agents_text(one.point.agents),
                                            one.point.occupancy > 0 ? ", " + percent_text(one.point.occupancy) : "")}});
     }
@@ -91,17 +94,18 @@ std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& m
   for (const double at : {least / 1.2, most * 1.2})
     band.push_back({{"measured", at}, {"low", 0.85 * at}, {"high", 1.15 * at}});
   const Json low = axis_of("low", "predicted without that point, ms", true);
-  spec["layer"] = Json::array(
-      {{{"data", {{"values", band}}},
-        {"mark", {{"type", "area"}, {"color", "#9aa5b1"}, {"opacity", 0.3}}},
-        {"encoding", {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}}}},
-       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 55}, {"opacity", 0.85}}},
-        {"encoding",
-         {{"x", x},
-          {"y", axis_of("predicted", "predicted without that point, ms", true)},
-          {"color", colours(scene, "representation")},
-          {"tooltip", Json::array({tip("representation", "representation"), tip("at", "at"),
-                                   tip("measured", "measured, ms"), tip("predicted", "predicted, ms")})}}}}});
+  spec["layer"] =
+      Json::array({{{"data", {{"values", band}}},
+                    {"mark", {{"type", "area"}, {"color", "#9aa5b1"}, {"opacity", 0.3}}},
+                    {"encoding", {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}}}},
+                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 55}, {"opacity", 0.85}}},
+                    {"encoding",
+                     {{"x", x},
+                      {"y", axis_of("predicted", "predicted without that point, ms", true)},
+                      {"color", colours(scene, "representation")},
+                      {"tooltip", Json::array({tip("representation", "representation"), tip("at", "at"),
+                                               tip("measured", "measured, ms"), tip("predicted", "predicted, ms"),
+                                               tip("where", "where")})}}}}});
   return spec.dump();
 }
 
@@ -159,7 +163,7 @@ std::string front_chart(const Scene& scene, const ParetoFront& front) {
   spec["data"] = {{"values", values}};
   const std::string title = heading(front.score);
   Json y = axis_of("error", title.c_str(), false);
-  y["axis"].update(title_above());
+  put_title_above(spec, y);
   spec["layer"] = Json::array(
       {{{"mark", {{"type", "rule"}}},
         {"encoding",

@@ -24,10 +24,15 @@ Json model_json(const CostModel& model) {
     out["points"].push_back({{"agents", one.point.agents},
                              {"requested_occupancy", one.point.occupancy},
                              {"measured_ns", one.point.time_ns},
-                             {"predicted_ns", one.predicted_ns}});
+                             {"predicted_ns", one.predicted_ns},
+                             {"between", one.between}});
   const bool none = !model.absent.empty();
   out["held_out_error"] = none ? Json(nullptr) : Json(model.error);
   out["within_15_percent"] = none ? Json(nullptr) : Json(model.within_15);
+  out["between"] = none ? Json(nullptr)
+                        : Json({{"points", model.between},
+                                {"within_15_percent", model.between_within_15},
+                                {"held_out_error", model.between_error}});
   out["within_share"] =
       none ? Json(nullptr) : Json({{"low", model.within_share.low}, {"high", model.within_share.high}});
   return out;

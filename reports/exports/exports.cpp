@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/counted.h"
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/json.h"
@@ -16,6 +17,7 @@
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
+#include "reports/model/sweep_settings.h"
 #include "store/columns.h"
 
 namespace crowdbench::reports {
@@ -196,8 +198,9 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
   for (const Scene& scene : scenes) {
     const RunRow& run = *scene.run;
     const std::string& metric = run.headline;
-    add("# {}, {} × {} pixels, scenario “{}”\n\n", markdown_cell(scene.character), scene.width, scene.height,
-        markdown_cell(run.scenario_name));
+    const std::string settings = settings_of_scene(contents, scene);
+    add("# {}, {} × {} pixels, scenario “{}”{}\n\n", markdown_cell(scene.character), scene.width, scene.height,
+        markdown_cell(run.scenario_name), settings.empty() ? "" : ", " + markdown_cell(settings));
     if (const auto notice = void_notice(scene)) add("**{}**\n\n", markdown_cell(*notice));
     for (const std::string& sentence : answer(scene)) add("{}\n\n", markdown_cell(sentence));
     if (run.software)
@@ -230,6 +233,13 @@ std::string report_markdown(const StoreContents& contents, const std::string& so
             percent_or_dash(line.occupancy), markdown_cell(crossover_text(line)));
     }
     out += scores_markdown(scene) + largest_crowds(scene) + provenance(run);
+  }
+  for (const UndrawnPoints& one : undrawn_points(contents)) {
+    add("{} of the plan {} not drawn ({}: {}):\n\n", counted(one.count, "point", "points"),
+        one.count == 1 ? "was" : "were", one.state, markdown_cell(one.reason));
+    for (const std::string& point : one.some) add("- {}\n", markdown_cell(point));
+    if (one.count > one.some.size()) add("- {} more\n", count_text(one.count - one.some.size()));
+    out += "\n";
   }
   return out;
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
+#include "core/counted.h"
 #include "core/probability.h"
 
 namespace crowdbench::reports {
@@ -109,6 +111,27 @@ std::vector<CostPoint> thinned(std::vector<CostPoint> points) {
   return out;
 }
 
+// By the angles under which the others are seen: where they leave half a turn or more open, one of them or a line
+// between two of them has to be where the point is.
+bool is_between(const CostPoint& point, const std::vector<CostPoint>& others) {
+  const auto place = [](const CostPoint& one) {
+    return std::pair(std::log(std::max<double>(1, one.agents)), one.occupancy);
+  };
+  const auto [x, y] = place(point);
+  std::vector<double> angles;
+  for (const CostPoint& other : others) {
+    if ((other.occupancy > 0) != (point.occupancy > 0)) continue;
+    const auto [a, b] = place(other);
+    if (a == x && b == y) return true;
+    angles.push_back(std::atan2(b - y, a - x));
+  }
+  if (angles.size() < 2) return false;
+  std::sort(angles.begin(), angles.end());
+  double open = angles.front() + 2 * std::numbers::pi - angles.back();
+  for (size_t i = 1; i < angles.size(); ++i) open = std::max(open, angles[i] - angles[i - 1]);
+  return open <= std::numbers::pi + 1e-9;
+}
+
 std::optional<double> as_double(const std::optional<uint64_t>& value) {
   return value ? std::optional(static_cast<double>(*value)) : std::nullopt;
 }
@@ -197,7 +220,7 @@ CostModel cost_model(const Scene& scene, const std::string& representation, size
   const std::vector<CostPoint> points = thinned(cost_points(scene, representation));
   // One more than a fit needs, so that each can be left out.
   if (points.size() <= kLeastPoints) {
-    model.absent = "it was timed at " + std::to_string(points.size()) + " points, a model takes " +
+    model.absent = "it was timed at " + counted(points.size(), "point", "points") + ", a model takes " +
                    std::to_string(kLeastPoints + 1) + " at least";
     return model;
   }
@@ -209,7 +232,7 @@ CostModel cost_model(const Scene& scene, const std::string& representation, size
       if (p % folds != fold) others.push_back(points[p]);
     const auto without = fit_cost(others, allowed);
     for (size_t p = fold; without && p < points.size(); p += folds) {
-      model.held_out.push_back({points[p], predicted_ns(*without, points[p])});
+      model.held_out.push_back({points[p], predicted_ns(*without, points[p]), is_between(points[p], others)});
       if (std::abs(model.held_out.back().predicted_ns / points[p].time_ns - 1) <= 0.15) ++model.within_15;
     }
   }
@@ -222,11 +245,17 @@ CostModel cost_model(const Scene& scene, const std::string& representation, size
   model.fit = *fit;
   const auto n = static_cast<double>(points.size());
   double squares = 0;
+  double squares_between = 0;
   for (const CostPrediction& one : model.held_out) {
     const double error = one.predicted_ns / one.point.time_ns - 1;
     squares += error * error;
+    if (!one.between) continue;
+    ++model.between;
+    model.between_within_15 += std::abs(error) <= 0.15 ? 1 : 0;
+    squares_between += error * error;
   }
   model.error = std::sqrt(squares / n);
+  if (model.between > 0) model.between_error = std::sqrt(squares_between / static_cast<double>(model.between));
   const auto k = static_cast<double>(model.within_15);
   model.within_share = {k > 0 ? beta_quantile(0.025, k, n - k + 1) : 0, k < n ? beta_quantile(0.975, k + 1, n - k) : 1};
   return model;

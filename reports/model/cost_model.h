@@ -61,15 +61,22 @@ double predicted_ns(const CostFit& fit, const CostPoint& point);
 struct CostPrediction {
   CostPoint point;
   double predicted_ns = 0;
+  // Whether the others surround it: it lies in the convex hull of theirs over the logarithm of the agents and the
+  // occupancy (those of the scenario's own view by themselves). Beyond it the model is stretched, as where a corner of
+  // what was measured is left out; break-evens are told within what was measured alone.
+  bool between = false;
 };
 struct CostModel {
   std::string representation;
   std::string absent;  // why there is none; empty where there is
   CostFit fit;         // of all points
   std::vector<CostPrediction> held_out;
-  double error = 0;       // root mean square of the relative errors of held_out
-  size_t within_15 = 0;   // predictions within 15 % of what was measured
-  Interval within_share;  // 95 %, Clopper and Pearson
+  double error = 0;      // root mean square of the relative errors of held_out
+  size_t within_15 = 0;  // predictions within 15 % of what was measured
+  // Of those between the points that they were predicted from.
+  size_t between = 0, between_within_15 = 0;
+  double between_error = 0;  // root mean square; 0 where there are none
+  Interval within_share;     // 95 %, Clopper and Pearson
 };
 // allowed: as fit_cost.
 CostModel cost_model(const Scene& scene, const std::string& representation, size_t allowed = kCostTerms);

@@ -18,9 +18,13 @@ std::string formula_text(const CostFit& fit) {
 }
 
 std::string accuracy_text(const CostModel& model) {
-  return fmt::format("{} of {} within 15 % (95 % interval of the share {} to {}); error {:.1f} %", model.within_15,
-                     model.held_out.size(), percent_text(model.within_share.low), percent_text(model.within_share.high),
-                     100 * model.error);
+  std::string out = fmt::format("{} of {} within 15 % (95 % interval of the share {} to {}); error {:.1f} %",
+                                model.within_15, model.held_out.size(), percent_text(model.within_share.low),
+                                percent_text(model.within_share.high), 100 * model.error);
+  if (model.between == model.held_out.size()) return out;
+  if (model.between == 0) return out + "; each lies beyond the others";
+  return out + fmt::format("; of those between the others {} of {}, error {:.1f} %", model.between_within_15,
+                           model.between, 100 * model.between_error);
 }
 
 std::vector<std::string> break_even_sentences(const Scene& scene, const BreakEvenMap& map) {

@@ -1,9 +1,12 @@
 #include "reports/page/points_section.h"
 
+#include <fmt/format.h>
+
 #include <map>
 
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
+#include "reports/model/sweep_settings.h"
 #include "reports/page/page_files.h"
 
 namespace crowdbench::reports {
@@ -20,11 +23,12 @@ Comparisons comparisons_of(const Scene& scene) {
 }
 
 // What sets a scene apart: its axes' values where a sweep made it, else its scenario.
-using Settings = std::map<int64_t, const std::string*>;  // by measurement
+using Settings = std::map<int64_t, std::string>;  // by measurement
 Settings settings_of(const StoreContents& contents) {
   Settings out;
   for (const SweepPointRow& row : contents.sweep_points)
-    if (row.measurement && !row.settings.empty()) out[*row.measurement] = &row.settings;
+    if (std::string text = row.measurement ? settings_text(row) : ""; !text.empty())
+      out[*row.measurement] = std::move(text);
   return out;
 }
 
@@ -46,7 +50,7 @@ Html points_section(const StoreContents& contents, const std::vector<Scene>& sce
       const bool timed = time && is_timed(*row);
       rows.push_back(
           {{"number", count_text(s + 1)},
-           {"scene", setting != settings.end() ? *setting->second : scene.character + ", " + scene.run->scenario_name},
+           {"scene", setting != settings.end() ? setting->second : scene.character + ", " + scene.run->scenario_name},
            {"representation", row->key.representation},
            {"agents", count_text(row->key.agents)},
            {"occupancy", occupancy_text(row->key.requested_occupancy)},
@@ -63,6 +67,21 @@ Html points_section(const StoreContents& contents, const std::vector<Scene>& sce
                                                   {"reference", scenes.front().reference},
                                                   {"count", count},
                                                   {"rows", std::move(rows)}});
+}
+
+Html undrawn_section(const StoreContents& contents) {
+  const std::vector<UndrawnPoints> all = undrawn_points(contents);
+  if (all.empty()) return {};
+  std::vector<TemplateValues> rows;
+  for (const UndrawnPoints& one : all) {
+    std::vector<TemplateValues> some;
+    for (const std::string& name : one.some) some.push_back({{"point", name}});
+    if (one.count > one.some.size())
+      some.push_back({{"point", fmt::format("{} more", count_text(one.count - one.some.size()))}});
+    rows.push_back(
+        {{"count", count_text(one.count)}, {"state", one.state}, {"reason", one.reason}, {"points", std::move(some)}});
+  }
+  return fill_template(page_file("undrawn.html"), {{"rows", std::move(rows)}});
 }
 
 }  // namespace crowdbench::reports

@@ -13,4 +13,7 @@ inline constexpr size_t kScenesInFull = 12;
 // scenes: of scenes_of(contents). Empty where all of them are told in full.
 Html points_section(const StoreContents& contents, const std::vector<Scene>& scenes);
 
+// The points of a sweep that were not drawn, and why. Empty where all were.
+Html undrawn_section(const StoreContents& contents);
+
 }  // namespace crowdbench::reports

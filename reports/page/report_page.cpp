@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "reports/model/equal_levels.h"
+#include "reports/model/sweep_settings.h"
 #include "reports/page/blocks.h"
 #include "reports/page/distance_page.h"
 #include "reports/page/findings_section.h"
@@ -42,14 +43,17 @@ std::string characters_of(const std::vector<Scene>& scenes, const std::vector<Sc
 }
 
 // several: the page tells of more scenes than this one, so that each needs a heading and an answer of its own.
-TemplateValues scene_values(const Scene& scene, const FloorTexts& floors, bool several, int& last_chart) {
+TemplateValues scene_values(const StoreContents& contents, const Scene& scene, const FloorTexts& floors, bool several,
+                            int& last_chart) {
   Rows heading;
   std::vector<Html> sections;
   if (several) {
+    const std::string settings = settings_of_scene(contents, scene);
     heading.push_back({{"character", scene.character},
                        {"width", scene.width},
                        {"height", scene.height},
-                       {"scenario", scene.run->scenario_name}});
+                       {"scenario", scene.run->scenario_name},
+                       {"settings", settings.empty() ? "" : ", " + settings}});
     sections.push_back(answer_section(scene));
   }
   SceneOnPage page(scene, last_chart);
@@ -172,7 +176,8 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
   int last_chart = 0;
   Rows on_page;
   const size_t in_full = std::min(scenes.size(), kScenesInFull);
-  for (size_t i = 0; i < in_full; ++i) on_page.push_back(scene_values(scenes[i], options.floors, several, last_chart));
+  for (size_t i = 0; i < in_full; ++i)
+    on_page.push_back(scene_values(contents, scenes[i], options.floors, several, last_chart));
   Rows over_distance;
   for (const RunRow* each : distances) over_distance.push_back(distance_values(contents, *each, options, last_chart));
   Rows alone;
@@ -203,6 +208,7 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
        {"agents", std::move(alone)},
        {"pops", html_rows(std::move(pops))},
        {"points", points_section(contents, scenes)},
+       {"undrawn", undrawn_section(contents)},
        {"timed", !scenes.empty()},
        {"runs", std::move(runs)},
        {"more_runs", std::move(more)}});

@@ -141,6 +141,14 @@ std::string first_line(const std::string& message) {
   return line.empty() ? "is not TOML" : line;
 }
 
+// Two of its refusals are of the order in which tables stand, which its words do not say.
+const char* advice_on(std::string_view what) {
+  return what.find("already exists") != std::string_view::npos
+             ? "give a table's head once, [axes] above the [[axes.name]] that belong to it; the syntax is at "
+               "https://toml.io"
+             : "see https://toml.io for the syntax";
+}
+
 Toml parse_text(const std::string& text, const std::string& where) {
   std::istringstream stream(text);
   try {
@@ -148,7 +156,7 @@ Toml parse_text(const std::string& text, const std::string& where) {
   } catch (const toml::exception& error) {
     const size_t lines = 1 + static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
     throw Error(line_place(where, std::clamp<size_t>(error.location().line(), 1, lines)), first_line(error.what()),
-                "see https://toml.io for the syntax");
+                advice_on(error.what()));
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {  // its lexer lets std::out_of_range and std::runtime_error through

@@ -405,12 +405,13 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
       {"regress",
        [&] {
          // The file with itself: nothing is worse; whether ten rounds are enough to pass depends on the machine's mood.
-         const Outcome same = run("regress r.sqlite r.sqlite --detect 900 --markdown regress.md --junit regress.xml");
+         const Outcome same =
+             run("regress r.sqlite r.sqlite --detect 900 --run-scatter 1 --markdown regress.md --junit regress.xml");
          EXPECT_TRUE(same.status == 0 || same.status == 3) << same.text;
          EXPECT_NE(same.text.find(": 0 worse"), std::string::npos) << same.text;
          EXPECT_NE(text("regress.md").find(": 0 worse"), std::string::npos);
          EXPECT_NE(text("regress.xml").find("failures=\"0\""), std::string::npos);
-         const json j = json::parse(run("regress r.sqlite r.sqlite --detect 900 --json", false).text);
+         const json j = json::parse(run("regress r.sqlite r.sqlite --detect 900 --run-scatter 1 --json", false).text);
          ASSERT_EQ(j.at("times").size(), 2U) << "without floors the reference has no yardstick";
          EXPECT_EQ(j.at("times")[0].at("change"), 0);
          EXPECT_EQ(j.at("pictures").size(), 2U);
@@ -418,6 +419,13 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(run("regress r.sqlite r.sqlite --explain 1 --pictures why").text.find("difference.png"),
                    std::string::npos);
          EXPECT_EQ(run("regress r.sqlite q.sqlite").status, 3) << "nothing in common";
+         // One run says nothing of what differs between runs; five files of a folder do.
+         EXPECT_NE(run("regress r.sqlite r.sqlite").text.find("5 runs of each are needed"), std::string::npos);
+         std::filesystem::create_directory(work_ / "runs");
+         for (const char* name : {"1", "2", "3", "4", "5"})
+           std::filesystem::copy_file(work_ / "r.sqlite", work_ / "runs" / (std::string(name) + ".sqlite"));
+         const Outcome folders = run("regress runs runs --detect 900");
+         EXPECT_EQ(folders.status, 0) << folders.text;
        }},
       {"history",
        [&] {

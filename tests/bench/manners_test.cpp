@@ -287,6 +287,8 @@ TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
       {"ratio --of mesh --to mesh --pairs 3", "--pairs: '3' is not a whole number from 20 to"},
       {"stability --case wrold", "--case: 'wrold' is neither a case nor a group of cases; did you mean 'world'?"},
       {"regress a.sqlite", "two result files are needed"},
+      {"regress / /", "/: holds no result file; give a file of `bench`, or a folder of such files"},
+      {"regress a.sqlite b.sqlite --run-scatter -1", "--run-scatter: '-1' is not a number from 0 to 1000"},
       {"regress --program x", "--program: is given 1 times; give it twice"},
       {"regress a.sqlite b.sqlite --runs 7", "--runs requires --program; see crowdbench regress --help"},
       {"regress a.sqlite b.sqlite --bench plaza.toml", "--bench requires --program"},

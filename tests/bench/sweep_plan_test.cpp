@@ -326,6 +326,9 @@ TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
       {"[axes]\nseed = [1]\nlook_for = \"x\"\n", "the axis `look_for` is neither"},
       {"[axes\n", "p.toml:1: "},
       {"axes = 3\n", "`axes` is an integer"},
+      {"[[axes.types]]\nlabel = \"a\"\n[axes]\nseed = [1]\n", "[axes] above the [[axes.name]]"},
+      {"[axes]\nrepresentation = [\"relief\"]\nrelief.map = [64,\n 1000000]\n",
+       "p.toml:4: option map=1000000 of relief is not one of"},
   };
   for (const auto& [toml, wanted] : faults)
     EXPECT_NE(fault_of(toml).find(wanted), std::string::npos) << toml << fault_of(toml) << "\n  wanted: " << wanted;
@@ -386,6 +389,20 @@ TEST(SweepPlan, ThoseThatShipAreRead) {
   EXPECT_GE(plans, 11U);
 }
 
+// The plan that the README explains every key by.
+TEST(SweepPlan, TheOneInTheReadmeIsRead) {
+  std::ifstream file(CROWDBENCH_SOURCE_DIR "/bench/sweep/README.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const size_t begin = page.find("```toml\n");
+  ASSERT_NE(begin, std::string::npos);
+  const Plan plan = plan_of(page.substr(begin + 8, page.find("```", begin + 8) - begin - 8));
+  EXPECT_EQ(plan.name, "textures");
+  EXPECT_EQ(plan.tables.size(), 1U);
+  // Two occupancies, nine crowds, twenty lenses; three representations, one of them with two maps; some are left out.
+  EXPECT_GT(plan.points(), 2 * 9 * 20U);
+  EXPECT_LT(plan.points(), 2 * 9 * 20 * 4U);
+}
+
 // ---- what a sweep will take
 
 constexpr const char* kTwoByTwo =
@@ -401,8 +418,14 @@ TEST(SweepEstimate, IsAGuessOfTheRestOfTheShard) {
   EXPECT_EQ(all.points, 12U);
   EXPECT_EQ(all.held, 0U);
   EXPECT_FALSE(all.measured);
-  // Two conditions three times: 7 s of timing, as much to warm up, and 4 s more each; two bakes of 5 s.
-  EXPECT_DOUBLE_EQ(all.seconds, 6 * (2 * 7 + 4) + 2 * 5);
+  // Two conditions three times: two points, the reference and its twin in 8 rounds to warm up and 24 more, by what a
+  // frame of so many agents took where it was tried, 1.5 s more each; two bakes of 5 s.
+  const double pixels = 640 * 480 * 5e-8;
+  EXPECT_NEAR(all.seconds, 3 * (32 * 4 * (2 * (0.003 + pixels) + 11 * 0.0004) + 2 * 1.5) + 2 * 5, 1e-6);
+  // A long frame's rounds end at the time limit.
+  EXPECT_NEAR(
+      estimate(plan_of("[axes]\ncrowd.agents = [100000]\n[measure]\ntime_limit_s = 7\n"), {1, 1}, "none").seconds,
+      2 * 7 + 1.5 + 5, 1e-6);
   const Estimate half = estimate(plan, {2, 2}, folder / "none.sqlite");
   EXPECT_EQ(half.conditions, 1U);
   EXPECT_EQ(half.points, 6U);
@@ -420,7 +443,7 @@ TEST(SweepEstimate, ADryRunHasALineAPoint) {
             "condition 1: crowd.agents = 1, representation = mesh\n"
             "condition 2: crowd.agents = 10, representation = flat\n"
             "condition 2: crowd.agents = 10, representation = mesh\n"
-            "p: 12 points in 2 conditions, 3 times each; about 1 min 58 s by a rough guess; a file of about 1.5 MB\n");
+            "p: 12 points in 2 conditions, 3 times each; about 35 s by a rough guess; a file of about 1.5 MB\n");
   all.held = 6;
   all.bytes = 999'400;
   const std::string done = dry_run_text(plan_of(kTwoByTwo), {1, 1}, all);
@@ -496,6 +519,22 @@ TEST(SweepTable, ACellIsAValueWithItsIntervalOrTheMedianOfSeveral) {
   EXPECT_EQ(table_text(request, plan, contents),
             "**All**\n\n| representation | time, ms |\n|---|--:|\n| mesh | 2.500 (of 2) |\n| a\\|b | 1.000 [0.500, "
             "2.000] |\n");
+}
+
+TEST(SweepTable, SampledRowsAscendAndTheReferenceHasNoScoreOfItself) {
+  const Plan plan = plan_of(kTwoByTwo);
+  StoreContents contents = measured({{7, "flat"}, {46, "flat"}, {13, "flat"}, {7, "mesh"}});
+  contents.sweep_points.back().role = "reference";
+  EXPECT_EQ(
+      table_text({"", "crowd.agents", "representation", "ssim", {}, ""}, plan, contents),
+      "**p**: SSIM, by representation\n\n| crowd.agents | flat |\n|---|--:|\n| 7 | - |\n| 13 | - |\n| 46 | - |\n");
+  EXPECT_NE(
+      table_text({"", "crowd.agents", "representation", "time_ms", {}, ""}, plan, contents).find("| flat | mesh |"),
+      std::string::npos);
+  // Falling lists stay as they are.
+  EXPECT_NE(table_text({"", "crowd.agents", "", "time_ms", {}, ""}, plan, measured({{400, "flat"}, {100, "flat"}}))
+                .find("| 400 | 4.000 [2.000, 8.000] |\n| 100"),
+            std::string::npos);
 }
 
 TEST(SweepTable, AgentsInSoManyMillisecondsFollowAPowerLaw) {

@@ -311,13 +311,16 @@ const metrics::Score& score_named(const char* name) {
 
 TEST(TuneProof, AScoreIsPromisedForTheNextSeedAndHeldAgainstIt) {
   const metrics::Score& mae = score_named("mae");
-  const SeedScores one = scores_of(mae, 7, {{40, 1}, {20, 2}, {10, 6}});
+  const SeedScores one = scores_of(mae, 7, {{0, 40, 1}, {1, 20, 2}, {3, 10, 6}});
   EXPECT_EQ(one.seed, 7U);
   EXPECT_EQ(one.figures, 3U);
   EXPECT_EQ(one.mean, 3);
   EXPECT_NEAR(one.tail, 2 + 0.9 * 4, 1e-12);
+  ASSERT_EQ(one.by_place.size(), 4U);
+  EXPECT_EQ(one.by_place[3], 6);
+  EXPECT_TRUE(std::isnan(one.by_place[2])) << "a place without a score";
   std::vector<SeedScores> seeds;
-  for (const double mean : {1.9, 2.0, 2.1, 2.0, 2.0}) seeds.push_back({1, 24, mean, 3});
+  for (const double mean : {1.9, 2.0, 2.1, 2.0, 2.0}) seeds.push_back({1, 24, mean, 3, {}});
   const ScorePromise promise = promised_score(mae, seeds);
   EXPECT_NEAR(promise.mean, 2, 1e-12);
   EXPECT_NEAR(promise.on_another_seed.low, 2 - 2.7764 * 0.0707 * std::sqrt(1.2), 1e-3);
@@ -325,12 +328,60 @@ TEST(TuneProof, AScoreIsPromisedForTheNextSeedAndHeldAgainstIt) {
   seeds[0].mean = 0;
   seeds[2].mean = 0;
   EXPECT_EQ(promised_score(mae, seeds).on_another_seed.low, metrics::best_value(mae));
-  std::vector<SeedScores> unseen(20, SeedScores{2, 24, 2.05, 3});
+  std::vector<SeedScores> unseen(20, SeedScores{2, 24, 2.05, 3, {}});
   EXPECT_TRUE(prove_score(promise, unseen).holds);
   for (size_t i = 0; i < 12; ++i) unseen[i].mean = 4;
   const ScoreProof broken = prove_score(promise, unseen);
   EXPECT_EQ(broken.within, 8U);
   EXPECT_FALSE(broken.holds);
+}
+
+// Figures of a seed, of which near ones err more and differ more.
+SeedScores seed_of_figures(uint64_t seed) {
+  std::vector<UnseenFigure> figures;
+  for (size_t p = 0; p < kSeedFigures; ++p) {
+    const double place = static_cast<double>(p) / kSeedFigures;
+    const double off = normal_quantile(std::max(1e-9, random_unit(seed, p, 5)));
+    figures.push_back({p, 40 - 30 * place, 20 - 8 * place + (4 - 3 * place) * off});
+  }
+  return scores_of(score_named("mae"), seed, figures);
+}
+
+TEST(TuneProof, AScoresIntervalIsFromItsFiguresByHand) {
+  // Two places, three seeds: variances 1 and 4, of the mean (1 + 4) / 4; 25 / (17 / 2) degrees; t(0.975, 2.941) 3.217.
+  std::vector<SeedScores> seeds;
+  for (const double off : {-1.0, 0.0, 1.0}) seeds.push_back({1, 2, 15 + 1.5 * off, 20, {10 + off, 20 + 2 * off}});
+  const ScorePromise promise = promised_score(score_named("mae"), seeds);
+  EXPECT_NEAR(promise.degrees, 25 / 8.5, 1e-12);
+  const double half = student_t_quantile(0.975, 25 / 8.5) * std::sqrt(1.25 * 4 / 3);
+  EXPECT_NEAR(promise.on_another_seed.low, 15 - half, 1e-9);
+  EXPECT_NEAR(promise.on_another_seed.high, 15 + half, 1e-9);
+  EXPECT_NEAR(student_t_quantile(0.975, 25 / 8.5), 3.217, 0.005);
+}
+
+// As often as it says, and seldom much less often for one promise: that is what the figures are for.
+TEST(TuneProof, AScoresIntervalHoldsOnNineteenSeedsOfTwenty) {
+  constexpr uint64_t kPromises = 400;
+  double variance = 0;  // of a seed's mean
+  double centre = 0;
+  for (size_t p = 0; p < kSeedFigures; ++p) {
+    const double place = static_cast<double>(p) / kSeedFigures;
+    centre += (20 - 8 * place) / kSeedFigures;
+    variance += (4 - 3 * place) * (4 - 3 * place) / (kSeedFigures * kSeedFigures);
+  }
+  double sum = 0;
+  size_t poor = 0;
+  for (uint64_t i = 0; i < kPromises; ++i) {
+    std::vector<SeedScores> seeds;
+    for (uint64_t k = 0; k < kPromiseSeeds; ++k) seeds.push_back(seed_of_figures(1000 + i * kPromiseSeeds + k));
+    const Interval of = promised_score(score_named("mae"), seeds).on_another_seed;
+    const double covered =
+        normal_cdf((of.high - centre) / std::sqrt(variance)) - normal_cdf((of.low - centre) / std::sqrt(variance));
+    sum += covered;
+    poor += covered < 0.8;
+  }
+  EXPECT_NEAR(sum / kPromises, 0.95, 0.01);
+  EXPECT_LE(poor, kPromises / 50) << "from the five means alone it is 8 %";
 }
 
 CharacterDrawn drawn_of(double ratio, double mean, double tail) {
@@ -425,8 +476,8 @@ TEST(TuneProof, RefusesTruePromisesAsSeldomAsItSays) {
   const auto ratio = [&] { return std::exp(0.1 * normal_quantile(std::max(1e-9, random_unit(11, draw++, 3)))); };
   for (const size_t unseen : {5U, 20U}) {
     size_t least = unseen / 3;
-    ASSERT_LT(chance_of_so_few(least, unseen, 5), 0.025);
-    while (chance_of_so_few(least, unseen, 5) < 0.025) ++least;
+    ASSERT_LT(chance_of_so_few(least, unseen, 5, 4), 0.025);
+    while (chance_of_so_few(least, unseen, 5, 4) < 0.025) ++least;
     uint64_t refused = 0;
     for (uint64_t trial = 0; trial < kTrials; ++trial) {
       std::vector<SeedTimes> seeds(5);

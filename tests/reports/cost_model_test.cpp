@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/random.h"
@@ -141,6 +142,35 @@ TEST(CostModel, SaysHowWellItPredictsWhatItWasNotFittedTo) {
   const CostModel none = cost_model(scenes_of(noise)[0], "mesh");
   EXPECT_LT(none.within_15, 8U);
   EXPECT_GT(none.error, 0.15);
+}
+
+// What is predicted from points around it is told apart from what is stretched beyond them: of a grid, its corners.
+TEST(CostModel, TellsWhatLiesBetweenFromWhatLiesBeyond) {
+  const CostModel model = cost_model(scenes_of(rows_of(0.03))[0], "mesh");
+  size_t beyond = 0;
+  for (const CostPrediction& one : model.held_out) {
+    const auto is_end = [&](auto of) {
+      const auto [least, most] =
+          std::minmax_element(model.held_out.begin(), model.held_out.end(),
+                              [&](const CostPrediction& a, const CostPrediction& b) { return of(a) < of(b); });
+      return of(one) == of(*least) || of(one) == of(*most);
+    };
+    const bool corner = is_end([](const CostPrediction& p) { return static_cast<double>(p.point.agents); }) &&
+                        is_end([](const CostPrediction& p) { return p.point.occupancy; });
+    EXPECT_EQ(one.between, !corner) << one.point.agents << " agents, " << one.point.occupancy;
+    beyond += one.between ? 0 : 1;
+  }
+  EXPECT_EQ(beyond, 4U);
+  EXPECT_EQ(model.between, model.held_out.size() - 4);
+  EXPECT_EQ(model.between_within_15, model.between);
+  EXPECT_NE(accuracy_text(model).find("; of those between the others 11 of 11, error "), std::string::npos)
+      << accuracy_text(model);
+  // All at one occupancy: the ends of the line.
+  StoreContents line = rows_of(0);
+  std::erase_if(line.measurements, [](const MeasurementRow& row) { return row.key.requested_occupancy != 0.5; });
+  const CostModel ends = cost_model(scenes_of(line)[0], "mesh");
+  ASSERT_EQ(ends.absent, "");
+  EXPECT_EQ(ends.held_out.size() - ends.between, 2U);
 }
 
 TEST(CostModel, IsAbsentWithTooFewPoints) {

@@ -238,9 +238,9 @@ TEST_F(ScriptsGl, TunePromises) {
   NEEDS(Need{"node", "nodejs"});
   const Outcome outcome = run("tune_promises.mjs", driver_ + " tunings --tiny");
   ASSERT_EQ(outcome.status, 0) << outcome.text;
-  EXPECT_TRUE(
-      std::regex_search(outcome.text, std::regex("\\| mannequin_triangles=500 \\| [^|]+ \\| [0-9.]+ to [0-9.]+ \\| "
-                                                 "[0-2] of 2 \\| [0-9.]+ to [0-9.]+ \\| [0-2] of 2 \\| [0-4] of 4")))
+  EXPECT_TRUE(std::regex_search(
+      outcome.text, std::regex("\\| mannequin_triangles=500 \\| [^|]+ \\| [0-9.]+ to [0-9.]+ \\| "
+                               "[0-2] of 2 \\| [0-9.]+ to [0-9.]+ \\| [0-2] of 2 \\| 0 of 0 \\| [0-4] of 4")))
       << outcome.text;
   EXPECT_TRUE(std::regex_search(outcome.text, std::regex("\\| within \\| stated: 95 % \\| [01] of 1 ")))
       << outcome.text;
@@ -350,6 +350,14 @@ TEST_F(Scripts, PageCheck) {
   EXPECT_EQ(said.at("tables").at("t")[0], (nlohmann::json{"1", "2"}));
   EXPECT_EQ(run("page_check.mjs", "").status, 2);
   EXPECT_EQ(run("page_check.mjs", "nowhere.html --quick").status, 2);
+  EXPECT_EQ(run("page_check.mjs", quoted(folder_ / "wide.html") + " --opens often").status, 2);
+  const nlohmann::json times =
+      nlohmann::json::parse(run("page_check.mjs", quoted(folder_ / "wide.html") + " --opens 2").text, nullptr, false);
+  ASSERT_TRUE(times.is_array());
+  ASSERT_EQ(times.size(), 2U);
+  EXPECT_GT(times[1].at("load"), 0);
+  EXPECT_GE(times[1].at("seen"), times[1].at("load"));
+  EXPECT_GE(times[1].at("cpu"), 0);
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {
