@@ -35,7 +35,7 @@ std::vector<std::string> broken(const std::string& line, int widest) {
     const size_t at = break_of(rest, widest);
     if (at == 0 || at == rest.size()) break;
     out.push_back(rest.substr(0, at));
-    rest.erase(0, at);
+    rest.erase(0, rest.find_first_not_of(' ', at));
   }
   out.push_back(rest);
   return out;

@@ -519,7 +519,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          // The scenario's display, or the one that is asked for: its light and its pixels a degree are those of
          // `compare` on it, and so are scores of the same frames.
          write_file(work_ / "seat.json",
-                    R"({"pixels_per_degree": 31, "max_luminance": 120, "contrast": 500, "ambient_light": 40})");
+                    R"({"pixels_per_degree": 31, "max_luminance": 120, "contrast": 500, "E_ambient": 40})");
          EXPECT_EQ(run("study export study.toml seat --display seat.json").status, 0);
          for (const auto& [folder, display] : {std::pair("out", "standard_fhd"), std::pair("seat", "seat.json")}) {
            SCOPED_TRACE(display);
