@@ -206,6 +206,14 @@ class Search {
     stride_ = static_cast<int>(1 + area / kMostPixels);
   }
 
+  Mismatch least() const {
+    const Mismatch before = mismatch_of(agent_, at({}), range_);
+    const std::optional<AgentMove> whole = best_shift(before);
+    const Mismatch after = mismatch_of(agent_, best_motion(whole ? &whole->motion : nullptr), range_);
+    const auto cheaper = [](const Mismatch& a, const Mismatch& b) { return b.cost < a.cost ? b : a; };
+    return cheaper(whole ? cheaper(before, whole->after) : before, after);
+  }
+
   std::optional<AgentMove> run() {
     AgentMove out;
     out.before = mismatch_of(agent_, at({}), range_);
@@ -366,8 +374,9 @@ class Laying {
     const Cell cell = sampler_.cell(x, y);
     const double cover = sampler_.cover(cell);
     const bool edge = cover < 1 - 1e-9;
-    // It left the pixel, or comes out from behind another: what there is only the test knows.
-    if (in_test && cover == 0) return known(sampler_.unknown(cell), here);
+    // It left the pixel, or comes out from behind another: what there is only the test knows. Where that other one is
+    // now, it did not come out from behind it but before it, which is no matter of place.
+    if (in_test && cover == 0) return known(sampler_.unknown(cell) && !shows_other(here), here);
     if (!in_test && edge) return known(agent_.now.ids.data[here] == agent_.id, here);
     return moved(x, y, cell, in_test);
   }
@@ -375,6 +384,10 @@ class Laying {
  private:
   std::optional<Pixel> known(bool by_test, size_t here) const {
     return by_test ? std::optional(pixel_of(agent_.test, here)) : std::nullopt;
+  }
+  bool shows_other(size_t here) const {
+    const uint32_t shown = agent_.now.ids.data[here];
+    return shown != 0 && shown != agent_.id;
   }
   static Pixel pixel_of(const Layer& layer, size_t place) {
     Pixel out{place, {}, layer.ids.data[place], layer.depth.empty() ? 0 : layer.depth.data[place]};
@@ -471,6 +484,24 @@ Mismatch mismatch_of(const AgentPictures& agent, const Motion& motion, const Ran
   out.uncovered *= static_cast<size_t>(stride);
   out.matched *= static_cast<size_t>(stride);
   return out;
+}
+
+Mismatch least_mismatch(const AgentPictures& agent, const Extent& from, const Extent& to) {
+  if (equal_in(agent, around(from, to, agent.now.ids, 0))) return {};
+  return Search(agent, from, to).least();
+}
+
+double outline_length(const ImageU32& ids, uint32_t id, const Extent& extent) {
+  const auto shows = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < ids.width && y < ids.height && *ids.at(x, y) == id;
+  };
+  size_t ends = 0;
+  for (int y = extent.top; y <= extent.bottom + 1; ++y)
+    for (int x = extent.left; x <= extent.right + 1; ++x) {
+      ends += shows(x, y) != shows(x - 1, y) ? 1 : 0;
+      ends += shows(x, y) != shows(x, y - 1) ? 1 : 0;
+    }
+  return 0.5 * static_cast<double>(ends);
 }
 
 std::optional<AgentMove> find_move(const AgentPictures& agent, const Extent& from, const Extent& to) {

@@ -75,6 +75,13 @@ struct AgentMove {
   std::optional<double> farther;  // metres, where all of it is that much farther away, and as much smaller
   Mismatch before, after;
 };
+// What is left of the mismatch after whichever motion leaves least, whether or not it would be taken for one.
+Mismatch least_mismatch(const AgentPictures& agent, const Extent& from, const Extent& to);
+
+// About how many pixels of the agent's outline differ after a shift by one pixel: where it begins or ends along a row
+// or a column of pixels, the mean of both.
+double outline_length(const ImageU32& ids, uint32_t id, const Extent& extent);
+
 // Nothing where it is where it was, or where no motion explains what changed.
 std::optional<AgentMove> find_move(const AgentPictures& agent, const Extent& from, const Extent& to);
 

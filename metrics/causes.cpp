@@ -29,8 +29,9 @@ constexpr std::array<CauseDoc, kCauses> kDocs = {{
      "all other pixels that show another agent, or one against none"},
     {Cause::surface, "surface", "wrong surfaces",
      "pixels of the same agent whose depths differ by more than 1 % of its height",
-     "pixels of the same agent whose depths differ by more than 2 cm; none of an agent that is drawn on a card, "
-     "which has depths of its own"},
+     "pixels of the same agent whose depths differ by more than 2 cm, in a colour that the reference shows on it near "
+     "by or farther off than the body may be thick; none of an agent that is drawn on a card, which has depths of its "
+     "own"},
     {Cause::shading, "shading", "the shading",
      "of pixels of the same surface the cosine between normal and light, over the mesh's own colour",
      "pixels of the same surface whose channels all changed by one factor, in linear light or in code values, or by "
@@ -156,6 +157,11 @@ std::string causes_markdown() {
       "| `displaced_px` | pixels | of `compare`: where the agent's middle moved to, right and down; a move by less "
       "than "
       "about 0.1 is not seen |\n"
+      "| `told_px` | pixels | of `compare`: what differs of its outlines, where it was found to be, is as much as a "
+      "shift "
+      "by this makes differ; a smaller displacement cannot be told from an outline that is wrong by itself |\n"
+      "| `recoloured` | | of `compare`: whether its mean colour, over the pixels that show it in both, changed by more "
+      "than its lightness |\n"
       "| `displaced_m` | metres | of `compare` with depths: how far it moved away; null where its depths are others, "
       "but not by the same everywhere and with the size that goes with it: it shows another surface then, and no "
       "other place is known |\n"

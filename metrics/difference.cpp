@@ -235,7 +235,7 @@ const LinearDifference& linear_errors(const ScoreInput& input, Shared& shared) {
 
 // What is not finite has no distance from anything, from the same infinity either: it is counted and placed instead.
 ScoreResult finite(double LinearDifference::*member, const ScoreInput& input, Shared& shared) {
-  if (const std::string& reason = not_finite_reason(input, shared); !reason.empty()) return absent(reason);
+  if (const std::string& reason = not_finite_reason(input, shared); !reason.empty()) return absent_not_finite(reason);
   ScoreResult result;
   result.value = linear_errors(input, shared).*member;
   return result;

@@ -101,7 +101,7 @@ ScoreResult flip(const ScoreInput& input, Shared& shared) {
 
 ScoreResult hdr_flip_score(const ScoreInput& input, Shared& shared) {
   if (too_few_pixels(input)) return absent(std::string(kTooFewPixels));
-  if (const std::string& reason = not_finite_reason(input, shared); !reason.empty()) return absent(reason);
+  if (const std::string& reason = not_finite_reason(input, shared); !reason.empty()) return absent_not_finite(reason);
   const HdrFlip& errors = hdr_flip_of(input, shared);
   if (!errors.range.reason.empty()) return absent(errors.range.reason);
   ScoreResult result = result_of(errors.map, input);

@@ -10,16 +10,6 @@
 namespace crowdbench::metrics {
 namespace {
 
-std::string text_of(const NotFinite& found, const char* which) {
-  const auto pixels = [](uint64_t count) { return fmt::format("{} pixel{}", count, count == 1 ? "" : "s"); };
-  std::string text = fmt::format("the {} has ", which);
-  if (found.nan > 0) text += fmt::format("{} that {} not a number", pixels(found.nan), found.nan == 1 ? "is" : "are");
-  if (found.nan > 0 && found.infinite > 0) text += fmt::format(" and {} infinite", found.infinite);
-  if (found.nan == 0)
-    text += fmt::format("{} that {} infinite", pixels(found.infinite), found.infinite == 1 ? "is" : "are");
-  return text + fmt::format(", the first at ({}, {})", found.x, found.y);
-}
-
 struct Reason {
   std::string text;
 };
@@ -43,10 +33,20 @@ NotFinite not_finite(const ImageF& image) {
   return out;
 }
 
+std::string not_finite_text(const NotFinite& found, const char* which) {
+  const auto pixels = [](uint64_t count) { return fmt::format("{} pixel{}", count, count == 1 ? "" : "s"); };
+  std::string text = fmt::format("the {} has ", which);
+  if (found.nan > 0) text += fmt::format("{} that {} not a number", pixels(found.nan), found.nan == 1 ? "is" : "are");
+  if (found.nan > 0 && found.infinite > 0) text += fmt::format(" and {} infinite", found.infinite);
+  if (found.nan == 0)
+    text += fmt::format("{} that {} infinite", pixels(found.infinite), found.infinite == 1 ? "is" : "are");
+  return text + fmt::format(", the first at ({}, {})", found.x, found.y);
+}
+
 std::string not_finite_text(const NotFinite& reference, const NotFinite& test) {
   std::string text;
-  if (reference.pixels() > 0) text = text_of(reference, "reference");
-  if (test.pixels() > 0) text += (text.empty() ? "" : "; ") + text_of(test, "test");
+  if (reference.pixels() > 0) text = not_finite_text(reference, "reference");
+  if (test.pixels() > 0) text += (text.empty() ? "" : "; ") + not_finite_text(test, "test");
   return text;
 }
 

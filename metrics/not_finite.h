@@ -16,6 +16,8 @@ struct NotFinite {
 // Alpha is not looked at.
 NotFinite not_finite(const ImageF& image);
 
+// "the test has 3 pixels that are not a number and 1 infinite, the first at (7, 2)", of a picture that has some.
+std::string not_finite_text(const NotFinite& found, const char* which);
 // "the test has 3 pixels that are not a number and 1 infinite, the first at (7, 2)"; both pictures' where both have
 // some; empty where neither has.
 std::string not_finite_text(const NotFinite& reference, const NotFinite& test);

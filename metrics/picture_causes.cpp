@@ -72,6 +72,43 @@ double beside_plane(const ImageF& depth, const std::vector<size_t>& pixels, doub
   return static_cast<double>(beside) / n;
 }
 
+// sRGB code values as linear light.
+double linear_of(size_t code) {
+  static const auto table = [] {
+    std::array<double, 256> out{};
+    for (size_t i = 0; i < out.size(); ++i) out.at(i) = srgb_to_linear(static_cast<double>(i) / 255);
+    return out;
+  }();
+  return table[code];
+}
+
+// A pixel's colour, to be found again in other light.
+class LightOf {
+ public:
+  explicit LightOf(const uint8_t* codes) {
+    for (size_t c = 0; c < 3; ++c) {
+      constexpr int kSlack = 6;  // code values, as a blurred texture differs from a sharp one
+      sum_ += linear_of(codes[c]);
+      low_.at(c) = linear_of(static_cast<size_t>(std::max(0, codes[c] - kSlack)));
+      high_.at(c) = linear_of(static_cast<size_t>(std::min(255, codes[c] + kSlack)));
+    }
+  }
+  bool is_that_of(const uint8_t* codes) const {
+    const std::array<double, 3> own = {linear_of(codes[0]), linear_of(codes[1]), linear_of(codes[2])};
+    const double sum = own[0] + own[1] + own[2];
+    const double factor = sum > 0 ? sum_ / sum : 1;
+    constexpr double kMost = 5;  // times as much light
+    if (factor > kMost || factor < 1 / kMost) return false;
+    for (size_t c = 0; c < 3; ++c)
+      if (own.at(c) * factor < low_.at(c) || own.at(c) * factor > high_.at(c)) return false;
+    return true;
+  }
+
+ private:
+  double sum_ = 0;
+  std::array<double, 3> low_{}, high_{};
+};
+
 class Telling {
  public:
   explicit Telling(const PicturesWithIds& pictures)
@@ -100,6 +137,8 @@ class Telling {
     else
       reason(Cause::pose) = "no picture of the reference in other poses was given (--pose-ref)";
     put_in_places();
+    own_ = now_;
+    find_recoloured();
     if (!now_.depth.empty()) {
       measure_gaps();
       find_cards();
@@ -124,17 +163,11 @@ class Telling {
  private:
   size_t pixels() const { return now_.ids.pixels(); }
 
-  // How well a pose explains the agent, moved as fits it best.
-  Mismatch best_of(const AgentPictures& agent, const Extent& from, const Extent& to) const {
-    if (const std::optional<AgentMove> move = find_move(agent, from, to)) return move->after;
-    return mismatch_of(agent, {}, around(from, to, now_.ids, 2));
-  }
-
-  // Whether an agent shows the other pose rather than its own.
+  // Whether an agent shows the other pose rather than its own, each moved as fits it best.
   bool is_late(uint32_t id, const Layer& posed, const Extent& was, const Extent& other, const Extent& shown) const {
-    const Mismatch own = best_of({now_, now_, test_, id}, was, shown);
+    const Mismatch own = least_mismatch({now_, now_, test_, id}, was, shown);
     if (own.cost == 0) return false;
-    const Mismatch late = best_of({now_, posed, test_, id}, other, shown);
+    const Mismatch late = least_mismatch({now_, posed, test_, id}, other, shown);
     constexpr double kExplains = 0.5;     // of the cost, or of the outline, what may be left
     constexpr double kSameColours = 1.1;  // what a pose alone explains of a repainted agent is its outline
     constexpr size_t kLeastOutline = 6;
@@ -173,12 +206,19 @@ class Telling {
     for (const auto& [id, extent] : own)
       if (shown.contains(id)) ids.push_back(id);
     std::vector<std::optional<AgentMove>> moves(ids.size());
+    std::vector<double> told(ids.size());
     parallel_for(ids.size(), 0, [&](size_t i) {
-      moves[i] = find_move({now_, now_, test_, ids[i]}, own.at(ids[i]), shown.at(ids[i]));
+      const AgentPictures agent{now_, now_, test_, ids[i]};
+      const Extent& from = own.at(ids[i]);
+      const Extent& to = shown.at(ids[i]);
+      moves[i] = find_move(agent, from, to);
+      const Mismatch left = moves[i] ? moves[i]->after : mismatch_of(agent, {}, around(from, to, now_.ids, 2));
+      told[i] = static_cast<double>(left.outline) / outline_length(now_.ids, ids[i], from);
     });
     for (size_t i = 0; i < ids.size(); ++i) {
-      if (!moves[i]) continue;
       AgentChange& change = changes_[ids[i]];
+      change.told_px = told[i];
+      if (!moves[i]) continue;
       change.dx = moves[i]->motion.dx;
       change.dy = moves[i]->motion.dy;
       change.farther = moves[i]->farther;
@@ -268,12 +308,61 @@ class Telling {
   }
 
   void put_in_surfaces() {
+    constexpr double kWhole = 2;  // of what is seen of a body's thickness: its back is about as far behind its middle
+    const Extents extents = extents_of(own_.ids);
     put_in_where(Cause::surface, [&](size_t i) {
       const uint32_t id = test_.ids.data[i];
       if (id == 0 || changes_.at(id).card) return false;
-      return std::abs(static_cast<double>(now_.depth.data[i]) - static_cast<double>(test_.depth.data[i])) >
-             kSurfaceTolerance;
+      const double gap = std::abs(static_cast<double>(now_.depth.data[i]) - static_cast<double>(test_.depth.data[i]));
+      if (!(gap > kSurfaceTolerance)) return false;
+      if (!(gap <= kWhole * changes_.at(id).thickness) || !extents.contains(id) || !differ(now_, test_, i)) return true;
+      return has_colour_near(i, extents.at(id));
     });
+  }
+
+  // Whether the reference shows the agent in the test pixel's colour, in some light, within a twelfth of its height.
+  bool has_colour_near(size_t i, const Extent& extent) const {
+    const auto width = static_cast<size_t>(own_.ids.width);
+    const auto x = static_cast<int>(i % width);
+    const auto y = static_cast<int>(i / width);
+    const int reach = std::clamp((extent.bottom - extent.top + 1) / 12, 2, 16);
+    const LightOf shown(&test_.codes.data[3 * i]);
+    for (int v = std::max(extent.top, y - reach); v <= std::min(extent.bottom, y + reach); ++v)
+      for (int u = std::max(extent.left, x - reach); u <= std::min(extent.right, x + reach); ++u)
+        if (*own_.ids.at(u, v) == test_.ids.data[i] && shown.is_that_of(own_.codes.at(u, v))) return true;
+    return false;
+  }
+
+  void find_recoloured() {
+    struct Sums {
+      std::array<double, 3> own{}, shown{};  // linear
+      size_t pixels = 0;
+    };
+    std::map<uint32_t, Sums> sums;
+    for (size_t i = 0; i < pixels(); ++i) {
+      const uint32_t id = own_.ids.data[i];
+      if (id == 0 || id != test_.ids.data[i]) continue;
+      Sums& of = sums[id];
+      ++of.pixels;
+      for (size_t c = 0; c < 3; ++c) {
+        of.own.at(c) += linear_of(own_.codes.data[3 * i + c]);
+        of.shown.at(c) += linear_of(test_.codes.data[3 * i + c]);
+      }
+    }
+    for (const auto& [id, of] : sums)
+      changes_[id].recoloured = of.pixels >= kLeastSeen && is_other_colour(of.own, of.shown);
+  }
+
+  // Of two sums of linear light: whether their colours, brought to one lightness, are farther apart than a blur, a
+  // wrong outline or another view make the mean of an agent.
+  static bool is_other_colour(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    constexpr double kOther = 0.04;  // of the sum of the three shares, 1
+    const double of_a = a[0] + a[1] + a[2];
+    const double of_b = b[0] + b[1] + b[2];
+    if (of_a == 0 || of_b == 0) return false;
+    double most = 0;
+    for (size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a.at(c) / of_a - b.at(c) / of_b));
+    return most > kOther;
   }
 
   void put_in_colours() {
@@ -359,8 +448,10 @@ class Telling {
   }
 
   const PicturesWithIds& pictures_;
+  static constexpr size_t kLeastSeen = 16;  // pixels that say which colour an agent has
   Layer now_;
   Layer test_;
+  Layer own_;  // the reference, its agents in their poses and at their places in the test
   std::map<uint32_t, AgentChange> changes_;
   std::vector<CauseStep> steps_;
 };

@@ -6,10 +6,14 @@
 //
 // Wrong surfaces are told by depth. A flat impostor's are those of its card, which is recognised (AgentChange::card):
 // what is painted on it is shading and texture. One that is put together of several cards has depths beside the body's
-// nearly everywhere, and wrong surfaces there.
+// nearly everywhere. Where a depth is within the body's (no farther off than twice AgentChange::thickness), a pixel
+// shows another surface of it only if the reference shows the pixel's colour, but for its lightness, on the agent near
+// by; else the pixel counts as shading or texture.
 //
-// What cannot be told apart: a grey repainting from a change of the light (it counts as shading); a shift by less than
-// about 0.1 pixel from nothing; a shift of the colours alone, under ids that stayed, from another texture; an agent
+// What cannot be told apart: a grey repainting from a change of the light (it counts as shading); a repainting in
+// colours that the agent has near by, under other depths, from a wrong surface; a shift by less than about 0.1 pixel
+// from nothing, and a shift by less than AgentChange::told_px from an outline that is wrong by itself, as an impostor's
+// is of a stored view and pose; a shift of the colours alone, under ids that stayed, from another texture; an agent
 // nearer and one drawn larger, without depths; an agent that is a frame late from a wrong outline, without that frame
 // (PicturesWithIds::posed), and then its wrong surfaces from its texture, since that frame's depths are not given. An
 // agent that moved by a fraction of a pixel and was recoloured shows colours of which nobody knows where between two
@@ -41,6 +45,12 @@ struct AgentChange {
   uint32_t id = 0;
   bool posed = false;     // it has the pose of PicturesWithIds::posed
   double dx = 0, dy = 0;  // pixels: its middle moved so far, right and down
+  // Pixels: what differs of its outlines, where it was found to be, is as much as a shift by this makes differ. A
+  // smaller displacement could not be told from a wrong outline. 0: the outlines are the same.
+  double told_px = 0;
+  // Its mean colour, over the pixels that show it in both pictures, changed by more than its lightness: what a blurred
+  // texture, a wrong outline or other light do not change.
+  bool recoloured = false;
   // Metres, with depths: how far it moved away, where all of its depths and its size changed as those of a body that
   // moved do, or where they did not change. Nothing: other depths without that, as a flat impostor's, whose plane is
   // behind most of the surface that it shows: that is no other place.

@@ -108,7 +108,30 @@ Image8 pseudocolour(const Image8& levels, const ColourTable& colours) {
   return out;
 }
 
-Image8 colour_bar(int width, const std::string& caption, double first, double last, const ColourTable& colours,
+namespace {
+
+// The caption in lines: broken at the "; " nearest to its middle where it does not fit.
+std::vector<std::string> lines_of(const std::string& caption, bool fits) {
+  size_t best = std::string::npos;
+  const auto off_middle = [&](size_t at) {
+    const auto twice = static_cast<int64_t>(2 * at);
+    return std::abs(twice - static_cast<int64_t>(caption.size()));
+  };
+  for (size_t at = caption.find("; "); !fits && at != std::string::npos; at = caption.find("; ", at + 1))
+    if (best == std::string::npos || off_middle(at) < off_middle(best)) best = at;
+  if (best == std::string::npos) return {caption};
+  return {caption.substr(0, best), caption.substr(best + 2)};
+}
+
+std::string label_of(const BarRange& range, int quarter) {
+  const std::string text = fmt::format("{:.3g}", range.first + quarter / 4.0 * (range.last - range.first));
+  if (quarter < 4 || !range.open) return text;
+  return (range.last > range.first ? ">= " : "<= ") + text;
+}
+
+}  // namespace
+
+Image8 colour_bar(int width, const std::string& caption, const BarRange& range, const ColourTable& colours,
                   double scale) {
   const auto scaled = [&](double pixels) { return static_cast<int>(std::lround(pixels * scale)); };
   const int thickness = std::max(1, scaled(1));
@@ -117,11 +140,13 @@ Image8 colour_bar(int width, const std::string& caption, double first, double la
     return cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, 0.4 * scale, thickness, &below).width;
   };
   const int bar_left = scaled(20);
-  width = std::max(width, extent_of(caption) + 2 * scaled(6));
+  const std::vector<std::string> lines = lines_of(caption, extent_of(caption) + 2 * scaled(6) <= width);
+  for (const std::string& line : lines) width = std::max(width, extent_of(line) + 2 * scaled(6));
   const int bar_top = scaled(10);
   const int bar_height = scaled(14);
   const int bar_width = width - 2 * bar_left;
-  Image8 out(width, scaled(66), 3);
+  const int line_height = scaled(16);
+  Image8 out(width, scaled(66) + static_cast<int>(lines.size() - 1) * line_height, 3);
   std::fill(out.data.begin(), out.data.end(), uint8_t{255});
   for (int x = 0; x < bar_width; ++x) {
     const auto level = static_cast<size_t>(std::lround(255.0 * x / (bar_width - 1)));
@@ -139,18 +164,22 @@ Image8 colour_bar(int width, const std::string& caption, double first, double la
   for (int quarter = 0; quarter <= 4; ++quarter) {
     const int x = bar_left + static_cast<int>(std::lround(quarter / 4.0 * (bar_width - 1)));
     cv::line(canvas, {x, bar_top + bar_height}, {x, bar_top + bar_height + scaled(4)}, ink, thickness);
-    text(fmt::format("{:.3g}", first + quarter / 4.0 * (last - first)), x, bar_top + bar_height + scaled(17));
+    const std::string label = label_of(range, quarter);
+    // The last one may be wide: it stays within the picture.
+    const int centre = std::min(x, width - scaled(3) - (extent_of(label) + 1) / 2);
+    text(label, centre, bar_top + bar_height + scaled(17));
   }
-  text(caption, width / 2, bar_top + bar_height + scaled(34));
+  for (size_t line = 0; line < lines.size(); ++line)
+    text(lines[line], width / 2, bar_top + bar_height + scaled(34) + static_cast<int>(line) * line_height);
   return out;
 }
 
-Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first, double last,
+Image8 with_colour_bar(const Image8& picture, const std::string& caption, const BarRange& range,
                        const ColourTable& colours) {
   constexpr int kNarrowest = 360;
   const double scale = std::max(1.0, std::min(picture.width, picture.height * 2) / 960.0);
   const int least = std::max(picture.width, static_cast<int>(std::lround(kNarrowest * scale)));
-  const Image8 bar = colour_bar(least, caption, first, last, colours, scale);
+  const Image8 bar = colour_bar(least, caption, range, colours, scale);
   Image8 out(bar.width, picture.height + bar.height, 3);
   std::fill(out.data.begin(), out.data.end(), uint8_t{255});
   const int left = (out.width - picture.width) / 2;

@@ -29,14 +29,22 @@ Image8 error_levels(const Image16& a, const Image16& b);
 // One channel of 0..255 through a table: RGB, same size.
 Image8 pseudocolour(const Image8& levels, const ColourTable& colours = error_colours());
 
-// The colour bar alone, RGB on white: its ends and quarters labelled from `first` (the table's first colour) to `last`
-// and `caption` beneath. As wide as `width` pixels, or more where the words need it; 66 x scale pixels high.
-Image8 colour_bar(int width, const std::string& caption, double first = 0, double last = 255,
+// What the ends of a colour bar stand for.
+struct BarRange {
+  double first = 0;   // the table's first colour
+  double last = 255;  // its last
+  bool open = false;  // values beyond `last` have its colour: it is labelled ">= 255", or "<= 5" where values fall
+};
+
+// The colour bar alone, RGB on white: its ends and quarters labelled and `caption` beneath, in two lines where it would
+// be wider than the bar. As wide as `width` pixels, or more where the words need it; 66 x scale pixels high, and
+// 16 x scale more for a second line.
+Image8 colour_bar(int width, const std::string& caption, const BarRange& range = {},
                   const ColourTable& colours = error_colours(), double scale = 1);
 
 // `picture` (RGB) with that bar below it, at least 360 pixels wide. A picture that is narrower than its bar is centred
 // on white. Larger pictures get a larger bar.
-Image8 with_colour_bar(const Image8& picture, const std::string& caption, double first = 0, double last = 255,
+Image8 with_colour_bar(const Image8& picture, const std::string& caption, const BarRange& range = {},
                        const ColourTable& colours = error_colours());
 
 }  // namespace crowdbench::metrics

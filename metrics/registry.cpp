@@ -58,7 +58,7 @@ constexpr Need kNeeds[] = {
 
 ScoreResult without_nan(ScoreResult result) {
   if (!result.value || !std::isnan(*result.value)) return result;
-  return absent("a pixel is not a number");
+  return absent_not_finite("a pixel is not a number");
 }
 
 std::string range_end(double value) {
@@ -96,6 +96,12 @@ Needs given(const ScoreInput& input) {
 ScoreResult absent(std::string reason) {
   ScoreResult result;
   result.reason = std::move(reason);
+  return result;
+}
+
+ScoreResult absent_not_finite(std::string reason) {
+  ScoreResult result = absent(std::move(reason));
+  result.not_finite = true;
   return result;
 }
 
@@ -179,6 +185,23 @@ std::string value_text(const Score& score, const std::optional<double>& value) {
 
 namespace {
 
+// "; pixels (5, 5) to (314, 234)" of a map that does not begin at the picture's corner.
+std::string place_text(const ScoreMap& map) {
+  if (map.left == 0 && map.top == 0) return {};
+  return fmt::format("; pixels ({}, {}) to ({}, {})", map.left, map.top, map.left + map.values.width - 1,
+                     map.top + map.values.height - 1);
+}
+
+// "; 1.2 % of pixels beyond the bar"
+std::string beyond_text(const ScoreMap& map) {
+  const bool rising = map.worst > map.equal;
+  const auto beyond = std::count_if(map.values.data.begin(), map.values.data.end(),
+                                    [&](double v) { return rising ? v > map.worst : v < map.worst; });
+  if (beyond == 0) return {};
+  const double share = 100 * static_cast<double>(beyond) / static_cast<double>(map.values.data.size());
+  return fmt::format("; {:.2g} % of pixels beyond the bar", share);
+}
+
 Image8 painted(const ScoreMap& map, const std::string& caption, const ColourTable& table, bool bar) {
   Image8 levels(map.values.width, map.values.height, 1);
   for (size_t i = 0; i < levels.data.size(); ++i) {
@@ -186,7 +209,9 @@ Image8 painted(const ScoreMap& map, const std::string& caption, const ColourTabl
     levels.data[i] = static_cast<uint8_t>(std::isnan(share) ? 0 : std::lround(255 * std::clamp(share, 0.0, 1.0)));
   }
   const Image8 picture = pseudocolour(levels, table);
-  return bar ? with_colour_bar(picture, caption, map.equal, map.worst, table) : picture;
+  if (!bar) return picture;
+  const std::string words = caption + place_text(map) + beyond_text(map);
+  return with_colour_bar(picture, words, {map.equal, map.worst, map.open}, table);
 }
 
 std::string in_unit(const std::string& unit) { return unit.empty() ? "no unit" : unit; }
@@ -239,7 +264,9 @@ std::string scores_markdown(ScoreTable table) {
          "\nOf a clip, a score over successive frames pools as its source says. Every other is the mean over the "
          "frames "
          "that have a finite value, and so is each of its further figures but `min`, the least of all frames, and "
-         "`max`, the greatest. A frame that has no value is null in `by_frame`, and counts for nothing.\n";
+         "`max`, the greatest. A frame that has no value is null in `by_frame`, and counts for nothing; but where a "
+         "frame has none because pixels are not numbers or infinite, the clip has none either, and the reason says in "
+         "how many frames and where the first is.\n";
 }
 
 }  // namespace crowdbench::metrics

@@ -85,6 +85,7 @@ struct ScoreMap {
   double equal = 0;       // drawn dark blue: no difference
   double worst = 1;       // drawn red; values beyond are drawn as the nearer end
   std::string unit;       // "code values"; empty for a pure number
+  bool open = false;      // values may lie beyond `worst`: the bar's end says so, and the caption where some do
 };
 
 // A picture beside a score's map that the score's source draws.
@@ -106,7 +107,9 @@ struct ScoreFigure {
 struct ScoreResult {
   std::optional<double> value;  // never NaN; infinite where the score's range says so
   std::string reason;           // why there is no value; empty where there is one
-  std::string conditions;       // what it was computed under, where that is a choice: "67.02 pixels/degree"
+  // There is none because pixels are not numbers or infinite: what is pooled over such a picture is no score either.
+  bool not_finite = false;
+  std::string conditions;  // what it was computed under, where that is a choice: "67.02 pixels/degree"
   // Where the score's source pools one map in several ways: each by its name ("mean", "weighted_median"), that of
   // `value` among them. Else empty.
   std::vector<ScoreFigure> pooled;
@@ -121,6 +124,8 @@ struct ScoreResult {
 };
 // Not available, because ...
 ScoreResult absent(std::string reason);
+// The same, because pixels are not finite.
+ScoreResult absent_not_finite(std::string reason);
 
 // The pixels that carry one agent's id in the reference or in the test, in reading order.
 struct AgentPixels {
@@ -222,9 +227,9 @@ class ClipScores {
 // For people: the value at the score's digits, "inf", or "-" where there is none.
 std::string value_text(const Score& score, const std::optional<double>& value);
 
-// How a map is painted, with a colour bar below that names score, unit, range and value: as the score's source does
-// (Score::colours), in dark blue to red (error_colours()), or in a perceptually uniform table. `plain`: as the source
-// does, without a bar, a pixel a value.
+// How a map is painted, with a colour bar below that names score, unit, range and value, and the pixels that the map
+// has where these are not all of the picture's: as the score's source does (Score::colours), in dark blue to red
+// (error_colours()), or in a perceptually uniform table. `plain`: as the source does, without a bar, a pixel a value.
 enum class MapColours : uint8_t { own, plain, error, magma, viridis };
 // The map of a result that has one, as a picture. RGB.
 Image8 map_picture(const Score& score, const ScoreResult& result, MapColours colours = MapColours::own);

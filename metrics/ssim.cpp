@@ -170,7 +170,7 @@ constexpr std::string_view kTooSmallForScales = "a side is below 176 pixels, the
 static_assert(kMsSsimSmallest == 176);
 constexpr std::string_view kNoWindow = "no window lies in the region";
 
-ScoreMap map_of(const Ssim& ssim) { return {ssim.map, kSsimRadius, kSsimRadius, 1, 0, ""}; }
+ScoreMap map_of(const Ssim& ssim) { return {ssim.map, kSsimRadius, kSsimRadius, 1, 0, "", true}; }
 
 ScoreResult mean_ssim(const ScoreInput& input, Shared& shared) {
   const std::optional<Ssim>& s = similarity(input, shared);

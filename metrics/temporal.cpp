@@ -116,7 +116,7 @@ struct RunningFlicker {
     result.value = flicker.value();
     result.by_frame = flicker.by_frame();
     if (!result.value) result.reason = kTooFew;
-    if (worst) result.map = ScoreMap{map, 0, 0, 0, kWorstDrawn, "code values"};
+    if (worst) result.map = ScoreMap{map, 0, 0, 0, kWorstDrawn, "code values", true};
     return result;
   }
 };

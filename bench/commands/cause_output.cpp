@@ -29,6 +29,8 @@ double thousandths(double pixels) { return std::round(1000 * pixels) / 1000; }
 
 void put_change(Json& row, const CauseErrors& errors, const metrics::AgentChange& change) {
   row["displaced_px"] = {thousandths(change.dx), thousandths(change.dy)};
+  row["told_px"] = thousandths(change.told_px);
+  row["recoloured"] = change.recoloured;
   row["displaced_m"] = json_number(change.farther);
   row["surface_m"] = json_number(change.surface_farther);
   row["thickness_m"] = change.surface_farther ? Json(change.thickness) : Json(nullptr);
@@ -51,8 +53,14 @@ std::string change_text(const metrics::AgentChange& change) {
     text += "; " + far(*change.farther);
   else if (!change.farther && change.surface_farther && std::abs(*change.surface_farther) > change.thickness)
     text += "; the surface that is drawn for it " + far(*change.surface_farther);
+  if (change.recoloured) text += "; recoloured";
   if (change.card) text += "; drawn on a card";
   for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);
+  constexpr double kWorthSaying = 0.5;  // pixels
+  if (change.told_px >= kWorthSaying)
+    text += fmt::format(
+        "; its outline is wrong by as much as a shift by {:.2g} pixels makes it: a smaller {} cannot be told",
+        change.told_px, change.dx != 0 || change.dy != 0 ? "one besides" : "displacement");
   return text;
 }
 

@@ -41,6 +41,7 @@ struct ClipResult {
   std::string reference, test;
   int width = 0, height = 0;
   size_t frames = 0;
+  size_t equal = 0;  // frames of which both pictures are the same
   double fps = 0;
   std::vector<ClipScore> scores;
   std::vector<BoundVerdict> verdicts;
@@ -76,6 +77,7 @@ void take(const CompareSetup& setup, const CompareOptions& options, ComparedPict
     result.not_finite_reference.add(found->reference, comparison.frames());
     result.not_finite_test.add(found->test, comparison.frames());
   }
+  result.equal += pictures.reference == pictures.test ? 1 : 0;
   metrics::ScoreInput input = score_input(setup, result.region, pictures);
   input.fps = result.fps;
   input.maps = !options.maps.empty() || !options.chart.empty();
@@ -121,6 +123,7 @@ ClipResult run(CompareSetup& setup, const CompareOptions& options) {
   ClipResult result;
   result.reference = pairs->reference;
   result.test = pairs->test;
+  result.warnings = pairs->warnings;
   result.fps = options.fps > 0 ? options.fps : pairs->fps;
   ClipComparison comparison(setup.table, setup.also);
   {
@@ -144,9 +147,7 @@ ClipResult run(CompareSetup& setup, const CompareOptions& options) {
        {std::pair{"reference", &result.not_finite_reference}, std::pair{"test", &result.not_finite_test}})
     if (found->all.pixels() > 0)
       result.warnings.push_back(
-          fmt::format("the {} has {} pixels that are not a number and {} infinite, the first in "
-                      "frame {} at ({}, {})",
-                      side, found->all.nan, found->all.infinite, found->frame, found->all.x, found->all.y));
+          fmt::format("{}, in frame {}", metrics::not_finite_text(found->all, side), found->frame));
   if (!options.maps.empty()) write_worst_maps(options.maps, setup, result);
   return result;
 }
@@ -169,6 +170,7 @@ Json to_json(const CompareOptions& options, const CompareSetup& setup, const Cli
       {"reference", result.reference}, {"test", result.test}, {"width", result.width}, {"height", result.height},
       {"frames", result.frames},       {"fps", nullptr},      {"scores", scores},      {"reasons", reasons}};
   if (result.fps > 0) out["fps"] = result.fps;
+  out["equal_frames"] = result.equal;
   out["pooling"] = out["worst_frames"] = out["by_frame"] = Json::object();
   for (const ClipScore& of : result.scores) {
     const std::string name(of.score->name);
@@ -211,6 +213,7 @@ void print_text(const CompareOptions& options, const CompareSetup& setup, const 
     else
       fmt::print("not available: {}\n", of.result.reason);
   }
+  if (result.equal == result.frames) fmt::print("  the clips are equal: no frame is worse than another\n");
   print_display(setup, whole_scores(result));
   for (const std::string& map : result.maps) fmt::print("  wrote {}\n", map);
   if (!options.chart.empty()) fmt::print("  wrote {}\n", options.chart);
@@ -221,6 +224,7 @@ void write_chart(const CompareOptions& options, const CompareSetup& setup, const
   page.reference = result.reference;
   page.test = result.test;
   page.frames = result.frames;
+  page.equal = result.equal;
   page.fps = result.fps;
   page.width = result.width;
   page.height = result.height;

@@ -40,6 +40,11 @@ metrics::OverRounding parse_over_rounding(const std::string& text) {
   throw Error("--over-rounding", fmt::format("there is no rounding '{}'", printable(text)), "choose down or nearest");
 }
 
+const char* kind_of(const AnyImage& image) {
+  if (has_codes(image)) return "code values";
+  return std::holds_alternative<ImageF>(image) ? "floats" : "32-bit ids";
+}
+
 int channels_of(const AnyImage& image) {
   return std::visit([](const auto& i) { return i.channels; }, image);
 }
@@ -193,10 +198,13 @@ void bring_together(const CompareSetup& setup, const std::optional<CompareRegion
   if (both_have_codes && pictures.reference.index() != pictures.test.index())
     for (AnyImage* image : {&pictures.reference, &pictures.test})
       if (const auto* eight = std::get_if<Image8>(image)) *image = metrics::widen(*eight);
+  if (pictures.reference.index() != pictures.test.index())
+    throw Error(
+        test, fmt::format("holds {}, {} {}", kind_of(pictures.test), printable(reference), kind_of(pictures.reference)),
+        "compare two of one kind");
   if (!both_have_codes && setup.over)
     warnings.emplace_back("--over has no effect: the pictures have no 8-bit code values");
-  if (region && pictures.reference.index() == pictures.test.index())
-    equal_outside(*region, pictures.reference, pictures.test);
+  if (region) equal_outside(*region, pictures.reference, pictures.test);
 }
 
 metrics::ScoreInput score_input(const CompareSetup& setup, const std::optional<CompareRegion>& region,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <type_traits>
 #include <variant>
 
@@ -89,7 +90,25 @@ Json region_json(const RegionOptions& options, const CompareRegion& region) {
   return out;
 }
 
-void equal_outside(const CompareRegion& region, const AnyImage& reference, AnyImage& test) {
+namespace {
+
+// What is no number there is 0 in both pictures: it does not count, and no score can be made with it.
+void finite_outside(const CompareRegion& region, AnyImage& picture) {
+  auto* floats = std::get_if<ImageF>(&picture);
+  if (!floats) return;
+  for (int y = 0; y < floats->height; ++y)
+    for (int x = 0; x < floats->width; ++x) {
+      float* pixel = floats->at(x, y);
+      if (*region.counted.at(x, y) != 0) continue;
+      if (std::any_of(pixel, pixel + floats->channels, [](float v) { return !std::isfinite(v); }))
+        std::fill_n(pixel, floats->channels, 0.0F);
+    }
+}
+
+}  // namespace
+
+void equal_outside(const CompareRegion& region, AnyImage& reference, AnyImage& test) {
+  finite_outside(region, reference);
   std::visit(
       [&](auto& to) {
         const auto& from = std::get<std::decay_t<decltype(to)>>(reference);

@@ -28,8 +28,8 @@ std::optional<CompareRegion> compare_region(const RegionOptions& options, int wi
 Json region_json(const RegionOptions& options, const CompareRegion& region);
 
 // Gives the test's pixels that do not count the reference's values, so that scores of the whole picture, and windows
-// that reach over the region's edge, see no difference there. Pictures of one kind and size; where the number of
-// channels differs, grey is repeated.
-void equal_outside(const CompareRegion& region, const AnyImage& reference, AnyImage& test);
+// that reach over the region's edge, see no difference there; of floats, what is not finite there becomes 0 in both.
+// Pictures of one kind and size; where the number of channels differs, grey is repeated.
+void equal_outside(const CompareRegion& region, AnyImage& reference, AnyImage& test);
 
 }  // namespace crowdbench::bench

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -16,6 +17,7 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "core/png.h"
+#include "metrics/panel.h"
 #include "reports/exports/markdown_cell.h"
 #include "store/store.h"
 
@@ -84,9 +86,9 @@ Image8 enlarged(const Image8& image, int rows) {
   return out;
 }
 
-// Pictures next to each other from the left, on one grey.
+// Pictures next to each other from the left, standing on one line, on one grey.
 Image8 in_a_row(const std::vector<Image8>& pictures) {
-  constexpr int kGap = 8;
+  constexpr int kGap = 12;
   int width = -kGap;
   int height = 1;
   for (const Image8& p : pictures) {
@@ -97,24 +99,40 @@ Image8 in_a_row(const std::vector<Image8>& pictures) {
   std::fill(out.data.begin(), out.data.end(), uint8_t{64});
   int left = 0;
   for (const Image8& p : pictures) {
-    for (int y = 0; y < p.height; ++y) std::copy_n(p.at(0, y), 3 * static_cast<size_t>(p.width), out.at(left, y));
+    const int top = height - p.height;
+    for (int y = 0; y < p.height; ++y) std::copy_n(p.at(0, y), 3 * static_cast<size_t>(p.width), out.at(left, top + y));
     left += p.width + kGap;
   }
   return out;
 }
 
-// The mesh and the representation, of the view that the first score prefers and then of the other's. Nothing where the
-// file has no pictures of them.
-std::optional<Image8> draw(const StoreContents& contents, const ScoreAgreements& all, const Disagreement& of) {
+// "ssim 0.9312, flip 0.1203"
+std::string values_text(const ScoreAgreements& all, const ScorePair& pair, size_t row) {
+  return fmt::format("{} {}, {} {}", all.scores[pair.a]->name, value_of(all, pair.a, row), all.scores[pair.b]->name,
+                     value_of(all, pair.b, row));
+}
+
+// Reference and test of the view that the first score prefers and then of the other's, each said in words: who prefers
+// it, what both scores are, which picture is which. Nothing where the file has no pictures of them.
+std::optional<Image8> draw(const StoreContents& contents, const ScoreAgreements& all, const ScorePair& pair) {
   constexpr int kRows = 240;
-  std::vector<Image8> pictures;
-  for (const size_t row : {of.first, of.second})
-    for (const char* role : {"reference", "test"}) {
-      const PictureRow* picture = picture_of(contents, all.rows[row]->id, role);
+  constexpr int kPanel = 200;  // pixels that names may take before they are broken
+  std::vector<Image8> views;
+  for (const auto& [score, row] : {std::pair(pair.a, pair.worst->first), std::pair(pair.b, pair.worst->second)}) {
+    const ComparisonRow& of = *all.rows[row];
+    std::vector<Image8> sides;
+    for (const auto& [role, name] : {std::pair("reference", &of.reference), std::pair("test", &of.representation)}) {
+      const PictureRow* picture = picture_of(contents, of.id, role);
       if (picture == nullptr) return std::nullopt;
-      pictures.push_back(enlarged(decode_png(picture->png, role), kRows));
+      const std::array<std::string, 2> words = {std::string(role) + ":", *name};
+      sides.push_back(metrics::with_words_above(enlarged(decode_png(picture->png, role), kRows), words, kPanel));
     }
-  return in_a_row(pictures);
+    const std::array<std::string, 3> words = {fmt::format("{} prefers this view", all.scores[score]->name),
+                                              values_text(all, pair, row), row_text(of)};
+    const Image8 both = in_a_row(sides);
+    views.push_back(metrics::with_words_above(both, words, std::max(both.width, kPanel)));
+  }
+  return in_a_row(views);
 }
 
 // ---- output
@@ -238,8 +256,9 @@ std::string to_markdown(const ScoreAgreements& all, const CorrelateOptions& opti
       "account. Equal values share the mean of their ranks (Spearman's rho) or are left out on both sides (Kendall's "
       "tau-b). `crowdbench schema --scores` says what each score is.\n\n## Spearman's rho\n\n{}\n## Kendall's "
       "tau-b\n\n{}\n## Where two scores disagree most\n\nTwo views of figures of one height of which either score "
-      "holds another for the better, as far apart among all views of that height as it comes. Each picture shows mesh "
-      "and representation of the view that the first score prefers, then of the one that the second prefers.\n{}\n## "
+      "holds another for the better, as far apart among all views of that height as it comes. Each picture shows "
+      "reference and test of the view that the first score prefers, then of the one that the second prefers, with both "
+      "scores.\n{}\n## "
       "Every pair, from the least agreement\n\n{}",
       summary_of(all), table_markdown(all, &RankAgreement::spearman), table_markdown(all, &RankAgreement::kendall),
       worst_markdown(all, options, files), intervals_markdown(all));
@@ -253,7 +272,7 @@ std::vector<std::string> write_pictures(const StoreContents& contents, const Sco
   std::vector<std::string> files;
   for (const ScorePair* pair : worst_pairs(all, options.worst)) {
     std::string& file = files.emplace_back();
-    const std::optional<Image8> image = draw(contents, all, *pair->worst);
+    const std::optional<Image8> image = draw(contents, all, *pair);
     if (!image) continue;
     file = (folder / fmt::format("{}_{}.png", all.scores[pair->a]->name, all.scores[pair->b]->name)).string();
     write_png(file, *image);

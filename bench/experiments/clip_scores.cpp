@@ -1,5 +1,7 @@
 #include "bench/experiments/clip_scores.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -29,6 +31,20 @@ void keep_frames_over_time(ClipScore& of) {
     of.worst.value = value;
   }
   if (of.worst_frame) of.worst.map = of.result.map;
+}
+
+// Whether the worst frame is worse than equal pictures are, and a frame of the whole.
+void keep_worst(ClipScore& of) {
+  if (!of.worst_frame || (of.not_finite == 0 && *of.worst.value != metrics::best_value(*of.score))) return;
+  of.worst_frame.reset();
+  of.worst = {};
+}
+
+// No score of the whole where pixels of a frame are not finite: reasons are of the first such frame.
+void give_up(ClipScore& of) {
+  std::string reason = std::move(of.result.reason);
+  if (of.not_finite > 1) reason += fmt::format("; so it is in {} of {} frames", of.not_finite, of.by_frame.size());
+  of.result = metrics::absent_not_finite(std::move(reason));
 }
 
 // "; min the least and max the greatest of all frames"
@@ -79,7 +95,10 @@ void ClipComparison::take(const metrics::ScoreInput& frame) {
     of.by_frame.push_back(result.value);
     if (!result.value) {
       ++of.absent;
-      if (of.result.reason.empty()) of.result.reason = result.reason;
+      if (result.not_finite && of.not_finite++ == 0)
+        of.result.reason = fmt::format("frame {}: {}", frames_, result.reason);
+      else if (of.result.reason.empty())
+        of.result.reason = result.reason;
       continue;
     }
     if (std::isinf(*result.value)) ++of.infinite;
@@ -100,7 +119,8 @@ std::vector<ClipScore> ClipComparison::finish() {
   std::vector<ClipScore> all = std::move(by_frame_);
   for (size_t i = 0; i < all.size(); ++i) {
     metrics::ScoreResult& result = all[i].result;
-    if (!all[i].worst_frame) continue;
+    if (all[i].not_finite > 0) give_up(all[i]);
+    if (!all[i].worst_frame || all[i].not_finite > 0) continue;
     result.reason.clear();
     // Where no frame has a finite value all are infinite, and so is the worst.
     result.value = pooled_[i][0].pooled(metrics::OverFrames::mean, *all[i].worst.value);
@@ -116,6 +136,7 @@ std::vector<ClipScore> ClipComparison::finish() {
     of.over_time = true;
     keep_frames_over_time(of);
   }
+  for (ClipScore& of : all) keep_worst(of);
   const auto place = [&](const ClipScore& of) { return std::find(table_.begin(), table_.end(), of.score); };
   std::stable_sort(all.begin(), all.end(), [&](const ClipScore& a, const ClipScore& b) { return place(a) < place(b); });
   return all;

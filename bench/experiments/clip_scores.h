@@ -14,14 +14,15 @@ struct ClipScore {
   const metrics::Score* score = nullptr;
   // Of the whole sequence. Over time: as the score itself pools. Else of the frames that have a finite value: the mean
   // of `value`, and of every pooled figure the mean, the least or the greatest, as it says (ScoreFigure::over_frames);
-  // infinite where all are.
+  // infinite where all are. Nothing where a frame has none because its pixels are not finite.
   metrics::ScoreResult result;
   bool over_time = false;
   std::vector<std::optional<double>> by_frame;  // empty where the score is over time and has none
   size_t infinite = 0;                          // frames of an infinite value (equal pictures, for some scores)
   size_t absent = 0;                            // frames without a value
-  std::optional<size_t> worst_frame;            // the first of the worst value
-  metrics::ScoreResult worst;                   // there: its value, map and drawings
+  size_t not_finite = 0;                        // of these, frames with pixels that are not finite
+  std::optional<size_t> worst_frame;  // the first of the worst value; nothing where all are as of equal frames
+  metrics::ScoreResult worst;         // there: its value, map and drawings
 };
 
 // The finite values of one figure, frame by frame.

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -50,7 +53,10 @@ class ClipSide : public FrameSequence {
 
 class FolderSide : public FrameSequence {
  public:
-  explicit FolderSide(const fs::path& folder) : files_(frames_in(folder)) { frames = files_.size(); }
+  explicit FolderSide(const fs::path& folder) : files_(frames_in(folder)) {
+    frames = files_.size();
+    warning = missing_numbers(files_);
+  }
   bool next(AnyImage& image) override {
     if (at_ == files_.size()) return false;
     image = read_image(files_[at_++]);
@@ -78,6 +84,8 @@ class TwoSides : public FramePairs {
       throw Error(test, fmt::format("has {:g} frames a second, {} {:g}", b, reference, a),
                   "compare clips of one frame rate, or say with --fps at which they are seen");
     fps = fps_given > 0 ? fps_given : std::max(a, b);
+    for (const auto& [side, name] : {std::pair{&*reference_side_, &reference}, std::pair{&*test_side_, &test}})
+      if (!side->warning.empty()) warnings.push_back(*name + ": " + side->warning);
     frames = std::max(reference_side_->frames, test_side_->frames);
   }
 
@@ -209,6 +217,36 @@ std::vector<fs::path> frames_in(const fs::path& folder) {
     return in_natural_order(a.filename().string(), b.filename().string());
   });
   return files;
+}
+
+std::string missing_numbers(const std::vector<fs::path>& files) {
+  std::vector<uint64_t> numbers;
+  std::optional<std::pair<std::string, std::string>> around;  // what is before the number, and behind it
+  for (const fs::path& file : files) {
+    const std::string stem = file.stem().string();
+    const size_t last = stem.find_last_of("0123456789");
+    if (last == std::string::npos) return {};
+    const size_t before = stem.find_last_not_of("0123456789", last);
+    const size_t first = before == std::string::npos ? 0 : before + 1;
+    const std::pair here{stem.substr(0, first), stem.substr(last + 1) + ending_of(file)};
+    uint64_t number = 0;
+    const auto read = std::from_chars(stem.data() + first, stem.data() + last + 1, number);
+    if (read.ec != std::errc{} || here != around.value_or(here) || (!numbers.empty() && number <= numbers.back()))
+      return {};
+    around = here;
+    numbers.push_back(number);
+  }
+  uint64_t step = std::numeric_limits<uint64_t>::max();
+  for (size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
+  for (size_t i = 1; i < numbers.size(); ++i) {
+    const uint64_t from = numbers[i - 1] + step;
+    const uint64_t to = numbers[i] - step;
+    if (from > to) continue;
+    return fmt::format("{} missing (files are numbered {} to {}); the others are taken one after the other",
+                       from == to ? fmt::format("frame {} is", from) : fmt::format("frames {} to {} are", from, to),
+                       numbers.front(), numbers.back());
+  }
+  return {};
 }
 
 bool is_sequence(const fs::path& path) {

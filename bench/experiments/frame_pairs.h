@@ -17,8 +17,9 @@ class FrameSequence {
   virtual ~FrameSequence() = default;
   // The next frame into `image`; false at the end. Throws Error: a damaged frame.
   virtual bool next(AnyImage& image) = 0;
-  double fps = 0;     // 0: it does not say
-  size_t frames = 0;  // as many as to expect; 0: unknown
+  double fps = 0;       // 0: it does not say
+  size_t frames = 0;    // as many as to expect; 0: unknown
+  std::string warning;  // what its files' numbers say against it; empty: nothing
 };
 // A clip or a folder of pictures. Throws Error.
 std::unique_ptr<FrameSequence> open_sequence(const std::filesystem::path& path);
@@ -34,9 +35,10 @@ class FramePairs {
   // first, or one sequence that ends before the other.
   virtual bool next(FramePair& pair) = 0;
 
-  std::string reference, test;  // what the sides are called
-  double fps = 0;               // 0: they do not say
-  size_t frames = 0;            // as many as to expect; 0: unknown
+  std::string reference, test;        // what the sides are called
+  double fps = 0;                     // 0: they do not say
+  size_t frames = 0;                  // as many as to expect; 0: unknown
+  std::vector<std::string> warnings;  // of the sides, each with its name
   // What drew them, as TOML, and the file that says so; empty: nobody says.
   std::string scenario, scenario_in;
 };
@@ -56,6 +58,9 @@ std::unique_ptr<FramePairs> open_stacked(const std::filesystem::path& clip);
 // The pictures of a folder in the order in which people count: frame2.png before frame10.png. Hidden files and those
 // that are no pictures by their ending are left out. Throws Error where there is none.
 std::vector<std::filesystem::path> frames_in(const std::filesystem::path& folder);
+// "frames 3 to 6 are missing (files are numbered 0 to 8); ..." where the names, in their order, differ by their last
+// number alone and that does not rise by the same everywhere; else empty.
+std::string missing_numbers(const std::vector<std::filesystem::path>& files);
 // Whether a name stands before another there: runs of digits by their number, all else by its bytes.
 bool in_natural_order(std::string_view a, std::string_view b);
 

@@ -40,6 +40,8 @@ std::vector<reports::ScoreDoc> score_docs(metrics::ScoreTable table) {
     doc.higher_is_better = score->direction == metrics::Direction::higher_is_better;
     doc.digits = score->digits;
     doc.best = metrics::best_value(*score);
+    doc.least = score->least;
+    doc.greatest = score->greatest;
     doc.headline = (score->uses & metrics::kHeadline) != 0;
     doc.charted = (score->uses & metrics::kCharted) != 0;
     doc.ranking = (score->uses & metrics::kRanking) != 0;

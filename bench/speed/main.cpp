@@ -158,8 +158,8 @@ void run(const Image8& reference, const Image8& test, const Arguments& arguments
   for (Duel& duel : duels) turns.insert(turns.end(), {&duel.ours, &duel.theirs});
   bench::run_rounds(turns, arguments.rounds);
   const std::string head =
-      fmt::format("{} x {} pixels, {} rounds, {}", reference.width, reference.height, arguments.rounds,
-                  read_machine().cpu_model.value_or("a processor without a name"));
+      fmt::format("{} x {} pixels, {} rounds, {}, compiled by {}", reference.width, reference.height, arguments.rounds,
+                  read_machine().cpu_model.value_or("a processor without a name"), __VERSION__);
   fmt::print("{}; process CPU seconds\n", head);
   print_scores(contests);
   if (!duels.empty()) fmt::print("\n{}", duel_table(duels));

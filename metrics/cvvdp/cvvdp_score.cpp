@@ -72,6 +72,7 @@ ScoreMap map_of(const ImageF& jod) {
   std::copy(jod.data.begin(), jod.data.end(), out.values.data.begin());
   out.equal = 10;
   out.worst = kWorstDrawn;
+  out.open = true;
   out.unit = "JOD";
   return out;
 }

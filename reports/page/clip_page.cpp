@@ -19,6 +19,11 @@ std::string frame_text(const ClipPage& page, size_t frame) {
                       : fmt::format("{}", frame);
 }
 
+std::string equal_text(const ClipPage& page) {
+  if (page.equal == page.frames) return ", all equal: no frame is worse than another";
+  return page.equal > 0 ? fmt::format(", {} of them equal", count_text(page.equal)) : "";
+}
+
 TemplateValues row_of(const ClipPage& page, const ClipSeries& series) {
   TemplateValues row = {{"title", heading(series.doc)}};
   Rows there;
@@ -65,6 +70,7 @@ std::string clip_page(const ClipPage& page) {
                                {{"reference", page.reference},
                                 {"test", page.test},
                                 {"frames", count_text(page.frames)},
+                                {"equal", equal_text(page)},
                                 {"rate", page.fps > 0 ? fmt::format(" at {:g} a second", page.fps) : ""},
                                 {"width", page.width},
                                 {"height", page.height},

@@ -11,7 +11,8 @@ namespace crowdbench::reports {
 struct ClipPage {
   std::string reference, test;  // what was compared, as the user named it
   size_t frames = 0;
-  double fps = 0;  // 0: not known; time is then in frames
+  size_t equal = 0;  // of them, frames of which both pictures are the same
+  double fps = 0;    // 0: not known; time is then in frames
   int width = 0, height = 0;
   std::string display;             // where it is looked at, for people
   std::vector<ClipSeries> scores;  // in the order in which people read them

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -523,6 +524,26 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const json j = facts("study export study.toml out --json");
          EXPECT_EQ(j.at("stacked"), json::parse(text("out/page/trials.json")).at("stimuli").size());
          EXPECT_EQ(facts("study export study.toml out --json").at("stacked"), 0);
+         // The scenario's display, or the one that is asked for: its light and its pixels a degree are those of
+         // `compare` on it, and so are scores of the same frames.
+         write_file(work_ / "seat.json",
+                    R"({"pixels_per_degree": 31, "max_luminance": 120, "contrast": 500, "E_ambient": 40})");
+         EXPECT_EQ(run("study export study.toml seat --display seat.json").status, 0);
+         for (const auto& [folder, display] : {std::pair("out", "standard_fhd"), std::pair("seat", "seat.json")}) {
+           SCOPED_TRACE(display);
+           const json study = json::parse(text(std::string(folder) + "/study.json"));
+           const json pair = study.at("stimuli").at(0);
+           const auto half = [&pair, work = std::string(folder)](const char* which) {
+             return fmt::format("{}/work/{}.mp4", work, pair.at(which).at("half").get<std::string>());
+           };
+           ASSERT_EQ(pair.at("test_on_top"), true);
+           const json same = facts(fmt::format("compare {} {} --scores flip,cvvdp --display {} --json", half("lower"),
+                                               half("upper"), display));
+           EXPECT_EQ(study.at("scores_display"), same.at("display").at("text"));
+           const auto first = std::ranges::find(pair.at("scores"), "flip", [](const json& s) { return s.at("score"); });
+           ASSERT_NE(first, pair.at("scores").end());
+           EXPECT_EQ(first->at("mean"), same.at("by_frame").at("flip").at(first->at("worst_frame").get<size_t>()));
+         }
          EXPECT_NE(json::parse(text("out/study.json")).at("scores_display").get<std::string>().find("standard_fhd"),
                    std::string::npos)
              << "the scenario's display";

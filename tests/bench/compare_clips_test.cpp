@@ -139,7 +139,7 @@ TEST_F(CompareFolders, AScoreOverTimeHasItsFramesItsWorstAndItsMap) {
   EXPECT_TRUE(fs::exists(folder / "maps" / "flicker_map_frame0003.png"));
   const json equal = compared({a.string(), a.string(), "--scores", "flicker"});
   EXPECT_EQ(equal["by_frame"]["flicker"], json::parse("[null, null, 0.0, 0.0]"));
-  EXPECT_EQ(equal["worst_frames"]["flicker"]["frame"], 2) << "the first of the worst value";
+  EXPECT_FALSE(equal["worst_frames"].contains("flicker")) << "none is worse than equal frames are";
   for (const char* name : {"frame11.png", "frame12.png"}) fs::remove(a / name);
   const json two = compared({a.string(), a.string(), "--scores", "flicker"});
   EXPECT_EQ(two["by_frame"]["flicker"], json::parse("[null, null]"));
@@ -201,6 +201,32 @@ TEST_F(CompareFolders, AreCharted) {
   EXPECT_NE(page.find("Flicker, code values, frame 3 (0.12 s)"), std::string::npos) << "the map of its worst frame";
 }
 
+TEST(FrameNumbers, WhatIsMissingIsSaid) {
+  const auto missing = [](const std::vector<const char*>& names) {
+    return missing_numbers(std::vector<fs::path>(names.begin(), names.end()));
+  };
+  EXPECT_EQ(missing({"f/a_000.png", "f/a_001.png", "f/a_004.png", "f/a_009.png"}),
+            "frames 2 to 3 are missing (files are numbered 0 to 9); the others are taken one after the other");
+  EXPECT_EQ(missing({"8.exr", "9.exr", "11.exr"}),
+            "frame 10 is missing (files are numbered 8 to 11); the others are taken one after the other");
+  EXPECT_EQ(missing({"a10.png", "a20.png", "a30.png"}), "") << "every tenth";
+  EXPECT_EQ(missing({"a1.png", "a7.png"}), "");
+  EXPECT_EQ(missing({"a1.png", "b2.png", "c9.png"}), "") << "names of their own";
+  EXPECT_EQ(missing({"a1.png", "a2.exr", "a9.png"}), "");
+  EXPECT_EQ(missing({"a1.png", "b.png", "a9.png"}), "");
+  EXPECT_EQ(missing({"99999999999999999999999.png", "a1.png"}), "");
+}
+
+TEST_F(CompareFolders, AGapInTheNumbersIsSaid) {
+  EXPECT_EQ(compared({a.string(), b.string(), "--scores", "mae"})["warnings"].size(), 0U);
+  for (const fs::path& side : {a, b}) fs::remove(side / "frame10.png");
+  const json out = compared({a.string(), b.string(), "--scores", "mae"});
+  ASSERT_EQ(out["warnings"].size(), 2U);
+  EXPECT_EQ(out["warnings"][1], b.string() +
+                                    ": frame 10 is missing (files are numbered 9 to 12); the others are taken "
+                                    "one after the other");
+}
+
 TEST_F(CompareFolders, WhatDoesNotGoTogetherIsRefused) {
   EXPECT_NE(error_of({a.string(), (b / "frame9.png").string()}).find("is one picture"), std::string::npos);
   fs::remove(b / "frame12.png");
@@ -233,11 +259,44 @@ TEST(CompareFloatFrames, NotFiniteIsCountedAndPlaced) {
   EXPECT_EQ(out["not_finite"]["test"], json::parse(R"({"nan": 1, "infinite": 1, "frame": 1, "first": [7, 3]})"));
   EXPECT_EQ(out["not_finite"]["reference"], json::parse(R"({"nan": 0, "infinite": 0})"));
   EXPECT_EQ(out["warnings"].size(), 1U);
-  for (const char* name : {"linear_mae", "hdr_flip"}) {
+  EXPECT_EQ(out["warnings"][0],
+            "the test has 1 pixel that is not a number and 1 infinite, the first at (7, 3), in frame 1");
+  for (const char* name : {"linear_mae", "linear_rms", "hdr_flip"}) {
     EXPECT_TRUE(out["by_frame"][name][1].is_null()) << name;
     EXPECT_TRUE(out["by_frame"][name][2].is_null()) << name;
     EXPECT_EQ(out["by_frame"][name][0], 0) << name;
+    // What is equal in the other frames makes no score of the clip.
+    EXPECT_TRUE(out["scores"][name].is_null()) << name << out["scores"][name];
+    EXPECT_EQ(out["reasons"][name],
+              "frame 1: the test has 1 pixel that is not a number, the first at (7, 3); so it is in 2 of 3 frames");
+    EXPECT_FALSE(out["worst_frames"].contains(name)) << name;
+    EXPECT_FALSE(out["pooling"].contains(name)) << name;
   }
+  EXPECT_EQ(out["equal_frames"], 1);
+  // A display of light: no frame of it is a score either.
+  const json seen = compared({(folder / "a").string(), (folder / "b").string(), "--fps", "30", "--scores", "cvvdp",
+                              "--display", "standard_hdr_linear"});
+  EXPECT_TRUE(seen["scores"]["cvvdp"].is_null());
+  EXPECT_EQ(seen["reasons"]["cvvdp"], "frame 1: the test has 1 pixel that is not a number, the first at (7, 3)");
+  // Nor does it keep a bound.
+  for (const char* name : {"linear_mae", "hdr_flip"}) {
+    const json bound =
+        compared({(folder / "a").string(), (folder / "b").string(), "--fail-above", std::string(name) + "=0.5"}, 1);
+    EXPECT_EQ(bound["bounds"][0]["pass"], false) << name;
+    EXPECT_TRUE(bound["bounds"][0]["value"].is_null()) << name;
+  }
+}
+
+// Where nothing differs no frame is the worst, whatever its PSNR is.
+TEST_F(CompareFolders, OfEqualClipsNoFrameIsTheWorst) {
+  const json out = compared({a.string(), a.string(), "--fps", "25"});
+  EXPECT_EQ(out["equal_frames"], out["frames"]);
+  EXPECT_TRUE(out["worst_frames"].empty()) << out["worst_frames"];
+  EXPECT_EQ(out["scores"]["psnr"], "inf");
+  EXPECT_EQ(out["by_frame"]["psnr"][0], "inf");
+  const json other = compared({a.string(), b.string(), "--fps", "25"});
+  EXPECT_LT(other["equal_frames"], other["frames"]);
+  EXPECT_TRUE(other["worst_frames"].contains("psnr"));
 }
 
 TEST(CompareClips, AClipAndItsStackedHalves) {

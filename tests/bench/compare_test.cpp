@@ -165,6 +165,34 @@ TEST(Compare, FloatPicturesHaveScoresOfFloatsOnly) {
   fs::remove_all(folder);
 }
 
+// What does not count may be no number; and floats are compared with floats alone.
+TEST(Compare, WhatIsLeftOutNeedNotBeFinite) {
+  const fs::path folder = scratch();
+  ImageF a(12, 12, 3);
+  std::fill(a.data.begin(), a.data.end(), 0.5F);
+  ImageF b = a;
+  b.at(9, 9)[0] = 0.5F + 4.32F;
+  a.at(2, 3)[1] = std::numeric_limits<float>::quiet_NaN();
+  b.at(3, 3)[1] = std::numeric_limits<float>::infinity();
+  write_exr(folder / "a.exr", a);
+  write_exr(folder / "b.exr", b);
+  const json out = compared(folder / "a.exr", folder / "b.exr", {"--ignore", "2,3,2,1"});
+  EXPECT_NEAR(out["scores"]["linear_mae"].get<double>(), 0.01, 1e-7);
+  EXPECT_TRUE(out["warnings"].empty()) << out["warnings"];
+  const json half = compared(folder / "a.exr", folder / "b.exr", {"--ignore", "2,3,1,1"});
+  EXPECT_EQ(half["reasons"]["linear_mae"], "the test has 1 pixel that is infinite, the first at (3, 3)");
+  write_png(folder / "b.png", Image8(12, 12, 3));
+  std::string error;
+  try {
+    compared(folder / "a.exr", folder / "b.png");
+  } catch (const Error& refused) {
+    error = refused.what();
+  }
+  EXPECT_NE(error.find("b.png: holds code values, "), std::string::npos) << error;
+  EXPECT_NE(error.find("a.exr floats; compare two of one kind"), std::string::npos) << error;
+  fs::remove_all(folder);
+}
+
 // The error and exposure maps, the range that was chosen, and a pixel that is not a number, which is placed.
 TEST(Compare, HdrFlipSaysItsExposuresAndRefusesWhatIsNotFinite) {
   const fs::path folder = scratch();

@@ -178,6 +178,89 @@ TEST(Exr, FloatRoundTripIsExactAndItsBytesAreThoseOfThePixels) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 
+std::string read_error(const fs::path& path) {
+  try {
+    read_image(path);
+  } catch (const Error& error) {
+    return error.wrong;
+  }
+  return {};
+}
+
+// An uncompressed EXR of floats in which every sample is the channel's own value; names in the file's order, by their
+// bytes.
+std::string exr_of(int width, int height, const std::vector<std::pair<std::string, float>>& channels) {
+  std::string out;
+  const auto put = [&](const void* data, size_t bytes) { out.append(static_cast<const char*>(data), bytes); };
+  const auto number = [&](auto value) { put(&value, sizeof(value)); };
+  const auto text = [&](const std::string& words) { put(words.c_str(), words.size() + 1); };
+  const auto head = [&](const char* name, const char* type, size_t bytes) {
+    text(name);
+    text(type);
+    number(static_cast<int32_t>(bytes));
+  };
+  number(int32_t{20000630});
+  number(int32_t{2});
+  size_t list = 1;
+  for (const auto& [name, value] : channels) list += name.size() + 17;
+  head("channels", "chlist", list);
+  for (const auto& [name, value] : channels) {
+    text(name);
+    for (const int32_t field : {2, 0, 1, 1}) number(field);  // float, not linear, every pixel
+  }
+  number(uint8_t{0});
+  head("compression", "compression", 1);
+  number(uint8_t{0});
+  for (const char* window : {"dataWindow", "displayWindow"}) {
+    head(window, "box2i", 16);
+    for (const int32_t edge : {0, 0, width - 1, height - 1}) number(edge);
+  }
+  head("lineOrder", "lineOrder", 1);
+  number(uint8_t{0});
+  head("pixelAspectRatio", "float", 4);
+  number(1.0F);
+  head("screenWindowCenter", "v2f", 8);
+  number(0.0F);
+  number(0.0F);
+  head("screenWindowWidth", "float", 4);
+  number(1.0F);
+  number(uint8_t{0});
+  const size_t row = 4 * channels.size() * static_cast<size_t>(width);
+  const size_t first = out.size() + 8 * static_cast<size_t>(height);
+  for (int y = 0; y < height; ++y) number(static_cast<uint64_t>(first + static_cast<size_t>(y) * (8 + row)));
+  for (int y = 0; y < height; ++y) {
+    number(int32_t{y});
+    number(static_cast<int32_t>(row));
+    for (const auto& [name, value] : channels)
+      for (int x = 0; x < width; ++x) number(value);
+  }
+  return out;
+}
+
+// What renderers write beside the picture is left out, and a depth is no alpha.
+TEST(Exr, LayersBesideThePictureAreLeftOut) {
+  const fs::path folder = scratch();
+  using Channels = std::vector<std::pair<std::string, float>>;
+  const auto colours = [&](const Channels& channels) {
+    write_file(folder / "layers.exr", std::string_view(exr_of(3, 2, channels)));
+    const auto image = std::get<ImageF>(read_image(folder / "layers.exr"));
+    EXPECT_EQ(image.width, 3);
+    EXPECT_EQ(image.height, 2);
+    std::vector<float> pixel(image.at(2, 1), image.at(2, 1) + image.channels);
+    return pixel;
+  };
+  const Channels rgb = {{"B", 3}, {"G", 2}, {"R", 1}};
+  EXPECT_EQ(colours(rgb), (std::vector<float>{1, 2, 3}));
+  EXPECT_EQ(colours({{"A", 0.5F}, {"B", 3}, {"G", 2}, {"R", 1}, {"depth.Z", 9}, {"normal.X", 8}, {"normal.Y", 7}}),
+            (std::vector<float>{1, 2, 3, 0.5F}));
+  EXPECT_EQ(colours({{"B", 3}, {"G", 2}, {"R", 1}, {"Z", 9}}), (std::vector<float>{1, 2, 3}));
+  write_file(folder / "layers.exr", std::string_view(exr_of(3, 2, {{"Y", 1}, {"Z", 2}})));
+  EXPECT_NE(read_error(folder / "layers.exr").find("has 2 channels: Y, Z"), std::string::npos)
+      << read_error(folder / "layers.exr");
+  write_file(folder / "layers.exr", std::string_view(exr_of(3, 2, {{"p", 1}, {"q", 2}, {"s", 2}, {"t", 2}, {"u", 2}})));
+  EXPECT_NE(read_error(folder / "layers.exr").find("has 5 channels: p, q, s, t, u"), std::string::npos);
+}
+
 TEST(Exr, IdsKeepAll32Bits) {
   const fs::path folder = scratch();
   ImageU32 ids(5, 3, 1);
@@ -195,15 +278,6 @@ TEST(Exr, UnwritableTargetIsAnErrorThatLeavesNothing) {
   fs::create_directories(folder / "taken.exr");
   EXPECT_THROW(write_exr(folder / "taken.exr", ImageF(4, 4, 1)), Error);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
-}
-
-std::string read_error(const fs::path& path) {
-  try {
-    read_image(path);
-  } catch (const Error& error) {
-    return error.wrong;
-  }
-  return {};
 }
 
 TEST(ReadImage, RefusesWhatIsNotAPicture) {

@@ -11,6 +11,7 @@
 #include "core/colour.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "metrics/agent_motion.h"
 #include "metrics/picture_causes.h"
 #include "metrics/surface_causes.h"
 
@@ -422,13 +423,84 @@ TEST(PictureCauses, APaintedCardIsTexture) {
   expect_only(causes.errors, "texture", 3);
   EXPECT_TRUE(change(causes, 3).card);
   for (const uint32_t id : {1U, 2U, 4U}) EXPECT_FALSE(change(causes, id).card) << "as flat in the reference";
-  // One pixel beside the plane, and it is a surface.
+  // One pixel beside the plane, and it is no card: what is painted on it is still no colour of the agent near by.
   for (int y = 0; y < a.ids.height; ++y)
     for (int x = 0; x < a.ids.width; ++x)
       if (*a.ids.at(x, y) == 3 && y > 25) *b.depth.at(x, y) += 0.01F;
   const PictureCauses bent = told(a, b, true);
   EXPECT_FALSE(change(bent, 3).card);
-  EXPECT_EQ(bent.errors.agent(3)->largest(), Cause::surface);
+  EXPECT_EQ(bent.errors.agent(3)->largest(), Cause::texture);
+  // As far away as no point of the body is, it shows something else.
+  for (int y = 0; y < a.ids.height; ++y)
+    for (int x = 0; x < a.ids.width; ++x)
+      if (*a.ids.at(x, y) == 3) *b.depth.at(x, y) += 1;
+  EXPECT_EQ(told(a, b, true).errors.agent(3)->largest(), Cause::surface);
+}
+
+// A body of two halves, of which the test shows the one where the other was, in its colour: a wrong surface. In a
+// colour that neither has it is painted, whatever its depth.
+TEST(PictureCauses, AnotherSurfaceHasAColourOfTheBody) {
+  const Pictures a = [] {
+    Pictures out = Pictures::of({});
+    for (size_t i = 0; i < out.ids.pixels(); ++i) {
+      if (out.ids.data[i] != 1) continue;
+      const bool lower = i / 90 > 20;
+      out.depth.data[i] = lower ? 5.0F : 5.3F;
+      const uint8_t codes[] = {static_cast<uint8_t>(lower ? 200 : 60), 90, static_cast<uint8_t>(lower ? 60 : 200)};
+      std::copy_n(codes, 3, &out.codes.data[3 * i]);
+    }
+    return out;
+  }();
+  for (const bool painted : {false, true}) {
+    SCOPED_TRACE(painted);
+    Pictures b = a;
+    for (size_t i = 0; i < b.ids.pixels(); ++i)
+      if (b.ids.data[i] == 1 && i / 90 >= 20 && i / 90 < 23) {
+        const uint8_t codes[] = {60, static_cast<uint8_t>(painted ? 200 : 90),
+                                 static_cast<uint8_t>(painted ? 60 : 200)};
+        std::copy_n(codes, 3, &b.codes.data[3 * i]);
+        b.depth.data[i] = 5.2F;
+      }
+    expect_only(told(a, b, true).errors, painted ? "texture" : "surface", 1);
+  }
+}
+
+// A repainting by any colour is told by the mean; what is darker, moved or late is not one.
+TEST(PictureCauses, ARecolouredAgentIsSaidToBe) {
+  const Pictures a = Pictures::of({});
+  const Pictures posed = Pictures::of({.arm_up = true});
+  const PictureCauses causes =
+      told(a, Pictures::of({.moved_right = 4, .arm_up = true, .swapped = true, .red = 60, .light = 0.6}), true, &posed);
+  for (const AgentChange& of : causes.changes) EXPECT_EQ(of.recoloured, of.id == 3) << of.id;
+}
+
+// A column less on the one side and one more on the other of ten rows: as much as a shift of the figure by a bit, of
+// which no shift makes anything.
+TEST(PictureCauses, AnOutlineThatIsWrongSaysHowWellThePlaceIsTold) {
+  const Pictures a = Pictures::of({});
+  Pictures b = a;
+  size_t changed = 0;
+  for (int y = 9; y < 29; ++y) {
+    const int x = y % 2 == 0 ? 20 : 26;  // teeth on both sides of agent 2
+    if (*b.ids.at(x, y) != 2) continue;
+    *b.ids.at(x, y) = 0;
+    ++changed;
+  }
+  ASSERT_GT(changed, 15U);
+  const PictureCauses causes = told(a, b);
+  EXPECT_EQ(change(causes, 2).dx, 0);
+  const Extents extents = extents_of(a.ids);
+  const double length = outline_length(a.ids, 2, extents.at(2));
+  EXPECT_NEAR(change(causes, 2).told_px, static_cast<double>(changed) / length, 1e-9);
+  for (const uint32_t id : {1U, 3U, 4U}) EXPECT_EQ(change(causes, id).told_px, 0);
+  // What a shift by one pixel makes differ, along rows and down columns, in the mean.
+  size_t across = 0, down = 0;
+  for (int y = 1; y < a.ids.height; ++y)
+    for (int x = 1; x < a.ids.width; ++x) {
+      across += (*a.ids.at(x, y) == 2) != (*a.ids.at(x - 1, y) == 2) ? 1 : 0;
+      down += (*a.ids.at(x, y) == 2) != (*a.ids.at(x, y - 1) == 2) ? 1 : 0;
+    }
+  EXPECT_EQ(length, 0.5 * static_cast<double>(across + down));
 }
 
 // Nothing is known of what another agent hides, so that a motion which fetches all of the agent from behind it

@@ -14,6 +14,7 @@
 #include "metrics/agents.h"
 #include "metrics/difference.h"
 #include "metrics/figure.h"
+#include "metrics/panel.h"
 #include "metrics/pseudocolour.h"
 #include "metrics/silhouette.h"
 #include "metrics/ssim.h"
@@ -699,7 +700,37 @@ TEST(Pseudocolour, PictureAndBar) {
   EXPECT_TRUE(holds(colours[255]));
   EXPECT_TRUE(holds({40, 40, 40}));
   EXPECT_EQ(with_colour_bar(Image8(1, 1, 3), "c").width, 360);
-  EXPECT_NE(with_colour_bar(Image8(1, 1, 3), "c", 0, 1), with_colour_bar(Image8(1, 1, 3), "c")) << "other labels";
+  EXPECT_NE(with_colour_bar(Image8(1, 1, 3), "c", {0, 1}), with_colour_bar(Image8(1, 1, 3), "c")) << "other labels";
+  const BarRange open = {0, 1, true};
+  EXPECT_NE(with_colour_bar(Image8(1, 1, 3), "c", open), with_colour_bar(Image8(1, 1, 3), "c", {0, 1})) << ">= 1";
+  // A caption that is wider than the bar takes two lines.
+  const std::string half(30, 'w');
+  const Image8 broken = with_colour_bar(Image8(1, 1, 3), half + "; " + half);
+  EXPECT_EQ(broken.width, with_colour_bar(Image8(1, 1, 3), half).width);
+  EXPECT_EQ(broken.height, with_colour_bar(Image8(1, 1, 3), half).height + 16);
+}
+
+TEST(Panel, WordsStandAboveThePictureAndAreBroken) {
+  Image8 picture(40, 30, 3);
+  std::fill(picture.data.begin(), picture.data.end(), uint8_t{200});
+  EXPECT_EQ(with_words_above(picture, {}), picture);
+  const std::vector<std::string> short_words = {"ab", "c"};
+  const Image8 panel = with_words_above(picture, short_words, 100);
+  EXPECT_EQ(panel.width, 40);
+  ASSERT_EQ(panel.height, 30 + 2 * 16 + 4);
+  for (int x = 0; x < 40; ++x) EXPECT_EQ(panel.at(x, panel.height - 30)[0], 200);
+  int ink = 0;
+  for (int y = 0; y < panel.height - 30; ++y)
+    for (int x = 0; x < 40; ++x) ink += panel.at(x, y)[0] > 128 ? 1 : 0;
+  EXPECT_GT(ink, 10);
+  const std::vector<std::string> names = {"impostor:views=12,frames=8,texels=64, character 60 px"};
+  const Image8 broken = with_words_above(picture, names, 150);
+  EXPECT_LE(broken.width, 160);
+  EXPECT_GE(broken.height, 30 + 3 * 16 + 4);
+  EXPECT_EQ((broken.height - 30 - 4) % 16, 0);
+  // What cannot be broken is not cut off.
+  const std::vector<std::string> whole = {std::string(60, 'w')};
+  EXPECT_GT(with_words_above(picture, whole, 150).width, 400);
 }
 
 }  // namespace

@@ -205,6 +205,11 @@ TEST(Registry, MapsAreAskedForAndPainted) {
     if (!one.result.map) continue;
     ++maps;
     EXPECT_NE(one.result.map->equal, one.result.map->worst);
+    // Where the score's range goes on behind the bar, the bar says so.
+    const bool higher = one.score->direction == Direction::higher_is_better;
+    EXPECT_EQ(one.result.map->open,
+              higher ? one.score->least < one.result.map->worst : one.score->greatest > one.result.map->worst)
+        << one.score->name;
     const Image8 picture = map_picture(*one.score, one.result);
     EXPECT_GE(picture.width, one.result.map->values.width);
   }

@@ -48,6 +48,31 @@ TEST(ClipChart, HasEveryFrameInSecondsAndMarksTheWorst) {
   EXPECT_EQ(clip_chart(series_of("s", {}, 0), 10), "") << "a score over time alone";
 }
 
+// The axis has room for labels, but not beyond what the score can be.
+TEST(ClipChart, TheAxisKeepsWithinTheScoresRange) {
+  const auto range_of = [](std::vector<std::optional<double>> values, std::optional<double> least,
+                           std::optional<double> greatest) {
+    ClipSeries series = series_of("s", std::move(values), 0);
+    series.doc.least = least;
+    series.doc.greatest = greatest;
+    const json scale = json::parse(clip_chart(series, 10)).at("layer")[0].at("encoding").at("y").at("scale");
+    EXPECT_EQ(scale.at("nice"), false);
+    return std::pair(scale.at("domain")[0].get<double>(), scale.at("domain")[1].get<double>());
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto error = range_of({0.0, 0.4, 0.2}, 0, 1);
+  EXPECT_EQ(error.first, 0);
+  EXPECT_NEAR(error.second, 0.46, 1e-12);
+  const auto jod = range_of({9.0, 10.0, std::nullopt}, -kInfinity, 10);
+  EXPECT_NEAR(jod.first, 8.85, 1e-12);
+  EXPECT_EQ(jod.second, 10);
+  const auto unknown = range_of({9.0, 10.0}, {}, {});
+  EXPECT_NEAR(unknown.second, 10.15, 1e-12);
+  const auto equal = range_of({0.0, 0.0, kInfinity}, 0, kInfinity);
+  EXPECT_EQ(equal.first, 0);
+  EXPECT_GT(equal.second, 0) << "one value is a range too";
+}
+
 TEST(ClipPage, SaysTheWholeTheWorstAndWhatIsMissing) {
   try {
     chart_libraries();

@@ -61,7 +61,8 @@ void set_up_library() {
 }
 
 Sample sample_of(const OIIO::ImageSpec& spec) {
-  switch (spec.format.basetype) {
+  const OIIO::TypeDesc first = spec.channelformat(0);  // of colour, where others are stored otherwise
+  switch (first.basetype) {
     case OIIO::TypeDesc::UINT8: return Sample::kU8;
     case OIIO::TypeDesc::UINT16: return Sample::kU16;
     case OIIO::TypeDesc::HALF:
@@ -69,7 +70,7 @@ Sample sample_of(const OIIO::ImageSpec& spec) {
     case OIIO::TypeDesc::DOUBLE: return Sample::kFloat;
     case OIIO::TypeDesc::UINT32: return Sample::kU32;
     default:
-      throw Refusal{std::string("has samples of type ") + spec.format.c_str(),
+      throw Refusal{std::string("has samples of type ") + first.c_str(),
                     "save it with 8 or 16 bits, float or 32-bit unsigned"};
   }
 }
@@ -83,6 +84,27 @@ OIIO::TypeDesc type_of(Sample sample) {
   }
 }
 
+std::string names_of(const OIIO::ImageSpec& spec) {
+  constexpr size_t kMost = 6;
+  std::string names;
+  for (size_t i = 0; i < std::min(kMost, spec.channelnames.size()); ++i)
+    names += (names.empty() ? "" : ", ") + spec.channelnames[i];
+  return names + (spec.channelnames.size() > kMost ? ", ..." : "");
+}
+
+// How many of the file's channels are the picture: those of colour and alpha, which the library puts first. An EXR may
+// hold depths, normals and other layers beside them.
+int channels_of(const OIIO::ImageSpec& spec) {
+  const auto named = [&](size_t i, std::string_view name) {
+    return i < spec.channelnames.size() && spec.channelnames[i] == name;
+  };
+  if (spec.nchannels > 3 && named(0, "R") && named(1, "G") && named(2, "B")) return named(3, "A") ? 4 : 3;
+  if (spec.nchannels < 1 || spec.nchannels > 4 || (spec.nchannels == 2 && spec.alpha_channel != 1))
+    throw Refusal{"has " + std::to_string(spec.nchannels) + " channels: " + names_of(spec),
+                  "save 1 (grey), grey with alpha (A), 3 (RGB) or 4 (RGBA); layers beside R, G, B are left out"};
+  return spec.nchannels;
+}
+
 void check(const OIIO::ImageSpec& spec, const Limits& limits) {
   if (spec.deep) throw Refusal{"is a deep picture", "flatten it first"};
   if (spec.depth > 1) throw Refusal{"is a volume", "name a picture of one layer"};
@@ -93,9 +115,6 @@ void check(const OIIO::ImageSpec& spec, const Limits& limits) {
                       " pixels, more than the limit of " + std::to_string(limits.side) + " a side and " +
                       std::to_string(limits.pixels) + " in all",
                   "use a smaller picture"};
-  if (spec.nchannels < 1 || spec.nchannels > 4 || (spec.nchannels == 2 && spec.alpha_channel != 1))
-    throw Refusal{"has " + std::to_string(spec.nchannels) + " channels",
-                  "save 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGBA)"};
   if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
       spec.height != spec.full_height)
     throw Refusal{"has a data window that differs from its display window", "save it cropped or padded to the display"};
@@ -140,22 +159,22 @@ void read(const char* path, OIIO::Filesystem::IOProxy* memory, const Limits& lim
   }
   const OIIO::ImageSpec& spec = input->spec();
   check(spec, limits);
-  const bool widen = spec.nchannels == 2;
-  const Header header{spec.width, spec.height, widen ? 4 : spec.nchannels, sample_of(spec)};
+  const int channels = channels_of(spec);
+  const bool widen = channels == 2;
+  const Header header{spec.width, spec.height, widen ? 4 : channels, sample_of(spec)};
   auto* samples = static_cast<unsigned char*>(allocate(context, header));
   if (!samples) throw std::bad_alloc();
   const size_t size = sample_size(header.sample);
   const auto pixel_stride = static_cast<OIIO::stride_t>(size * static_cast<size_t>(header.channels));
   constexpr int kWithAlpha = 4;
-  if (std::string_view(input->format_name()) == "webp" && spec.nchannels == kWithAlpha &&
-      header.sample == Sample::kU8) {
+  if (std::string_view(input->format_name()) == "webp" && channels == kWithAlpha && header.sample == Sample::kU8) {
     OIIO::Filesystem::IOProxy* bytes = memory;
     std::unique_ptr<OIIO::Filesystem::IOFile> opened;
     if (!bytes)
       bytes = (opened = std::make_unique<OIIO::Filesystem::IOFile>(path, OIIO::Filesystem::IOProxy::Read)).get();
     if (read_straight_webp(*bytes, spec, samples)) return;
   }
-  if (!input->read_image(0, 0, 0, spec.nchannels, type_of(header.sample), samples, pixel_stride))
+  if (!input->read_image(0, 0, 0, channels, type_of(header.sample), samples, pixel_stride))
     throw Refusal{"is damaged (" + first_line(input->geterror()) + ")", "write the file again"};
   if (!widen) return;
   const size_t pixels = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
