@@ -13,13 +13,14 @@
 #include "renderers/bake/bake_cache.h"
 #include "renderers/bake/bake_loader.h"
 #include "renderers/polypostor/polypostor_images.h"
+#include "renderers/polypostor/polypostor_order.h"
 #include "renderers/polypostor/polypostor_plan.h"
 #include "renderers/polypostor/polypostor_view.h"
 
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 25;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kBakeVersion = 26;  // raised whenever the same inputs give other bytes
 
 uint32_t pack_position(const glm::dvec2& p, double z, double quantum, double unit_z) {
   const auto code = [](double v, double zero, double most) {
@@ -40,14 +41,6 @@ size_t corners_of(const ViewParts& view) {
   for (const auto& sheets : view.sheets)
     for (const Sheet& sheet : sheets) corners += sheet.fit.polygon.size();
   return corners;
-}
-
-// Where the plan's eye has to see a corner of a part's plane, so that it lies at p on the plane through the centre:
-// texels, and metres towards the eye.
-glm::dvec3 on_plane(const PolypostorPlan& plan, const TilePlane& plane, const glm::dvec2& p) {
-  const double rise = plane.slope_x * p.x + plane.slope_y * p.y;
-  const double k = std::clamp((plan.eye - plane.height / plan.texel) / std::max(plan.eye + rise, 1.0), 0.5, 2.0);
-  return {k * p.x, k * p.y, k * rise * plan.texel + plane.height};
 }
 
 // Every pose's block of words.
@@ -267,7 +260,7 @@ PolypostorBake bake_polypostor(gl::Context& context, const std::shared_ptr<const
   bake.radius = static_cast<float>(plan.sphere.radius);
   bake.texel = static_cast<float>(plan.texel);
   bake.unit = static_cast<float>(plan.quantum * plan.texel);
-  bake.unit_z = static_cast<float>(kPolypostorReach * plan.sphere.radius / 127);
+  bake.unit_z = static_cast<float>(depth_unit(plan));
   bake.frames = static_cast<uint32_t>(plan.frames.size());
   bake.views = static_cast<uint32_t>(grid_views);
   bake.levels = plan.tiers.back().first_level + plan.tiers.back().levels;

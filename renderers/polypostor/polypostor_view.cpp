@@ -8,6 +8,7 @@
 
 #include "renderers/polypostor/polypostor_contour.h"
 #include "renderers/polypostor/polypostor_key.h"
+#include "renderers/polypostor/polypostor_order.h"
 #include "renderers/polypostor/polypostor_torn.h"
 
 namespace crowdbench::renderers {
@@ -380,6 +381,12 @@ void fit_view(const PolypostorPlan& plan, const ViewBasis& basis, KeyChoice choi
   const StoredClip& clip = plan.frames.clips[view.clip];
   const SeenView seen = see_parts(plan, tier, clip, basis, choice != KeyChoice::first);
   for (const PartMask& figure : seen.figures) view.areas.push_back(covered_area(figure));
+  std::vector<std::vector<TilePlane>> planes(clip.frames);  // by pose and part
+  for (uint32_t f = 0; f < clip.frames; ++f) {
+    for (const auto& moments : tier.moments)
+      planes[f].push_back(fit_plane(moments[clip.first_frame + f], plan.sphere.centre, basis));
+    order_planes(plan, tier, seen.positions[f], planes[f]);
+  }
   view.sheets.resize(seen.parts.size());
   for (size_t part = 0; part < seen.parts.size(); ++part) {
     const SeenPart& of = seen.parts[part];
@@ -401,8 +408,7 @@ void fit_view(const PolypostorPlan& plan, const ViewBasis& basis, KeyChoice choi
       sheet.torn = std::move(one.torn);
       sheet.fit = std::move(one.fit);
       enlarge(sheet.fit, tier.texel);
-      for (uint32_t f = 0; f < clip.frames; ++f)
-        sheet.planes.push_back(fit_plane(tier.moments[part][clip.first_frame + f], plan.sphere.centre, basis));
+      for (const auto& of_pose : planes) sheet.planes.push_back(of_pose[part]);
       view.sheets[part].push_back(std::move(sheet));
     }
   }
