@@ -108,8 +108,8 @@ PopulationProbability population_probability(const MixedFit& fit, const MixedSet
 // theorem (it may be open, where the slope is not known to differ from 0). The variances of participants and of clips
 // are estimates from a few: their parts of the variance are n / (n - 1) of the likelihood's, and the quantile is
 // Student's with the degrees of freedom that they leave (Satterthwaite), at most those of the participants: of few the
-// variance between them is often estimated as 0, and the interval is then too wide rather than too narrow. For fits with
-// an intercept and one slope.
+// variance between them is often estimated as 0, and the interval is then too wide rather than too narrow. For fits
+// with an intercept and one slope.
 struct MixedThreshold {
   double at = 0;
   std::optional<Interval> interval;
