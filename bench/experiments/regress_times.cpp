@@ -146,14 +146,26 @@ std::optional<double> scatter_of_runs(const TimeSeries& baseline, const TimeSeri
   return degrees > 0 ? std::optional(std::sqrt(squares / degrees)) : std::nullopt;
 }
 
-// Runs of each side that find a slow-down of limits.detect with kPower, by the normal law; at least kRunsAsValues.
+// Runs of each side without which the exact rank test finds nothing at one of so many points, whatever it shows: of n
+// and n values the least p is one over the ways to choose n of 2 n.
+size_t least_runs(size_t points, const RegressLimits& limits) {
+  const double tests = limits.correction == Correction::none ? 1 : static_cast<double>(points);
+  size_t n = 1;
+  for (double ways = 2; tests / ways > limits.level; ++n)
+    ways *= static_cast<double>((2 * n + 2) * (2 * n + 1)) / static_cast<double>((n + 1) * (n + 1));
+  return std::max(n, kRunsAsValues);
+}
+
+// Runs of each side that find a slow-down of limits.detect with kPower, by the normal law; at least kRunsAsValues, and
+// more than there are: they did not tell.
 size_t runs_needed(const TimeSeries& baseline, const TimeSeries& current, double least_effect,
                    const RegressLimits& limits) {
   const std::optional<double> scatter = scatter_of_runs(baseline, current);
   const double step = std::log1p(limits.detect) - std::log1p(least_effect);
-  if (!scatter || !(step > 0)) return kRunsAsValues;
+  const size_t more = std::max(kRunsAsValues, std::min(baseline.runs.size(), current.runs.size()) * 3 / 2);
+  if (!scatter || !(step > 0)) return more;
   const double errors = (normal_quantile(1 - limits.level) + normal_quantile(kPower)) * *scatter / step;
-  return std::max(kRunsAsValues, static_cast<size_t>(std::ceil(std::min(2 * errors * errors, 1e6))));
+  return std::max(more, static_cast<size_t>(std::ceil(std::min(2 * errors * errors, 1e6))));
 }
 
 std::vector<double> moved(std::vector<double> values, double by) {
@@ -303,6 +315,7 @@ void judge_times(std::vector<TimePoint>& points, const RegressLimits& limits) {
   for (size_t i = 0; i < points.size(); ++i) {
     points[i].adjusted_slower = slower[i];
     points[i].adjusted_faster = faster[i];
+    points[i].runs_needed = std::max(points[i].runs_needed, least_runs(points.size(), limits));
     judge(points[i], limits);
   }
 }

@@ -209,7 +209,7 @@ TEST(Regress, ARunASideTellsNothingUnlessItsScatterIsKnown) {
   const TimePoint& point = point_of(unknown, "relief:boxes=2", 1000);
   EXPECT_EQ(exit_status(unknown), 3) << regress_text(unknown);
   EXPECT_FALSE(point.judged);
-  EXPECT_EQ(point.runs_needed, kRunsAsValues);
+  EXPECT_EQ(point.runs_needed, 6U) << "nine points, level 1 %: 1 of the 924 ways to choose 6 of 12, 252 are too few";
   EXPECT_NEAR(point.change, 0.3, 0.02) << "what was seen is said";
   EXPECT_NE(point.reason.find("between 1 and 1 runs; what differs"), std::string::npos) << point.reason;
   EXPECT_NE(regress_json(unknown).dump().find("\"interval\":null"), std::string::npos);
@@ -220,6 +220,25 @@ TEST(Regress, ARunASideTellsNothingUnlessItsScatterIsKnown) {
   // A changed picture needs no second run.
   const std::vector<StoreContents> shifted = {simulated_file({.shift = 1}, 41)};
   EXPECT_EQ(exit_status(regress(before, shifted, {}, metrics::scores())), 1);
+}
+
+// Five runs of each have no p below 1 / 252: at one of nine points nothing could be found, and that is said.
+TEST(Regress, ARunMoreIsAskedForWhereTheTestItselfTakesIt) {
+  const auto side = [](size_t runs, double slower, uint64_t seed) {
+    std::vector<StoreContents> files;
+    for (size_t run = 0; run < runs; ++run)
+      files.push_back(simulated_file({.slower_at_1000 = slower, .rounds = 12}, seed + run));
+    return files;
+  };
+  const auto before = side(5, 1, 600);
+  const auto after = side(5, 1.5, 700);
+  const RegressReport few = regress(before, after, {}, metrics::scores());
+  EXPECT_EQ(exit_status(few), 3) << regress_text(few);
+  EXPECT_EQ(point_of(few, "relief:boxes=2", 1000).runs_needed, 7U)
+      << "six would do by the test; more than five by half";
+  const auto more_before = side(6, 1, 600);
+  const auto more_after = side(6, 1.5, 700);
+  EXPECT_EQ(exit_status(regress(more_before, more_after, {}, metrics::scores())), 1);
 }
 
 // Where runs differ by several per cent, as on a machine with other work.
