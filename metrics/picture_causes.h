@@ -12,12 +12,12 @@
 //
 // What cannot be told apart: a grey repainting from a change of the light (it counts as shading); a repainting in
 // colours that the agent has near by, under other depths, from a wrong surface; a shift by less than about 0.1 pixel
-// from nothing, and a shift by less than AgentChange::told_px from an outline that is wrong by itself, as an impostor's
-// is of a stored view and pose; a shift of the colours alone, under ids that stayed, from another texture; an agent
-// nearer and one drawn larger, without depths; an agent that is a frame late from a wrong outline, without that frame
-// (PicturesWithIds::posed), and then its wrong surfaces from its texture, since that frame's depths are not given. An
-// agent that moved by a fraction of a pixel and was recoloured shows colours of which nobody knows where between two
-// samples they lie: that much of its place is counted as texture.
+// from nothing, and a shift by about AgentChange::told_px or less from an outline that is wrong by itself, as an
+// impostor's is of a stored view and pose; a shift of the colours alone, under ids that stayed, from another texture;
+// an agent nearer and one drawn larger, without depths; an agent that is a frame late from a wrong outline, without
+// that frame (PicturesWithIds::posed), and then its wrong surfaces from its texture, since that frame's depths are not
+// given. An agent that moved by a fraction of a pixel and was recoloured shows colours of which nobody knows where
+// between two samples they lie: that much of its place is counted as texture.
 #pragma once
 #include <optional>
 #include <vector>
@@ -45,8 +45,9 @@ struct AgentChange {
   uint32_t id = 0;
   bool posed = false;     // it has the pose of PicturesWithIds::posed
   double dx = 0, dy = 0;  // pixels: its middle moved so far, right and down
-  // Pixels: what differs of its outlines, where it was found to be, is as much as a shift by this makes differ. A
-  // smaller displacement could not be told from a wrong outline. 0: the outlines are the same.
+  // Pixels: what differs of its outlines, where it was found to be, is as much as a shift by about this makes differ
+  // (less where it is thin). A displacement of that size that explains less than half of it is not told from a wrong
+  // outline. 0: the outlines are the same.
   double told_px = 0;
   // Its mean colour, over the pixels that show it in both pictures, changed by more than its lightness: what a blurred
   // texture, a wrong outline or other light do not change.

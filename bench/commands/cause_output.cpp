@@ -57,10 +57,12 @@ std::string change_text(const metrics::AgentChange& change) {
   if (change.card) text += "; drawn on a card";
   for (const uint32_t other : change.changed_places_with) text += fmt::format("; now behind {}", other);
   constexpr double kWorthSaying = 0.5;  // pixels
-  if (change.told_px >= kWorthSaying)
-    text += fmt::format(
-        "; its outline is wrong by as much as a shift by {:.2g} pixels makes it: a smaller {} cannot be told",
-        change.told_px, change.dx != 0 || change.dy != 0 ? "one besides" : "displacement");
+  if (change.told_px >= kWorthSaying) {
+    const bool moved = change.dx != 0 || change.dy != 0;
+    text += fmt::format("; its outline is {}wrong by as much as a shift by {:.2g} pixels makes it{}",
+                        moved ? "then still " : "", change.told_px,
+                        moved ? "" : ", of which no displacement explains half: one of about that size cannot be told");
+  }
   return text;
 }
 

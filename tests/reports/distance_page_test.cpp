@@ -165,7 +165,7 @@ TEST(DistancePage, SaysWhatCountsAndWhereThresholdsAreReached) {
   const std::string html = distance_page(page);
   for (const char* text :
        {"9 agents, against the &lt;right&gt; one: 7 counted, 2 occluded.", "Sharpness, dB by distance",
-        "<td class=\"l\">&lt;a&gt;</td><td class=\"l\">sharpness</td><td>25</td>", "from 7.5 m on (95 %: 6 to 9)",
+        "<td class=\"wrap\">&lt;a&gt;</td><td class=\"wrap\">sharpness</td><td>25</td>", "from 7.5 m on (95 %: 6 to 9)",
         "not reached"})
     EXPECT_NE(html.find(text), std::string::npos) << text;
   page.scores[0].graphs[0].series[0].thresholds.clear();
