@@ -8,11 +8,13 @@
 #include <iostream>
 #include <limits>
 #include <new>
+#include <system_error>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "core/command_line.h"
 #include "core/error.h"
+#include "core/fatal_signals.h"
 #include "core/progress.h"
 #include "core/version.h"
 
@@ -51,6 +53,9 @@ int run_command(int argc, char** argv) {
     return interrupt_status();
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "crowdbench: out of memory; use fewer agents, smaller pictures or a smaller character\n");
+  } catch (const std::system_error& error) {
+    fmt::print(stderr, "crowdbench: the system refuses a thread or memory ({}); raise its limits (ulimit -u, -v)\n",
+               printable(error.what(), 500));
   } catch (const std::exception& error) {
     if (std::ferror(stdout) == 0) fmt::print(stderr, "crowdbench: {}\n", printable(error.what(), 500));
   }
@@ -71,5 +76,6 @@ int main(int argc, char** argv) {
   keep_freed_memory();
   set_command_line(argc, argv);
   install_interrupt_handler();
+  install_fatal_signal_line();
   return flushed(run_command(argc, argv));
 }

@@ -140,6 +140,9 @@ const kStatuses = [0, 1, 2, 3, 75, 130, 143]
 function wrong_end(fault, ended) {
   if (ended.wrong) return ended.wrong
   const killed = ended.signal !== null
+  // A driver that gets no memory may end the process itself: that is said too.
+  if (fault === 'little memory' && ['SIGSEGV', 'SIGABRT', 'SIGBUS'].includes(ended.signal))
+    return ends(ended.said).length === 1 ? '' : `ended by ${ended.signal} without its one line: ${ended.said.slice(-400)}`
   if (killed && !(ended.signal === 'SIGKILL' && fault === 'kill') && !(['term', 'interrupt'].includes(fault) && ['SIGTERM', 'SIGINT'].includes(ended.signal)))
     return `ended by ${ended.signal}: ${ended.said.slice(-400)}`
   if (!killed && !kStatuses.includes(ended.status)) return `status ${ended.status}: ${ended.said.slice(-400)}`

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/probability.h"
 #include "core/progress.h"
 #include "studies/analysis/equivalence.h"
 
@@ -41,7 +42,8 @@ TEST(ThresholdPower, IntervalsHoldTheTruthAndNarrowWithParticipants) {
   EXPECT_EQ(simulate_threshold_power(s).median_width, few.median_width) << "whatever the number of threads";
   s.design.participants = 40;
   const ThresholdPower many = simulate_threshold_power(s);
-  EXPECT_NEAR(many.median_width / few.median_width, 0.5, 0.15) << "four times as many";
+  const double expected = 0.5 * student_t_quantile(0.975, 39) / student_t_quantile(0.975, 9);
+  EXPECT_NEAR(many.median_width / few.median_width, expected, 0.15) << "four times as many";
 }
 
 // By participants, so that rows of more of them count for as much as they take.
