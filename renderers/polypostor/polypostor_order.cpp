@@ -114,8 +114,8 @@ Contests contests_of(const PolypostorPlan& plan, const PolypostorTier& tier, std
 }
 
 // By how many units a part's plane is best moved while the others stay as they are.
-int best_shift(const Contests& all, size_t part, std::span<const int> shifts) {
-  constexpr double kWorth = 4;  // texels that a unit has to mend: beside a view planes that were moved stand apart
+// worth: texels that a unit has to mend.
+int best_shift(const Contests& all, size_t part, std::span<const int> shifts, double worth) {
   constexpr int kMost = kMostOrderUnits;
   // By how many more texels are wrong at a shift than at the one before.
   std::array<double, 2 * kMost + 1> more{};
@@ -144,8 +144,8 @@ int best_shift(const Contests& all, size_t part, std::span<const int> shifts) {
   double wrong = 0;
   for (int k = -kMost; k <= kMost; ++k) {
     wrong += more[static_cast<size_t>(k + kMost)];
-    if (wrong + kWorth * std::abs(k) >= least) continue;
-    least = wrong + kWorth * std::abs(k);
+    if (wrong + worth * std::abs(k) >= least) continue;
+    least = wrong + worth * std::abs(k);
     best = k;
   }
   return best;
@@ -168,11 +168,14 @@ void order_planes(const PolypostorPlan& plan, const PolypostorTier& tier, std::s
   for (size_t c = 0; c < planes.size(); ++c) parts.push_back(depths_of(tier.corners[c], tier.two_sided[c], positions));
   const Contests contests = contests_of(plan, tier, parts, planes);
   std::vector<int> shifts(planes.size(), 0);
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<int> before = shifts;
-    for (size_t c = 0; c < planes.size(); ++c) shifts[c] = best_shift(contests, c, shifts);
-    if (shifts == before) break;
-  }
+  // Freely at first, so that parts get past each other; then back where it does not pay, as planes that were moved
+  // stand apart beside the view.
+  for (const double worth : {0.5, 4.0})
+    for (int round = 0; round < kRounds; ++round) {
+      const std::vector<int> before = shifts;
+      for (size_t c = 0; c < planes.size(); ++c) shifts[c] = best_shift(contests, c, shifts, worth);
+      if (shifts == before) break;
+    }
   for (size_t c = 0; c < planes.size(); ++c) planes[c].height += shifts[c] * depth_unit(plan);
 }
 
