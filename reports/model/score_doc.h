@@ -16,10 +16,10 @@ struct ScoreDoc {
   bool higher_is_better = true;
   int digits = 4;                         // after the point
   std::optional<double> best;             // what two equal pictures score; infinite for some
-  std::optional<double> least, greatest;  // its range, ends infinite for some; nothing: not known
   bool headline = false;                  // said in the answer and under pictures
   bool charted = false;                   // drawn against the height of the figure
   bool ranking = false;                   // the one that the worst place is found by
+  std::optional<double> least, greatest;  // its range, ends infinite for some; nothing: not known
 };
 
 // The description of a name. "name.pooled" is the score's with the pooled figure's name; a name that nobody described
