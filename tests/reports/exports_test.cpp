@@ -204,7 +204,8 @@ TEST(Exports, JsonHasEveryColumnUnderItsName) {
   EXPECT_EQ(all.at("participants").dump(),
             wanted(R"json([{"id": 13, "study": "0a1b", "participant": "2c3d", "list": "4",
     "state": "finished", "token": "4e5f", "started": "2026-01-02T03:04:05Z", "ended": "2026-01-02T03:34:05Z",
-    "pixels_per_degree": 36.5, "pixels_per_degree_se": 3.25}])json")
+    "pixels_per_degree": 36.5, "pixels_per_degree_se": 3.25,
+    "begun": "{\"t001\":2}"}])json")
                 .dump());
   EXPECT_EQ(all.at("answers").dump(), wanted(R"json([{"id": 14, "participant": 13, "item": "t012", "kind": "catch",
     "stimulus": "s003", "block": 2, "answer": "cannot-tell", "rt_ms": 812.5, "replays": 1, "frames_dropped": 3,

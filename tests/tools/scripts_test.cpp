@@ -301,12 +301,12 @@ TEST_F(ScriptsGl, SweepKill) {
   EXPECT_EQ(run("sweep_kill.mjs", "").status, 2);
 }
 
-// Fifteen faults here; `node tools/random_faults.mjs build/release/bin/crowdbench FOLDER` tries a thousand.
+// Eight faults here; `node tools/random_faults.mjs build/release/bin/crowdbench FOLDER` tries a thousand.
 TEST_F(ScriptsGl, RandomFaults) {
   NEEDS(Need{"node", "nodejs"});
-  const Outcome outcome = run("random_faults.mjs", driver_ + " faults 15 7");
+  const Outcome outcome = run("random_faults.mjs", driver_ + " faults 8 7");
   EXPECT_EQ(outcome.status, 0) << outcome.text;
-  EXPECT_NE(outcome.text.find("15 faults by seed 7, 0 of them"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("8 faults by seed 7, 0 of them"), std::string::npos) << outcome.text;
   EXPECT_EQ(run("random_faults.mjs", "").status, 2);
 }
 
