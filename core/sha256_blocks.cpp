@@ -3,6 +3,7 @@
 // first.
 #include "core/sha256_blocks.h"
 
+#if defined(__x86_64__)
 #include <cpuid.h>
 #include <immintrin.h>
 
@@ -80,3 +81,11 @@ __attribute__((target("sha,sse4.1,ssse3"))) void compress_sha256(uint32_t* state
 }
 
 }  // namespace crowdbench
+#else
+namespace crowdbench {
+
+bool has_sha256_instructions() { return false; }
+void compress_sha256(uint32_t*, const uint8_t*, size_t) {}
+
+}  // namespace crowdbench
+#endif
