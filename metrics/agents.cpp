@@ -79,7 +79,7 @@ std::string no_difference(const ScoreInput& input, const AgentPixels& agent) {
     if (count++ == 0) first = fmt::format("the first at ({}, {}): reference {}, test {}", x, y, u, v);
   }
   return count == 0 ? ""
-                    : fmt::format("depths of {} are no finite numbers where both show one agent, {}",
+                    : fmt::format("depths of {} are not finite numbers where both show one agent, {}",
                                   counted(count, "pixel", "pixels"), first);
 }
 

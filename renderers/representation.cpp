@@ -85,6 +85,7 @@ std::optional<double> whole_text_number(std::string_view text) {
 // Where the table of options says all that a value can be, a range or words, that is checked as the text is read,
 // before a device is opened. Everything else is for the type's make().
 void check_value(const RepresentationType& type, const OptionDoc& option, const std::string& value) {
+  if (option.check) return option.check(value, fmt::format("representation '{}', option '{}'", type.name, option.key));
   const std::vector<std::string> words = split_words(option.values);
   const auto is_plain = [](const std::string& word) {
     return word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;

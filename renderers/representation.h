@@ -68,6 +68,8 @@ struct OptionDoc {
   std::string values;  // "linear|adaptive|cone", "16+7", "8..4096"
   std::string default_value;
   std::string meaning;
+  // Of values that are neither words nor a range: throws Error naming `where` for what cannot be one.
+  void (*check)(const std::string& value, const std::string& where) = nullptr;
 };
 
 // Bytes, exactly; texture bytes count every mip level.

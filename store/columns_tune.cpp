@@ -82,7 +82,7 @@ const Table<TunedSwitchRow>& table<TunedSwitchRow>() {
                                    .meaning = "that a texel of `to` spans there; absent: it has none"}),
       field<&R::pixels_per_error>({.name = "pixels_per_error",
                                    .meaning = "that the largest distance of the mesh of `to` from the character's spans "
-                                              "there; absent: it is no coarser mesh"}),
+                                              "there; absent: it is not a coarser mesh"}),
       field<&R::hysteresis>({.name = "hysteresis",
                              .meaning = "a figure changes only where its height is beyond by this fraction"}),
       field<&R::pop>({.name = "pop", .meaning = "what the change shows, the bad end's 5 % of the pop score"}));

@@ -237,7 +237,11 @@ void print_text(const BakeOptions& options, const renderers::Spec& spec, const s
 int run_bake(const BakeOptions& options) {
   const renderers::Spec spec = parse_representation(options.representation);
   if (!options.required_by.empty() && !honours_required_by(spec))
-    throw Error("--required-by", fmt::format("'{}' stores no views that could be left out", spec.name),
+    throw Error("--required-by",
+                fmt::format("'{}' {}", spec.name,
+                            renderers::representation_type(spec.name).view_sampling
+                                ? "keeps all of its views: it cannot leave any out"
+                                : "stores no views that could be left out"),
                 "leave --required-by out, or bake " + names_that_honour_required_by());
   scene::KeyPlaces places;
   const scene::Scenario scenario = scenario_of(options, places);

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "core/error.h"
@@ -171,7 +173,26 @@ Option* Option::power_of_two(uint64_t least, uint64_t most) {
   return this;
 }
 
+namespace {
+
+// A name that ends as files of another format do is a mistake: nobody would find out before the file is opened.
+CLI::Validator ends_as(const std::string& type) {
+  const auto check = [type](std::string& text) -> std::string {
+    static const std::set<std::string> known = {".png",   ".jpg", ".jpeg", ".exr",    ".csv", ".json",
+                                                ".jsonl", ".md",  ".html", ".pdf",    ".svg", ".glb",
+                                                ".obj",   ".mp4", ".webm", ".sqlite", ".xml", ".toml"};
+    const std::string ending = std::filesystem::path(text).extension().string();
+    if (!known.contains(ending) || type.find("FILE" + ending) != std::string::npos) return {};
+    return fmt::format("'{}' ends in {}; what is written is {}", printable(text, 60), ending, type);
+  };
+  return {check, ""};
+}
+
+}  // namespace
+
 Option* Option::output_file() {
+  if (const std::string type = option_->get_type_name(); type.find("FILE.") != std::string::npos)
+    option_->check(ends_as(type));
   option_->check(writable(require_writable_file));
   output_ = true;
   return this;

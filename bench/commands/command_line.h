@@ -27,7 +27,9 @@ class Option {
   Option* whole_number(uint64_t least, uint64_t most);
   Option* odd_number(uint64_t least, uint64_t most);
   Option* power_of_two(uint64_t least, uint64_t most);
-  Option* output_file();              // a file that can be written: its folder exists, none is made (core/files.h)
+  // A file that can be written: its folder exists, none is made (core/files.h). After type_name(): a name that ends as
+  // another format's files do is refused.
+  Option* output_file();
   Option* output_folder();            // a folder that can be written, or made within one that exists
   Option* delimiter(char separator);  // one argument holds several values
   Option* expected(int arguments);    // how many arguments follow each time it is given

@@ -21,18 +21,18 @@ using reports::StudyPoint;
 
 constexpr int kLinePoints = 120;
 
-reports::StudyChart chart_of(Part part) {
-  switch (part) {
-    case Part::shares: return reports::StudyChart::shares;
-    case Part::curves: return reports::StudyChart::curves;
-    case Part::ranking: return reports::StudyChart::ranking;
-    case Part::prediction: return reports::StudyChart::prediction;
+reports::StudyChart chart_of(Topic topic) {
+  switch (topic) {
+    case Topic::shares: return reports::StudyChart::shares;
+    case Topic::curves: return reports::StudyChart::curves;
+    case Topic::ranking: return reports::StudyChart::ranking;
+    case Topic::prediction: return reports::StudyChart::prediction;
     default: return reports::StudyChart::none;
   }
 }
 
 reports::StudySection section_of(const Section& s) {
-  reports::StudySection out{s.heading, s.lead, s.note, s.list, {}, chart_of(s.part)};
+  reports::StudySection out{s.heading, s.lead, s.note, s.list, {}, chart_of(s.topic)};
   if (s.table) out.table = {s.table->columns, s.table->words, s.table->rows};
   return out;
 }

@@ -62,12 +62,10 @@ class BenchRun {
     size_t done = 0;
     for (const double occupancy : request_.occupancies) {
       curves_.assign(specs_.size(), {});
-      turn_s_ = 0;
-      turn_agents_ = 0;
+      turns_.clear();
       const uint32_t shown = agents_to_show();
       for (const uint32_t agents : request_.agents) {
-        const double growth = turn_agents_ > 0 ? static_cast<double>(agents) / turn_agents_ : 1;
-        measure({agents, occupancy}, agents == shown, growth * turn_s_ * kLeastTurns);
+        measure({agents, occupancy}, agents == shown, kLeastTurns * expected_turn_s(turns_, agents));
         budget_.point_done();
         if (request_.after_point) request_.after_point(++done, budget_.left());
       }
@@ -111,11 +109,11 @@ class BenchRun {
     return shown;
   }
 
-  // Whether a point that takes this long at least still fits.
-  bool in_time(const Point& at, double least_s) {
-    if (budget_.allows(least_s)) return true;
-    remark(fmt::format("{}: left for another run of the same command: it takes {} at least, and {} are left", at.name(),
-                       duration_text(least_s), duration_text(budget_.left())));
+  // Whether a point that is expected to take this long still fits.
+  bool in_time(const Point& at, double expected_s) {
+    if (budget_.allows(expected_s)) return true;
+    remark(fmt::format("{}: left for another run of the same command: it takes about {}, and {} are left", at.name(),
+                       duration_text(expected_s), duration_text(budget_.left())));
     return false;
   }
 
@@ -165,9 +163,9 @@ class BenchRun {
     return true;
   }
 
-  // least_s: what it takes at least, as the point before lets expect.
-  void measure(const Point& at, bool keep_pictures, double least_s) {
-    if (take_from_store(at) || !in_time(at, least_s)) return;
+  // expected_s: what it takes with as few rounds as there may be, as the points before let expect.
+  void measure(const Point& at, bool keep_pictures, double expected_s) {
+    if (take_from_store(at) || !in_time(at, expected_s)) return;
     progress_(at.name() + ": solving for the view");
     scene::Scenario scenario = request_.scenario;
     scenario.crowd.agents = at.agents;
@@ -252,11 +250,10 @@ class BenchRun {
       progress_(fmt::format("{}: round {}", at.name(), ++round));
       throw_if_interrupted();
     });
-    turn_s_ = 0;
-    turn_agents_ = at.agents;
+    Turn& turn = turns_.emplace_back(Turn{at.agents});
     for (const VariantTimes& one : results)
-      turn_s_ += 1e-9 * (one.dropped ? static_cast<double>(one.warmup_frame_ns)
-                                     : median(values_of(one.samples, Metric::wall)));
+      turn.seconds += 1e-9 * (one.dropped ? static_cast<double>(one.warmup_frame_ns)
+                                          : median(values_of(one.samples, Metric::wall)));
     Times times;
     times.looks.resize(looks.size());
     if (!of.empty()) {
@@ -388,9 +385,7 @@ class BenchRun {
   std::map<size_t, std::unique_ptr<TimedRepresentation>> controls_;
   BenchSummary summary_;
   TimeBudget budget_;
-  // Of the latest point that was timed at this occupancy: every variant drawn once, and how many agents that were.
-  double turn_s_ = 0;
-  uint32_t turn_agents_ = 0;
+  std::vector<Turn> turns_;  // of the points that were timed at this occupancy
 };
 
 }  // namespace

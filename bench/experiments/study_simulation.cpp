@@ -40,7 +40,8 @@ struct Asked {
 };
 
 Asked read_asked(const fs::path& out) {
-  Asked asked{.folder = studies::read_study_folder(out), .stimuli = studies::read_sides(out), .lists = {}, .rule = {}};
+  Asked asked{.folder = studies::read_study_folder(out), .stimuli = {}, .lists = {}, .rule = {}};
+  asked.stimuli = studies::read_sides(out, asked.folder.study);
   const studies::StudyFolder& folder = asked.folder;
   asked.same_different = folder.task == "same-different";
   asked.may_not_tell = std::find(folder.answers.begin(), folder.answers.end(), "cannot-tell") != folder.answers.end();

@@ -79,10 +79,10 @@ struct Drawn {
 AgentCost cost_of(std::span<const SampleRow> full, std::span<const SampleRow> quarter, Metric metric, size_t agents,
                   size_t fewer) {
   const std::vector<double> whole = values_of(full, metric);
-  const std::vector<double> part = values_of(quarter, metric);
-  assert(!whole.empty() && whole.size() == part.size());
+  const std::vector<double> less = values_of(quarter, metric);
+  assert(!whole.empty() && whole.size() == less.size());
   std::vector<double> each;
-  for (size_t i = 0; i < whole.size(); ++i) each.push_back((whole[i] - part[i]) / static_cast<double>(agents - fewer));
+  for (size_t i = 0; i < whole.size(); ++i) each.push_back((whole[i] - less[i]) / static_cast<double>(agents - fewer));
   AgentCost cost{median(each), bootstrap_median(each, kBootstrapSeed), true, each};
   if (cost.ns > 0) return cost;
   cost.resolved = false;

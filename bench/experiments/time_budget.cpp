@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -13,7 +14,7 @@ constexpr double kTimedPart = 0.35;
 TimeBudget::TimeBudget(double seconds, size_t points, Clock now)
     : seconds_(seconds), points_left_(points), now_(std::move(now)), begun_(now_()) {}
 
-bool TimeBudget::allows(double least_s) const { return seconds_ <= 0 || (left() > 0 && least_s <= left()); }
+bool TimeBudget::allows(double expected_s) const { return seconds_ <= 0 || (left() > 0 && expected_s <= left()); }
 
 double TimeBudget::share(double limit_s) const {
   if (seconds_ <= 0) return limit_s;
@@ -31,6 +32,18 @@ double TimeBudget::left() const {
 
 double TimeBudget::steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double expected_turn_s(std::span<const Turn> turns, uint32_t agents) {
+  if (turns.empty()) return 0;
+  const Turn& last = turns.back();
+  if (turns.size() < 2)
+    return last.seconds * std::max(1.0, std::sqrt(static_cast<double>(agents) / std::max(1U, last.agents)));
+  const Turn& before = turns[turns.size() - 2];
+  if (before.agents == last.agents) return last.seconds;
+  const auto n = [](const Turn& turn) { return static_cast<double>(turn.agents); };
+  const double an_agent = (last.seconds - before.seconds) / (n(last) - n(before));
+  return std::max(last.seconds, last.seconds + an_agent * (static_cast<double>(agents) - n(last)));
 }
 
 }  // namespace crowdbench::bench

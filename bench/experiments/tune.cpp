@@ -15,7 +15,7 @@ namespace crowdbench::bench {
 namespace {
 
 // One table for several characters: costs and losses are means over the agents of the bin, of which each character has
-// its part; where none is expected all count alike.
+// its share; where none is expected all count alike.
 SwitchTable table_for_all(const std::vector<SwitchTable>& tables) {
   if (tables.size() == 1) return tables[0];
   SwitchTable out = tables[0];
@@ -28,9 +28,9 @@ SwitchTable table_for_all(const std::vector<SwitchTable>& tables) {
       double error = 0;
       char allowed = 1;
       for (const SwitchTable& table : tables) {
-        const double part = sum > 0 ? table.agents[b] / sum : 1.0 / static_cast<double>(tables.size());
-        cost += part * table.cost[c][b];
-        error += part * table.error[c][b];
+        const double share = sum > 0 ? table.agents[b] / sum : 1.0 / static_cast<double>(tables.size());
+        cost += share * table.cost[c][b];
+        error += share * table.error[c][b];
         allowed = allowed && table.allowed[c][b];
       }
       out.cost[c][b] = cost;

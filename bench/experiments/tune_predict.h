@@ -12,7 +12,7 @@ namespace crowdbench::bench {
 
 struct TunePrediction {
   double texel = 0;  // metres; 0: it has none
-  double error = 0;  // metres; 0: it is no coarser mesh
+  double error = 0;  // metres; 0: it is not a coarser mesh
 };
 // Bakes the candidate, or reads its bake. One that cannot be had has neither.
 TunePrediction predict(gl::Context& context, const TuneRequest& request, const TuneSubject& subject,

@@ -174,7 +174,7 @@ Insane insane_pixels(const renderers::Capture& capture, const scene::Frame& fram
       if (out.pixels++ > 0) continue;
       out.x = x;
       out.y = y;
-      out.what = fmt::format("id {}, depth {:g} m{}", id, depth, no_colour ? ", a colour that is no number" : "");
+      out.what = fmt::format("id {}, depth {:g} m{}", id, depth, no_colour ? ", a colour that is not a number" : "");
     }
   return out;
 }

@@ -157,7 +157,7 @@ void add_number_cases(std::vector<StabilityCase>& cases) {
                      .group = "numbers",
                      .asked = asked,
                      .unit = "wrong answers",
-                     .bound_from = "what is no number is refused in one line that names it; what is one is kept",
+                     .bound_from = "what is not a number is refused in one line that names it; what is one is kept",
                      .once = true,
                      .small = small,
                      .measure = measure});
@@ -167,7 +167,7 @@ void add_number_cases(std::vector<StabilityCase>& cases) {
   add("numbers_options", "every number among the representations' options, likewise", true, option_door);
   add("numbers_gltf",
       "a glTF with weights that sum to 0, 0.1 and 2, are negative, NaN or infinite; with joints and indices out of "
-      "range; places and times that are no numbers; no normals, no skin",
+      "range; places and times that are not numbers; no normals, no skin",
       true, gltf_door);
 }
 

@@ -14,7 +14,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 // All that the file holds; each odd one changes something.
-struct Parts {
+struct Contents {
   std::vector<float> positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   std::vector<float> normals = {0, 0, 1, 0, 0, 1, 0, 0, 1};
   std::vector<uint8_t> joints = {0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0};
@@ -52,30 +52,31 @@ struct Buffer {
   }
 };
 
-std::vector<uint8_t> glb_of(const Parts& parts) {
+std::vector<uint8_t> glb_of(const Contents& contents) {
   Buffer buffer;
-  const int positions = buffer.add(parts.positions, 5126, "VEC3", 3, R"(,"min":[0,0,0],"max":[1,1,0])");
-  const int indices = buffer.add(parts.indices, 5123, "SCALAR", 3);
+  const int positions = buffer.add(contents.positions, 5126, "VEC3", 3, R"(,"min":[0,0,0],"max":[1,1,0])");
+  const int indices = buffer.add(contents.indices, 5123, "SCALAR", 3);
   std::string attributes = fmt::format(R"("POSITION":{})", positions);
-  if (!parts.normals.empty()) attributes += fmt::format(R"(,"NORMAL":{})", buffer.add(parts.normals, 5126, "VEC3", 3));
+  if (!contents.normals.empty())
+    attributes += fmt::format(R"(,"NORMAL":{})", buffer.add(contents.normals, 5126, "VEC3", 3));
   std::string skins;
-  if (parts.skin) {
-    const int joints = buffer.add(parts.joints, 5121, "VEC4", 3);
-    const int weights = buffer.add(parts.weights, 5126, "VEC4", 3);
-    const int bind = buffer.add(parts.bind, 5126, "MAT4", 2);
+  if (contents.skin) {
+    const int joints = buffer.add(contents.joints, 5121, "VEC4", 3);
+    const int weights = buffer.add(contents.weights, 5126, "VEC4", 3);
+    const int bind = buffer.add(contents.bind, 5126, "MAT4", 2);
     attributes += fmt::format(R"(,"JOINTS_0":{},"WEIGHTS_0":{})", joints, weights);
     skins = fmt::format(R"("skins":[{{"joints":[1,2],"inverseBindMatrices":{}}}],)", bind);
   }
-  const int times = buffer.add(parts.times, 5126, "SCALAR", parts.times.size(),
-                               fmt::format(R"(,"min":[0],"max":[{}])", parts.times.size() > 1 ? 1 : 0));
-  const int rotations = buffer.add(parts.rotations, 5126, "VEC4", parts.times.size());
+  const int times = buffer.add(contents.times, 5126, "SCALAR", contents.times.size(),
+                               fmt::format(R"(,"min":[0],"max":[{}])", contents.times.size() > 1 ? 1 : 0));
+  const int rotations = buffer.add(contents.rotations, 5126, "VEC4", contents.times.size());
   std::string json = fmt::format(R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,1]}}],)"
                                  R"("nodes":[{{"mesh":0{}}},{{"name":"a","children":[2]}},{{"name":"b"}}],{})"
                                  R"("meshes":[{{"primitives":[{{"attributes":{{{}}},"indices":{}}}]}}],)"
                                  R"("animations":[{{"name":"turn","samplers":[{{"input":{},"output":{}}}],)"
                                  R"("channels":[{{"sampler":0,"target":{{"node":2,"path":"rotation"}}}}]}}],)"
                                  R"("bufferViews":[{}],"accessors":[{}],"buffers":[{{"byteLength":{}}}]}})",
-                                 parts.skin ? R"(,"skin":0)" : "", skins, attributes, indices, times, rotations,
+                                 contents.skin ? R"(,"skin":0)" : "", skins, attributes, indices, times, rotations,
                                  buffer.views, buffer.accessors, buffer.bytes.size());
   while (json.size() % 4 != 0) json += ' ';
   while (buffer.bytes.size() % 4 != 0) buffer.bytes.push_back(0);
@@ -96,34 +97,34 @@ std::vector<uint8_t> glb_of(const Parts& parts) {
 
 std::vector<OddGltf> odd_gltfs() {
   std::vector<OddGltf> all;
-  const auto add = [&](const char* name, bool refused, const std::function<void(Parts&)>& change) {
-    Parts parts;
-    change(parts);
-    all.push_back({name, refused, glb_of(parts)});
+  const auto add = [&](const char* name, bool refused, const std::function<void(Contents&)>& change) {
+    Contents contents;
+    change(contents);
+    all.push_back({name, refused, glb_of(contents)});
   };
-  add("as it should be", false, [](Parts&) {});
-  add("weights that sum to 0", false, [](Parts& p) { p.weights.assign(12, 0.0F); });
-  add("weights that sum to 0.1", false, [](Parts& p) { p.weights[8] = p.weights[9] = 0.05F; });
-  add("weights that sum to 2", false, [](Parts& p) { p.weights[8] = p.weights[9] = 1; });
-  add("a subnormal weight", false, [](Parts& p) { p.weights[9] = 1e-40F; });
-  add("a weight that is NaN", true, [](Parts& p) { p.weights[9] = kNan; });
-  add("an infinite weight", true, [](Parts& p) { p.weights[9] = kInfinite; });
-  add("a negative weight", true, [](Parts& p) { p.weights[9] = -0.5F; });
-  add("a joint out of range", true, [](Parts& p) { p.joints[9] = 7; });
-  add("an index out of range", true, [](Parts& p) { p.indices[2] = 9; });
-  add("a place that is NaN", true, [](Parts& p) { p.positions[4] = kNan; });
-  add("an infinite place", true, [](Parts& p) { p.positions[4] = kInfinite; });
-  add("a bind matrix that holds NaN", true, [](Parts& p) { p.bind[5] = kNan; });
-  add("a time that is NaN", true, [](Parts& p) { p.times[1] = kNan; });
-  add("a rotation that is NaN", true, [](Parts& p) { p.rotations[6] = kNan; });
-  add("a clip of zero length", false, [](Parts& p) { p.times[1] = 0; });
-  add("opposite quaternions", false, [](Parts& p) { p.rotations = {0, 0, 0, 1, 0, 0, 0, -1}; });
-  add("one key", false, [](Parts& p) {
+  add("as it should be", false, [](Contents&) {});
+  add("weights that sum to 0", false, [](Contents& p) { p.weights.assign(12, 0.0F); });
+  add("weights that sum to 0.1", false, [](Contents& p) { p.weights[8] = p.weights[9] = 0.05F; });
+  add("weights that sum to 2", false, [](Contents& p) { p.weights[8] = p.weights[9] = 1; });
+  add("a subnormal weight", false, [](Contents& p) { p.weights[9] = 1e-40F; });
+  add("a weight that is NaN", true, [](Contents& p) { p.weights[9] = kNan; });
+  add("an infinite weight", true, [](Contents& p) { p.weights[9] = kInfinite; });
+  add("a negative weight", true, [](Contents& p) { p.weights[9] = -0.5F; });
+  add("a joint out of range", true, [](Contents& p) { p.joints[9] = 7; });
+  add("an index out of range", true, [](Contents& p) { p.indices[2] = 9; });
+  add("a place that is NaN", true, [](Contents& p) { p.positions[4] = kNan; });
+  add("an infinite place", true, [](Contents& p) { p.positions[4] = kInfinite; });
+  add("a bind matrix that holds NaN", true, [](Contents& p) { p.bind[5] = kNan; });
+  add("a time that is NaN", true, [](Contents& p) { p.times[1] = kNan; });
+  add("a rotation that is NaN", true, [](Contents& p) { p.rotations[6] = kNan; });
+  add("a clip of zero length", false, [](Contents& p) { p.times[1] = 0; });
+  add("opposite quaternions", false, [](Contents& p) { p.rotations = {0, 0, 0, 1, 0, 0, 0, -1}; });
+  add("one key", false, [](Contents& p) {
     p.times = {0};
     p.rotations.resize(4);
   });
-  add("no normals", false, [](Parts& p) { p.normals.clear(); });
-  add("no skin", false, [](Parts& p) { p.skin = false; });
+  add("no normals", false, [](Contents& p) { p.normals.clear(); });
+  add("no skin", false, [](Contents& p) { p.skin = false; });
   return all;
 }
 

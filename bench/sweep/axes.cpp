@@ -109,7 +109,8 @@ AxisValue value_of_option(const renderers::RepresentationType& type, const std::
                 "give texts or numbers");
   if (text.empty() || text.find_first_of(",:()= \t\n") != std::string::npos)
     throw Error(node.place(where),
-                fmt::format("`{}.{}` holds '{}', which is no option's value", type.name, option, printable(text, 60)),
+                fmt::format("`{}.{}` holds '{}', which is not a value that an option takes", type.name, option,
+                            printable(text, 60)),
                 "give one value without commas, colons and brackets");
   renderers::Spec alone;
   alone.name = type.name;
@@ -146,8 +147,8 @@ class AxesReader {
     if (!table.is_table())
       throw Error(table.place(where_), fmt::format("`{}` is {}", above.empty() ? "axes" : above, table.type_name()),
                   "write it as a table: [axes]");
-    for (const auto& [part, node] : table.table) {
-      const std::string name = above.empty() ? part : above + "." + part;
+    for (const auto& [key, node] : table.table) {
+      const std::string name = above.empty() ? key : above + "." + key;
       if (!above.empty() || !is_group(name) || !node.is_table())
         axis(name, node);
       else

@@ -58,7 +58,7 @@ std::vector<Spec> lod_specs(const std::string& lods, const scene::Cast& cast) {
     const auto [stop, error] = std::from_chars(one.data(), one.data() + one.size(), value);
     const bool whole = value >= 1 && std::floor(value) == value && value <= 4'000'000;
     if (error != std::errc() || stop != one.data() + one.size() || !(whole || (value > 0 && value < 1)))
-      throw not_levels(lods, fmt::format("'{}' is no level", one));
+      throw not_levels(lods, fmt::format("'{}' is not a level", one));
     const char* key = whole ? "triangles" : "ratio";
     if (key == std::string(key_before) && !(value < before)) throw not_levels(lods, "not from fine to coarse");
     key_before = key;

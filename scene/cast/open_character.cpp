@@ -34,7 +34,13 @@ Character open_file(const std::filesystem::path& path, const LoadOptions& option
 Character open_one(const std::string& name_or_path, const LoadOptions& options) {
   constexpr std::string_view kBuiltIn = "mannequin";
   const std::string_view name = name_or_path;
-  if (!is_built_in(name)) return open_file(name_or_path, options);
+  if (!is_built_in(name)) {
+    std::error_code ignored;
+    const std::string near = nearest_name(name_or_path.substr(0, name_or_path.find(':')), {std::string(kBuiltIn)});
+    if (!near.empty() && !std::filesystem::exists(name_or_path, ignored))
+      throw Error(printable(name_or_path, 60), "is not a file", fmt::format("did you mean '{}'?", near));
+    return open_file(name_or_path, options);
+  }
   MannequinOptions mannequin;
   mannequin.normalise = options.normalise;
   std::string_view rest = name.size() > kBuiltIn.size() ? name.substr(kBuiltIn.size() + 1) : std::string_view{};
@@ -112,7 +118,8 @@ Character open_character(const std::string& name_or_path, const LoadOptions& opt
   Character character = open_one(name_or_path, options);
   if (borrowed.animations.empty()) {
     if (!borrowed.bones.empty())
-      throw Error("bones", "nothing plays: no other file's clips are used", "name one with `animations`");
+      throw Error("bones", "nothing plays: no other file's clips are used",
+                  "name one with `animations` or --animations");
     warn_of_names(character);
     return character;
   }

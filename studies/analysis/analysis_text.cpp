@@ -20,7 +20,7 @@ using text::p_text;
 using text::percent;
 
 Section shares(const TaskResult& t, const AnalysisSettings& s) {
-  Section out{Part::shares, "Shares of answers"};
+  Section out{Topic::shares, "Shares of answers"};
   if (t.ranking) out.lead = "Yes: the first of the two was chosen; no: the second.";
   out.table = TextTable{{"condition", "participants", "yes", "cannot tell", "no", "chosen / decided",
                          fmt::format("{:.0f} % exact", 100 * s.confidence), "p", "p (Holm)"},
@@ -58,7 +58,7 @@ std::string interval_text(const std::optional<Interval>& i, const char* format =
 
 std::optional<Section> equivalences(const TaskResult& t, const AnalysisSettings& s) {
   if (!s.margin) return std::nullopt;
-  Section out{Part::equivalence, "Equivalence to chance"};
+  Section out{Topic::equivalence, "Equivalence to chance"};
   out.lead = fmt::format(
       "Equivalence to {:g}, margin {:g}: two one-sided tests at {:g}, of trials and of participants; both must hold.",
       s.chance, *s.margin, s.alpha);
@@ -78,7 +78,7 @@ std::optional<Section> equivalences(const TaskResult& t, const AnalysisSettings&
 
 std::optional<Section> differences(const TaskResult& t, const AnalysisSettings& s) {
   if (t.differences.empty()) return std::nullopt;
-  Section out{Part::differences, "Conditions against each other"};
+  Section out{Topic::differences, "Conditions against each other"};
   out.lead = fmt::format(
       "Equivalence of two conditions' shares, margin {:g}: two one-sided tests at {:g} of trials (score, Miettinen and "
       "Nurminen) and of the differences within participants; both must hold.",
@@ -102,7 +102,7 @@ std::optional<Section> differences(const TaskResult& t, const AnalysisSettings& 
 }
 
 std::optional<Section> detections(const TaskResult& t) {
-  Section out{Part::detection, "Detection"};
+  Section out{Topic::detection, "Detection"};
   out.table = TextTable{{"condition", "d' (SE)", "criterion (SE)"}, 1, {}};
   for (const ConditionResult& c : t.conditions)
     if (c.detection)
@@ -142,7 +142,7 @@ std::vector<std::string> curve_row(const CurveResult& c) {
 
 std::optional<Section> curves(const TaskResult& t, const AnalysisSettings& s) {
   if (t.curves.empty()) return std::nullopt;
-  Section out{Part::curves, "Thresholds"};
+  Section out{Topic::curves, "Thresholds"};
   out.lead = fmt::format("Psychometric function: {}{}, threshold at {:g}, over {}.", curve_name(s.curve.curve),
                          s.curve.falling ? ", falling" : "", s.curve.level, axis_title(s.axis));
   out.table = TextTable{{"condition", "state", "threshold", "interval", "by likelihood", "by bootstrap", "location",
@@ -177,7 +177,7 @@ std::string guess_text(const MixedResult& m) {
 }
 
 Section mixed(const MixedResult& m, const AnalysisSettings& s) {
-  Section out{Part::mixed, "Mixed model"};
+  Section out{Topic::mixed, "Mixed model"};
   out.lead = fmt::format(
       "Mixed-effects {} regression{}: {}, {} of {}.", m.settings.link == Link::logit ? "logistic" : "probit",
       m.condition.empty() ? "" : ", " + named(m.condition), state_text(m.fit.state),
@@ -221,7 +221,7 @@ TextTable ranking_table(const RankingResult& r) {
 }
 
 Section ranking(const RankingResult& r) {
-  Section out{Part::ranking, "Ranking"};
+  Section out{Topic::ranking, "Ranking"};
   out.lead = fmt::format("Ranking{}: {}.",
                          r.conditions > 1 ? fmt::format(" over all {} conditions together", r.conditions) : "",
                          state_text(r.worths.state));
@@ -250,7 +250,7 @@ std::string with_interval(const std::optional<double>& value, const std::optiona
 }
 
 Section prediction(const ScorePredictions& p, const AnalysisSettings& s) {
-  Section out{Part::prediction, "Which score predicts the answers"};
+  Section out{Topic::prediction, "Which score predicts the answers"};
   out.lead = fmt::format(
       "{} to {}{}. AUC: the chance that a score tells an answer yes from an answer no; 0.5 is guessing. Calibration of "
       "predictions for each stimulus by a logistic regression over all others: right at slope 1 and intercept 0. "
@@ -297,7 +297,7 @@ TaskText task_text_of(const TaskResult& t, const AnalysisSettings& s) {
 }
 
 std::string who_is_excluded(const Analysis& a) {
-  if (a.catch_rows == 0) return "There were no catch trials.";
+  if (a.catch_rows == 0) return "No catch trial is among the answers that count.";
   std::string out = fmt::format("Set aside: {}.", counted(a.catch_rows, "catch trial", "catch trials"));
   if (a.left_out.hidden_catch > 0)
     out += fmt::format(" {} of them, during which the page was out of sight, {} as wrong.", a.left_out.hidden_catch,

@@ -14,11 +14,11 @@ struct TextTable {
   std::vector<std::vector<std::string>> rows;
 };
 
-enum class Part { shares, equivalence, differences, detection, curves, mixed, ranking, prediction };
+enum class Topic { shares, equivalence, differences, detection, curves, mixed, ranking, prediction };
 
 // One piece of what is told of a task. Plain text; names from files have lost their control characters.
 struct Section {
-  Part part = Part::shares;
+  Topic topic = Topic::shares;
   std::string heading;
   std::string lead;               // before the table
   std::vector<std::string> list;  // behind it

@@ -66,7 +66,8 @@ ScoreTable scores_of_study(const std::filesystem::path& file) {
   out.source = file.string();
   const Parsed study = Parsed::parse(read_text(file, kMostJsonBytes), nullptr, false);
   if (!study.is_object() || !study.contains("stimuli") || !study["stimuli"].is_array())
-    refuse_study(out.source, "is no study.json with a list `stimuli`");
+    refuse_study(out.source, "is not a study.json with a list `stimuli`");
+  if (study.value("format", Parsed(1)) != Parsed(1)) refuse_study(out.source, "is of another format");
   std::set<std::string> seen;
   for (const Parsed& stimulus : study["stimuli"]) {
     if (!stimulus.is_object() || !stimulus.contains("id") || !stimulus["id"].is_string() ||

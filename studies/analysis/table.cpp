@@ -41,7 +41,8 @@ void require_text(std::string_view text, const std::string& source) {
   size_t line = 1;
   for (size_t at = 0; at < text.size();) {
     const auto lead = static_cast<unsigned char>(text[at]);
-    if (lead == 0) throw Error(place(source, line), "holds a NUL byte", "this is no table of text: export it as CSV");
+    if (lead == 0)
+      throw Error(place(source, line), "holds a NUL byte", "this is not a table of text: export it as CSV");
     const size_t bytes = sequence_bytes(lead);
     if (bytes == 0 || at + bytes > text.size() || !is_character(text.substr(at, bytes)))
       throw Error(place(source, line), "is not UTF-8", "export the table as CSV in UTF-8");

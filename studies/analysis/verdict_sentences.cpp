@@ -198,13 +198,16 @@ std::string prediction_sentence(const ScorePredictions& p) {
   if (!p.best_interval)
     return fmt::format("Of the objective scores, {} has the highest AUC, {:.2f}; without an interval none is best.",
                        named(best.score), best.auc);
-  std::string out = fmt::format("Of the objective scores, {} predicts the answers best (AUC {:.2f}, {:.2f} to {:.2f})",
-                                named(best.score), best.auc, p.best_interval->low, p.best_interval->high);
-  if (p.best_interval->low <= 0.5) out += ", not distinguishable from guessing";
   std::string alike;
   for (const ScoreContest& c : p.contests)
     if (c.a == *p.best && c.interval && !c.distinguishable)
       alike += (alike.empty() ? "" : ", ") + named(p.scores[c.b].score);
+  const bool told_apart = alike.empty() && p.best_interval->low > 0.5;
+  std::string out =
+      fmt::format("Of the objective scores, {} {} (AUC {:.2f}, {:.2f} to {:.2f})", named(best.score),
+                  told_apart ? "predicts the answers best" : "stands highest, and is not shown to be best", best.auc,
+                  p.best_interval->low, p.best_interval->high);
+  if (p.best_interval->low <= 0.5) out += ", not distinguishable from guessing";
   return out + (alike.empty() ? "." : fmt::format("; not distinguishable from it: {}.", alike));
 }
 

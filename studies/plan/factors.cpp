@@ -266,7 +266,7 @@ class FactorsReader {
     if (node.is_text()) value = node.text;
     if (node.is_number()) value = node.is_integer() ? fmt::format("{}", node.integer) : fmt::format("{}", node.number);
     if (value.empty() || value.find_first_of(",:()= \t\n") != std::string::npos)
-      throw Error(node.place(where_), fmt::format("`{}.{}` holds what is no option's value", name, option),
+      throw Error(node.place(where_), fmt::format("`{}.{}` holds what no option takes", name, option),
                   "give texts without commas, colons and brackets, or numbers");
     require_value(type, option, value, node);
     made.turn = 1;

@@ -33,7 +33,7 @@ std::string text_member(const Ordered& json, const char* key, const fs::path& fi
 
 FrozenPlan parse(const fs::path& file) {
   const Ordered json = Ordered::parse(read_text(file, kMostBytes), nullptr, false);
-  if (!json.is_object()) refuse(file, "is no JSON object");
+  if (!json.is_object()) refuse(file, "is not a JSON object");
   if (text_member(json, "format", file) != kFormat) refuse(file, "is of another format");
   FrozenPlan out;
   out.file = file;
@@ -47,7 +47,7 @@ FrozenPlan parse(const fs::path& file) {
     refuse(file, "its analysis is not the one that was frozen");
   if (!json.contains("deviations") || !json["deviations"].is_array()) refuse(file, "has no list `deviations`");
   for (const Ordered& entry : json["deviations"]) {
-    if (!entry.is_object()) refuse(file, "a deviation is no object");
+    if (!entry.is_object()) refuse(file, "a deviation is not an object");
     out.deviations.push_back({text_member(entry, "hash", file), text_member(entry, "reason", file)});
     if (!is_hash(out.deviations.back().hash)) refuse(file, "a deviation has no hash");
   }

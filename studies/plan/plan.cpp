@@ -104,7 +104,7 @@ class PlanReader {
     t.number("artefact_share", 0.01, 0.5, s.artefact_share);
     const double frames = s.seconds * s.fps;
     if (std::abs(frames - std::round(frames)) > 1e-6)
-      throw Error(t.place("seconds"), fmt::format("{} s are no whole number of frames at {} fps", s.seconds, s.fps),
+      throw Error(t.place("seconds"), fmt::format("{} s are not a whole number of frames at {} fps", s.seconds, s.fps),
                   "change `seconds` or `fps`");
   }
 
@@ -372,7 +372,8 @@ class PlanReader {
     size_t finite = 0;
     for (const FactorLevel& level : plan_.factors[index].levels) {
       if (!level.number)
-        throw Error(t.place("level"), fmt::format("`{}` has the level '{}', which is no number", a.level, level.text),
+        throw Error(t.place("level"),
+                    fmt::format("`{}` has the level '{}', which is not a number", a.level, level.text),
                     "a psychometric function is over numbers");
       finite += std::isfinite(*level.number) ? 1 : 0;
     }

@@ -250,12 +250,16 @@ std::string csv_of(std::vector<CsvRow> rows) {
 
 }  // namespace
 
-std::map<std::string, ShownStimulus> read_sides(const fs::path& out) {
+std::map<std::string, ShownStimulus> read_sides(const fs::path& out, const std::string& study) {
   const fs::path file = out / "sides.json";
   const json all = json::parse(read_text(file, size_t{64} << 20), nullptr, false);
   const auto stimuli = all.is_object() ? all.find("stimuli") : all.end();
   if (!all.is_object() || stimuli == all.end() || !stimuli->is_object())
     throw Error(file.string(), "has no `stimuli`", "name a folder that `crowdbench study export` made");
+  if (all.value("format", json(1)) != json(1))
+    throw Error(file.string(), "is of another format", "use the crowdbench that exported it, or export it again");
+  if (!study.empty() && all.value("study", json(study)) != json(study))
+    throw Error(file.string(), "is of another study", "keep what `crowdbench study export` made in one folder");
   std::map<std::string, ShownStimulus> shown;
   for (const auto& each : stimuli->items()) {
     const json& s = each.value();
@@ -306,7 +310,7 @@ std::string jspsych_json(const StudyAnswers& answers) {
 }
 
 std::string answers_csv(const StudyAnswers& answers, const fs::path& out, bool levels) {
-  const std::map<std::string, ShownStimulus> shown = read_sides(out);
+  const std::map<std::string, ShownStimulus> shown = read_sides(out, answers.study);
   std::map<int64_t, const StudyParticipantRow*> who;
   for (const StudyParticipantRow& row : answers.participants) who[row.id] = &row;
   const bool ranked =

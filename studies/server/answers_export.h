@@ -31,8 +31,9 @@ struct ShownStimulus {
   std::string upper, lower;  // items
   std::string expected;      // the answer that counts as yes
 };
-// By id. out: the exported folder. Throws Error: it is none.
-std::map<std::string, ShownStimulus> read_sides(const std::filesystem::path& out);
+// By id. out: the exported folder. study: whose it is to be, where that is known. Throws Error: it is none, of another
+// format or of another study.
+std::map<std::string, ShownStimulus> read_sides(const std::filesystem::path& out, const std::string& study = {});
 
 // Every record as the page made it, in jsPsych's form: an array, or one record a line.
 std::string jspsych_json(const StudyAnswers& answers);

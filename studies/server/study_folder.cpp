@@ -92,7 +92,7 @@ void add_choices(StudyFolder& to, const Reader& read, const json& adaptive, cons
     for (const json& stimulus : read.member(choice, "`adaptive`.choices", "stimuli", json::value_t::array)) {
       const std::string id = stimulus.is_string() ? stimulus.get<std::string>() : std::string();
       if (!known.contains(id) || !yes.contains(id))
-        read.fail("`adaptive`.choices", fmt::format("'{}' is no stimulus with a `yes`", printable(id, 80)));
+        read.fail("`adaptive`.choices", fmt::format("'{}' is not a stimulus with a `yes`", printable(id, 80)));
       to.choices.insert(id);
     }
   if (to.choices.empty()) read.fail("`adaptive`.choices", "there is none");

@@ -479,7 +479,7 @@ TEST_F(MannersGl, BenchForecastsKeepsToItsTimeAndSaysWhatItWrote) {
       << first.text;
   EXPECT_NE(first.text.find("2 points measured, 0 taken from the file; results.sqlite"), std::string::npos)
       << first.text;
-  // A thousand agents do not fit into what is left of three seconds; the points that do not are named.
+  // Twenty thousand agents do not fit into what is left of three seconds; the points that do not are named.
   const auto begun = std::chrono::steady_clock::now();
   const Outcome brief = run("bench --minutes 0.05 --agents 1,20000,40000 --out brief.sqlite" + small);
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), 60);

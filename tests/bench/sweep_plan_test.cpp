@@ -280,7 +280,7 @@ TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
       {"[axes]\ncrowd.agent = [1]\n", "did you mean `crowd.agents`?"},
       {"[axes]\nagents = [1]\n", "did you mean `crowd.agents`?"},
       {"[axes]\nflat.texel = [64]\n", "p.toml:2: flat has no option 'texel'; did you mean `texels`?"},
-      {"[axes]\nflat.texels = [\"64,views=9\"]\n", "which is no option's value"},
+      {"[axes]\nflat.texels = [\"64,views=9\"]\n", "which is not a value that an option takes"},
       {"[axes]\ncrowd.agents = 5\n", "p.toml:2: the axis `crowd.agents` is an integer; give a list"},
       {"[axes]\ncrowd.agents = []\n", "has 0 values"},
       {"[axes]\ncrowd.agents = [1,\n 1]\n", "p.toml:3: the axis `crowd.agents` has 1 twice"},

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <span>
+#include <vector>
 
 namespace crowdbench::bench {
 namespace {
@@ -29,6 +31,16 @@ TEST(TimeBudget, WithoutALimitAllowsEverything) {
   EXPECT_TRUE(std::isinf(budget.left()));
   EXPECT_TRUE(budget.allows(1e9));
   EXPECT_EQ(budget.share(10), 10);
+}
+
+TEST(ExpectedTurn, FollowsTheLineOfTheLastTwo) {
+  EXPECT_EQ(expected_turn_s({}, 100), 0);
+  const std::vector<Turn> turns = {{1, 0.5}, {10, 0.6}, {100, 1.5}};
+  EXPECT_NEAR(expected_turn_s(std::span(turns).first(1), 100), 5, 1e-12) << "between 0.5 and 50";
+  EXPECT_NEAR(expected_turn_s(std::span(turns).first(2), 100), 1.6, 1e-12);
+  EXPECT_NEAR(expected_turn_s(turns, 1000), 1.5 + 0.01 * 900, 1e-12);
+  const std::vector<Turn> falling = {{1, 0.5}, {10, 0.4}};
+  EXPECT_EQ(expected_turn_s(falling, 100), 0.4) << "more agents are not taken for faster";
 }
 
 }  // namespace

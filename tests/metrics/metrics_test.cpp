@@ -585,7 +585,7 @@ TEST(Agents, DepthsThatAreNoFiniteNumbersAreNoError) {
   };
   EXPECT_EQ(
       scored(kInfinity),
-      "depths of 1 pixel are no finite numbers where both show one agent, the first at (1, 0): reference 5, test inf");
+      "depths of 1 pixel are not finite numbers where both show one agent, the first at (1, 0): reference 5, test inf");
   EXPECT_NE(scored(std::numeric_limits<float>::quiet_NaN()).find("test nan"), std::string::npos);
 }
 

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <string>
 
 #include "store/store.h"
 #include "tests/support/field_count.h"
@@ -46,8 +48,23 @@ TEST(Columns, EveryFieldOfARowHasOne) {
   EXPECT_EQ(columns(table<CauseShareRow>()), field_count<CauseShareRow>());
   EXPECT_EQ(columns(table<PopRow>()), field_count<PopRow>() - held);
   EXPECT_EQ(columns(table<PopScoreRow>()), field_count<PopScoreRow>());
+  EXPECT_EQ(columns(table<TuningRow>()), field_count<TuningRow>() - held);
+  EXPECT_EQ(columns(table<TunedSwitchRow>()), field_count<TunedSwitchRow>());
+  EXPECT_EQ(columns(table<StabilityCaseRow>()), field_count<StabilityCaseRow>());
   EXPECT_EQ(columns(table<StudyParticipantRow>()), field_count<StudyParticipantRow>());
   EXPECT_EQ(columns(table<StudyAnswerRow>()), field_count<StudyAnswerRow>());
+}
+
+// Of three booleans two are equal in any row: such tables are in StoreTest.BooleansAreToldApart. The two of `run`
+// differ in StoreTest.EveryFieldIsInTheColumnOfItsName.
+TEST(Columns, NoOtherTableHasSeveralBooleans) {
+  const std::set<std::string> told_apart = {"measurement", "run", "stability_case", "tuning"};
+  for_each_table([&](const auto& table) {
+    const auto& columns = table.description.columns;
+    const auto booleans = std::count_if(columns.begin(), columns.end(),
+                                        [](const Column& column) { return column.type == ColumnType::boolean; });
+    EXPECT_TRUE(booleans < 2 || told_apart.contains(table.description.name)) << table.description.name;
+  });
 }
 
 TEST(Columns, EveryVectorOfTheContentsIsATable) {

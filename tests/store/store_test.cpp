@@ -296,6 +296,34 @@ TEST_F(StoreTest, EveryFieldIsInTheColumnOfItsName) {
                                                            {"png", "X'000102FF'"}}));
 }
 
+TEST_F(StoreTest, BooleansAreToldApart) {
+  {
+    StoreWriter store(file_);
+    const int64_t run = store.write(full_run());
+    for (int i = 0; i < 3; ++i) {
+      StabilityCaseRow row = full_stability_case(run);
+      row.pass = i == 0;
+      row.bound_seen = i == 1;
+      row.small = i == 2;
+      store.write(row);
+      TuningRow tuning;
+      tuning.run = run;
+      tuning.lenses_hold = i == 0;
+      tuning.proof_holds = i == 1;
+      tuning.display_given = i == 2;
+      store.write(tuning);
+    }
+  }
+  const std::map<std::string, std::vector<std::string>> tables = {
+      {"stability_case", {"pass", "bound_seen", "small"}}, {"tuning", {"lenses_hold", "proof_holds", "display_given"}}};
+  for (const auto& [table, names] : tables)
+    for (size_t i = 0; i < names.size(); ++i) {
+      const Record row = record(file_, table + " WHERE id = " + std::to_string(i + 1));
+      for (const std::string& name : names)
+        EXPECT_EQ(row.at(name), name == names[i] ? "1" : "0") << table << ", " << name << " of row " << i;
+    }
+}
+
 TEST_F(StoreTest, EveryFieldComesBack) {
   StoreContents wanted;
   {

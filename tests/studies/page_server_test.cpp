@@ -440,6 +440,18 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   const Table levels = parse_table(answers_csv(answers, out_, true), "levels.csv");
   EXPECT_EQ(levels.columns[5], "level");
   EXPECT_EQ(levels.rows.size(), 2U);
+  // Of another study, or of a format to come.
+  for (const auto& [key, value] : {std::pair<const char*, nlohmann::json>{"study", "0f0f"}, {"format", 2}}) {
+    nlohmann::json other = sides;
+    other[key] = value;
+    write_file(out_ / "sides.json", std::string_view(other.dump()));
+    try {
+      answers_csv(answers, out_);
+      ADD_FAILURE() << key;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(std::string("is of another ") + key), std::string::npos) << error.what();
+    }
+  }
   // Two that are ranked: one pair, whichever stands above.
   for (nlohmann::json& each : sides["stimuli"]) each["kind"] = "pair";
   write_file(out_ / "sides.json", std::string_view(sides.dump()));

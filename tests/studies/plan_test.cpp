@@ -56,8 +56,9 @@ TEST(StudyPlan, FactorsMakeConditions) {
   EXPECT_EQ(plan.conditions[0].scenario.crowd.motion, scene::MotionKind::lanes);
   EXPECT_TRUE(plan.conditions[0].spacing_by_bodies);
 
-  const StudyPlan other = parsed("[factors]\nflat.views = [17, 32]\ncrowd.spacing = [2, 3]\n");
-  EXPECT_EQ(other.conditions[3].test.text(), "hybrid(mesh,(flat:views=32))");
+  const StudyPlan other =
+      parsed("[factors]\nflat.views = [\"sphere-17x8\", \"sphere-32x9\"]\ncrowd.spacing = [2, 3]\n");
+  EXPECT_EQ(other.conditions[3].test.text(), "hybrid(mesh,(flat:views=sphere-32x9))");
   EXPECT_EQ(other.conditions[3].scenario.crowd.spacing, 3);
   EXPECT_FALSE(other.conditions[3].spacing_by_bodies);
 }
@@ -82,7 +83,7 @@ TEST(StudyPlan, FaultsAreSaidPrecisely) {
       {"[question]\ntask = \"preferense\"\n", "study.toml:2: `task` is 'preferense'; did you mean \"preference\"?"},
       {"[question]\ntask = \"same-different\"\n", "study.toml:2: `same-different` does not ask \"better\""},
       {"[stimulus]\nfps = 500\n", "study.toml:2: `fps` is not a whole number from 1 to 240"},
-      {"[stimulus]\nseconds = 0.51\n", "study.toml:2: 0.51 s are no whole number of frames at 30 fps"},
+      {"[stimulus]\nseconds = 0.51\n", "study.toml:2: 0.51 s are not a whole number of frames at 30 fps"},
       {"[stimulus]\nbar_px = 7\n", "study.toml:2: `bar_px` is odd"},
       {"[factors]\nswitch_m = [5]\n", "nothing is held against the reference"},
       {test + "[factors]\nswitch_mm = [5]\n", "study.toml:4: unknown factor `switch_mm`; did you mean `switch_m`?"},
@@ -317,7 +318,7 @@ TEST(StudyPlan, EstimatesCountEveryBakeOnce) {
     return estimate_export(plan, make_design(plan), false);
   };
   EXPECT_EQ(estimated("switch_m = [0, 10, 20]\n").bakes, 1U) << "the far half of three switches";
-  const ExportEstimate two = estimated("switch_m = [0, 10]\nflat.views = [17, 32]\n");
+  const ExportEstimate two = estimated("switch_m = [0, 10]\nflat.views = [\"sphere-17x8\", \"sphere-32x9\"]\n");
   EXPECT_EQ(two.bakes, 2U);
   EXPECT_GT(two.bake_seconds, 0);
   EXPECT_GT(two.seconds, two.bake_seconds);
@@ -430,7 +431,7 @@ TEST_F(FrozenPlans, EditedFilesAreRefused) {
   };
   EXPECT_NE(edited("\"alpha\": 0.05", "\"alpha\": 0.1").find("its analysis is not the one"), std::string::npos);
   EXPECT_NE(edited("\"crowds\": 2", "\"crowds\": 3").find("its hash is not that of its meaning"), std::string::npos);
-  EXPECT_NE(edited("{", "").find("is no JSON object"), std::string::npos);
+  EXPECT_NE(edited("{", "").find("is not a JSON object"), std::string::npos);
 }
 
 }  // namespace

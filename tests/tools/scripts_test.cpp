@@ -357,7 +357,7 @@ TEST_F(Scripts, PageCheck) {
   ASSERT_EQ(times.size(), 2U);
   EXPECT_GT(times[1].at("load"), 0);
   EXPECT_GE(times[1].at("seen"), times[1].at("load"));
-  EXPECT_GE(times[1].at("cpu"), 0);
+  EXPECT_GT(times[1].at("cpu"), 0) << "a browser that works takes some";
 }
 
 TEST_F(ScriptsGl, ReliefSweep) {

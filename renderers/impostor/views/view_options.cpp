@@ -10,7 +10,8 @@ constexpr const char* kViews = "views";
 
 OptionDoc views_option() {
   return {kViews, "sphere-AxE[-mirrored]|cube-N|hemi-N", "sphere-17x8",
-          "the view grid: azimuths x elevations, or N a side"};
+          "the view grid: azimuths x elevations, or N a side",
+          [](const std::string& value, const std::string& where) { (void)parse_view_grid(value, 0, where); }};
 }
 
 OptionDoc el_min_option() {

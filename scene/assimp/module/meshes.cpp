@@ -111,7 +111,7 @@ class Meshes {
     for (unsigned b = 0; b < mesh.mNumBones; ++b) {
       const int at = c_.node_named(mesh.mBones[b]->mName);
       if (at < 0) {
-        c_.warn(fmt::format("mesh {} has a bone {} that is no node; it is left out", shown(mesh.mName.C_Str()),
+        c_.warn(fmt::format("mesh {} has a bone {} that is not a node; it is left out", shown(mesh.mName.C_Str()),
                             shown(mesh.mBones[b]->mName.C_Str())));
         continue;
       }
