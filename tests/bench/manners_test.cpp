@@ -436,15 +436,20 @@ TEST_F(Manners, OneThingHasOneNameAndOneWordingInAllCommands) {
 }
 
 TEST_F(Manners, WhatIsReadIsNotWrittenOver) {
-  write_file(work_ / "answers.csv", "answer\nyes\nno\n");
-  for (const char* line : {"study analyze --table answers.csv --markdown answers.csv",
-                           "study analyze --table answers.csv --markdown ./answers.csv",
-                           "export answers.csv --csv new.csv --scores-csv ./new.csv"}) {
+  write_file(work_ / "answers.md", "answer\nyes\nno\n");
+  for (const char* line : {"study analyze --table answers.md --markdown answers.md",
+                           "study analyze --table answers.md --markdown ./answers.md",
+                           "export answers.md --csv new.csv --scores-csv ./new.csv"}) {
     const Outcome outcome = run(line);
     EXPECT_EQ(outcome.status, 2) << line;
     EXPECT_NE(outcome.text.find("is also what"), std::string::npos) << outcome.text;
   }
-  EXPECT_EQ(read_text(work_ / "answers.csv"), "answer\nyes\nno\n");
+  // A name that ends as another format's files do is a mistake.
+  const Outcome other = run("render --agents 1 --size 32x32 --out picture.jpg");
+  EXPECT_EQ(other.status, 2) << other.text;
+  EXPECT_NE(other.text.find("'picture.jpg' ends in .jpg; what is written is FILE.png"), std::string::npos)
+      << other.text;
+  EXPECT_EQ(read_text(work_ / "answers.md"), "answer\nyes\nno\n");
   EXPECT_FALSE(fs::exists(work_ / "new.csv"));
 }
 
