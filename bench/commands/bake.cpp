@@ -22,7 +22,7 @@
 #include "renderers/representation.h"
 #include "scene/crowd/crowd.h"
 #include "scene/gltf/gltf.h"
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 
 namespace crowdbench::bench {
 namespace {

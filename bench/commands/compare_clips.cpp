@@ -16,7 +16,7 @@
 #include "core/files.h"
 #include "core/progress.h"
 #include "reports/page/clip_page.h"
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 
 namespace crowdbench::bench {
 namespace {

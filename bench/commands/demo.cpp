@@ -24,6 +24,7 @@
 #include "metrics/pseudocolour.h"
 #include "reports/page/report_page.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 #include "studies/stimuli/pair.h"
 
 namespace crowdbench::bench {

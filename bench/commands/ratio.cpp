@@ -14,6 +14,7 @@
 #include "core/json.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -25,6 +25,7 @@
 #include "scene/cast/open_character.h"
 #include "scene/crowd/crowd.h"
 #include "scene/pose/pose.h"
+#include "scene/scenario/parse_scenario.h"
 
 namespace crowdbench::bench {
 namespace {

@@ -11,8 +11,9 @@
 #include "core/error.h"
 #include "core/version.h"
 #include "renderers/gl/context.h"
+#include "scene/cast/load_cast.h"
 #include "scene/cast/open_character.h"
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::bench {

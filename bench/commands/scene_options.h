@@ -13,6 +13,7 @@
 #include "scene/cast/cast.h"
 #include "scene/crowd/crowd.h"
 #include "scene/crowd/occupancy.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario.h"
 
 namespace crowdbench::gl {

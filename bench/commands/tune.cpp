@@ -26,6 +26,7 @@
 #include "scene/cast/cast.h"
 #include "scene/cast/open_character.h"
 #include "scene/pose/normalise.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::bench {
 namespace {

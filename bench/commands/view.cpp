@@ -15,6 +15,7 @@
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::bench {
 namespace {

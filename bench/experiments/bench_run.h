@@ -9,6 +9,7 @@
 #include "metrics/registry.h"
 #include "renderers/frame/capture.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 #include "store/store.h"
 
 namespace crowdbench::bench {

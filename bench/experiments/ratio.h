@@ -11,6 +11,7 @@
 #include "bench/timing/timing.h"
 #include "renderers/representation.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::bench {
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/portable_math.h"
+#include "scene/cast/load_cast.h"
 
 namespace crowdbench::bench {
 namespace {

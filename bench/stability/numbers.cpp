@@ -10,8 +10,8 @@
 #include "bench/stability/fixture.h"
 #include "bench/stability/odd_gltf.h"
 #include "core/error.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_keys.h"
-#include "scene/scenario/scenario_toml.h"
 
 namespace crowdbench::bench {
 namespace {

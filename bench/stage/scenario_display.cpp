@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/json.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_keys.h"
 #include "scene/scenario/scenario_writer.h"
 

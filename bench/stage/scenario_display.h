@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "metrics/display.h"
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 
 namespace crowdbench::bench {
 

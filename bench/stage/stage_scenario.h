@@ -9,6 +9,7 @@
 #include "scene/cast/cast.h"
 #include "scene/crowd/crowd.h"
 #include "scene/crowd/occupancy.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::gl {
 class Context;

@@ -5,6 +5,7 @@
 
 #include "core/progress.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::bench {
 

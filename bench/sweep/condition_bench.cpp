@@ -21,6 +21,7 @@
 #include "core/image_io.h"
 #include "core/json.h"
 #include "core/progress.h"
+#include "scene/cast/load_cast.h"
 
 namespace crowdbench::bench::sweep {
 namespace {

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "scene/cast/open_character.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_changes.h"
 
 namespace crowdbench::scene {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/toml_document.h"
 
 namespace crowdbench::scene {

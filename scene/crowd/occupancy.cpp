@@ -11,6 +11,7 @@
 #include "core/progress.h"
 #include "scene/cast/cast.h"
 #include "scene/crowd/crowd_stage.h"
+#include "scene/scenario/scenario.h"
 
 namespace crowdbench::scene {
 namespace {

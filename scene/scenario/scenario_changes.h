@@ -3,8 +3,8 @@
 #include <functional>
 #include <string>
 
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_keys.h"
-#include "scene/scenario/scenario_toml.h"
 #include "scene/scenario/toml_document.h"
 
 namespace crowdbench::scene {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/toml_document.h"
 #include "studies/plan/plan.h"
 

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "scene/cast/scenario_table.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_changes.h"
 #include "scene/scenario/scenario_keys.h"
 #include "scene/scenario/toml_table.h"

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "scene/cast/cast.h"
+#include "scene/cast/load_cast.h"
 #include "scene/cast/scenario_table.h"
 #include "scene/scenario/scenario_keys.h"
 #include "scene/scenario/scenario_writer.h"

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/hash.h"
+#include "scene/cast/load_cast.h"
 #include "scene/scenario/scenario_writer.h"
 #include "studies/stimuli/bodies.h"
 

@@ -6,6 +6,7 @@
 
 #include "renderers/gl/context.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 #include "studies/plan/design.h"
 #include "studies/plan/plan.h"
 

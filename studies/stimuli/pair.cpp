@@ -7,6 +7,7 @@
 #include "core/version.h"
 #include "renderers/frame/capture.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/scenario.h"
 #include "scene/scenario/scenario_writer.h"
 #include "studies/stimuli/crowd_clip.h"
 

@@ -13,6 +13,7 @@
 #include "bench/timing/timed_representation.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "scene/cast/load_cast.h"
 
 namespace crowdbench::bench {
 namespace {

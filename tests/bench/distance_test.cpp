@@ -18,6 +18,7 @@
 #include "metrics/agents.h"
 #include "renderers/gl/context.h"
 #include "reports/page/libraries.h"
+#include "scene/cast/load_cast.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {

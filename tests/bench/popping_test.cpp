@@ -18,6 +18,7 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "renderers/frame/capture.h"
+#include "scene/cast/load_cast.h"
 #include "scene/crowd/crowd.h"
 #include "test_paths.h"
 #include "tests/support/sanitized.h"

@@ -5,9 +5,10 @@
 #include <set>
 
 #include "renderers/representation.h"
+#include "scene/cast/load_cast.h"
 #include "scene/crowd/crowd.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario.h"
-#include "scene/scenario/scenario_toml.h"
 #include "test_paths.h"
 
 namespace crowdbench::bench {

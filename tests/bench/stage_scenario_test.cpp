@@ -15,6 +15,7 @@
 #include "core/files.h"
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
+#include "scene/cast/load_cast.h"
 #include "test_paths.h"
 
 namespace crowdbench::bench {

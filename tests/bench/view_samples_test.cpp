@@ -7,7 +7,7 @@
 #include "bench/stage/coverage.h"
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
-#include "scene/cast/cast.h"
+#include "scene/cast/load_cast.h"
 #include "tests/support/sanitized.h"
 
 namespace crowdbench::bench {

@@ -16,7 +16,7 @@
 #include "core/image_io.h"
 #include "renderers/frame/capture.h"
 #include "renderers/gl/context.h"
-#include "scene/cast/cast.h"
+#include "scene/cast/load_cast.h"
 #include "tests/support/xvfb.h"
 
 namespace crowdbench::bench {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "core/error.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario.h"
-#include "scene/scenario/scenario_toml.h"
 #include "scene/scenario/scenario_writer.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

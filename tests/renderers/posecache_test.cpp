@@ -11,6 +11,7 @@
 #include "renderers/posecache/key_choice.h"
 #include "renderers/posecache/pose_slots.h"
 #include "scene/cast/cast.h"
+#include "scene/scenario/parse_scenario.h"
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 #include "tests/support/sanitized.h"

@@ -8,7 +8,7 @@
 
 #include "pillar_cast.h"
 #include "scene/cast/cast.h"
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::scene {

@@ -14,7 +14,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "scene/cast/cast.h"
+#include "scene/cast/load_cast.h"
 #include "scene/cast/open_character.h"
 #include "scene/mannequin/mannequin.h"
 #include "scene/pose/human_bones.h"

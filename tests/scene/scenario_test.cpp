@@ -9,9 +9,9 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_changes.h"
 #include "scene/scenario/scenario_keys.h"
-#include "scene/scenario/scenario_toml.h"
 #include "scene/scenario/scenario_writer.h"
 #include "test_paths.h"
 

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "scene/cast/load_cast.h"
 #include "studies/stimuli/bodies.h"
 #include "studies/stimuli/clip.h"
 #include "studies/stimuli/proof.h"

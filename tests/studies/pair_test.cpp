@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "renderers/frame/capture.h"
-#include "scene/cast/cast.h"
+#include "scene/cast/load_cast.h"
 #include "scene/scenario/scenario_writer.h"
 
 namespace crowdbench::studies {

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "scene/cast/load_cast.h"
 #include "scene/crowd/crowd.h"
 #include "studies/plan/default_texts.h"
 #include "studies/plan/design.h"

@@ -1,5 +1,5 @@
 // The scenario parser: a TOML document (toml_document.h) held against the table of keys.
-#include "scene/scenario/scenario_toml.h"
+#include "scene/scenario/parse_scenario.h"
 
 #include <fmt/format.h>
 

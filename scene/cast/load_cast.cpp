@@ -1,4 +1,4 @@
-#include "scene/cast/cast.h"
+#include "scene/cast/load_cast.h"
 
 #include <algorithm>
 
