@@ -5,20 +5,10 @@
 #include <csignal>
 #include <string_view>
 
+#include "core/sanitizer.h"
+
 namespace crowdbench {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kSanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
-#else
-constexpr bool kSanitized = false;
-#endif
 
 constexpr struct {
   int number;
@@ -49,7 +39,7 @@ void on_fatal_signal(int number) {
 }  // namespace
 
 void install_fatal_signal_line() {
-  if (kSanitized) return;
+  if (CROWDBENCH_HAS_SANITIZER) return;
   for (const auto& fatal : kFatal) std::signal(fatal.number, on_fatal_signal);
 }
 

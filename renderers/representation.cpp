@@ -82,28 +82,43 @@ std::optional<double> whole_text_number(std::string_view text) {
   return fault == std::errc{} && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
 }
 
-// Where the table of options says all that a value can be, a range or words, that is checked as the text is read,
-// before a device is opened. Everything else is for the type's make().
-void check_value(const RepresentationType& type, const OptionDoc& option, const std::string& value) {
-  if (option.check) return option.check(value, fmt::format("representation '{}', option '{}'", type.name, option.key));
-  const std::vector<std::string> words = split_words(option.values);
+// Whether a value is a word of the table or lies within one of its ranges; true where the table says values in another
+// form (a list of names, "LINEAR+BINARY").
+bool is_in_table(const std::vector<std::string>& alternatives, const std::string& value) {
   const auto is_plain = [](const std::string& word) {
     return word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
   };
-  if (words.size() > 1) {
-    if (std::all_of(words.begin(), words.end(), is_plain) &&
-        std::find(words.begin(), words.end(), value) == words.end())
-      bad_word(type, option.key, value, words);
-    return;
-  }
-  const size_t dots = option.values.find("..");
-  if (dots == std::string::npos) return;
-  const auto low = whole_text_number(std::string_view(option.values).substr(0, dots));
-  const auto high = whole_text_number(std::string_view(option.values).substr(dots + 2));
-  if (!low || !high) return;
   const std::optional<double> number = whole_text_number(value);
-  if (!number || !(*number >= *low && *number <= *high))
-    bad_value(type, option.key, value, fmt::format("number from {:.15g} to {:.15g}", *low, *high));
+  bool found = false;
+  for (const std::string& one : alternatives) {
+    const size_t dots = one.find("..");
+    if (dots == std::string::npos) {
+      if (!is_plain(one)) return true;
+      found = found || value == one;
+      continue;
+    }
+    const auto low = whole_text_number(std::string_view(one).substr(0, dots));
+    const auto high = whole_text_number(std::string_view(one).substr(dots + 2));
+    if (!low || !high) return true;
+    found = found || (number && *number >= *low && *number <= *high);
+  }
+  return found;
+}
+
+// What the table of options says of its values is checked as the text is read, before a device is opened. The rest is
+// for the type's make().
+void check_value(const RepresentationType& type, const OptionDoc& option, const std::string& value) {
+  if (option.check) return option.check(value, fmt::format("representation '{}', option '{}'", type.name, option.key));
+  const std::vector<std::string> alternatives = split_words(option.values);
+  if (value == option.default_value || is_in_table(alternatives, value)) return;
+  const bool ranges = option.values.find("..") != std::string::npos;
+  if (!ranges) bad_word(type, option.key, value, alternatives);
+  if (alternatives.size() > 1)
+    throw Error(fmt::format("representation '{}'", type.name),
+                fmt::format("option {}={} is not one of {}", option.key, printable(value), option.values));
+  const size_t dots = option.values.find("..");
+  bad_value(type, option.key, value,
+            fmt::format("number from {} to {}", option.values.substr(0, dots), option.values.substr(dots + 2)));
 }
 
 class Parser {
@@ -311,6 +326,10 @@ std::map<std::string, std::string> floors_by_name() {
 bool honours_required_by(const Spec& spec) {
   return representation_type(spec.name).required_by ||
          std::any_of(spec.components.begin(), spec.components.end(), honours_required_by);
+}
+
+void require_option_value(const RepresentationType& type, const std::string& key, const std::string& value) {
+  if (const OptionDoc* option = find_option(type, key)) check_value(type, *option, value);
 }
 
 std::vector<OptionDoc> option_docs(const RepresentationType& type) {

@@ -300,6 +300,8 @@ std::vector<std::string> debug_views(const RepresentationType& type);
 std::string debug_views_of_all();
 // RepresentationType::floor by name, of all types.
 std::map<std::string, std::string> floors_by_name();
+// Throws Error where the table of options rules out a value of one of them, as parse_spec() does.
+void require_option_value(const RepresentationType& type, const std::string& key, const std::string& value);
 // The type's options with "floor", which all have, at the end.
 std::vector<OptionDoc> option_docs(const RepresentationType& type);
 std::unique_ptr<Representation> make_representation(const MakeContext& context, const Spec& spec);

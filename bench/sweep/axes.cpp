@@ -7,7 +7,6 @@
 #include <cmath>
 #include <set>
 
-#include "bench/sweep/option_values.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "scene/cast/scenario_table.h"
@@ -67,11 +66,6 @@ void set_key(scene::Scenario& scenario, const Key& key, const scene::KeyValue& v
   for (size_t i = 0; i < entries; ++i) key.set(scenario, i, value);
 }
 
-void require_known_values(const renderers::Spec& spec, const std::string& place = {}) {
-  if (const std::string wrong = wrong_option_value(spec); !wrong.empty())
-    throw Error(place, wrong, "`crowdbench info --representations` lists the options");
-}
-
 AxisValue value_of_key(const Key& key, const TomlNode& node, const std::string& where) {
   const scene::KeyValue value = scene::read_key(key, node, where);
   AxisValue out;
@@ -79,9 +73,7 @@ AxisValue value_of_key(const Key& key, const TomlNode& node, const std::string& 
   out.setting = {name_of(key), plain_text(key, value), choice ? std::nullopt : number_of(value)};
   // A representation that there is not is refused where it stands.
   if (key.table.empty() && key.name == "representation") try {
-      const renderers::Spec spec = renderers::parse_spec(out.setting.text);
-      require_known_values(spec);
-      out.setting.text = spec.text();
+      out.setting.text = renderers::parse_spec(out.setting.text).text();
     } catch (const Error& error) {
       throw Error(node.place(where),
                   "`representation`: " + error.where + (error.where.empty() ? "" : ": ") + error.wrong, error.advice);
@@ -112,10 +104,11 @@ AxisValue value_of_option(const renderers::RepresentationType& type, const std::
                 fmt::format("`{}.{}` holds '{}', which is not a value that an option takes", type.name, option,
                             printable(text, 60)),
                 "give one value without commas, colons and brackets");
-  renderers::Spec alone;
-  alone.name = type.name;
-  alone.options = {{option, text}};
-  require_known_values(alone, node.place(where));
+  try {
+    renderers::require_option_value(type, option, text);
+  } catch (const Error& error) {
+    throw Error(node.place(where), fmt::format("`{}.{}`: {}", type.name, option, error.wrong), error.advice);
+  }
   out.setting = {type.name + "." + option, text, node.is_number() ? std::optional(node.as_number()) : std::nullopt};
   out.representation = type.name;
   out.option = option;

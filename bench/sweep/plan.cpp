@@ -9,7 +9,6 @@
 #include "bench/sweep/axes.h"
 #include "bench/sweep/character_files.h"
 #include "bench/sweep/expression.h"
-#include "bench/sweep/option_values.h"
 #include "bench/sweep/sweep_table.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -137,9 +136,6 @@ class Grouping {
         if (value.change && value.named == named) value.change(scenario);
     PlannedPoint point = point_of(scenario, values);
     if (!wanted(point)) return;
-    if (const std::string wrong = wrong_option_value(point.spec); !wrong.empty())
-      throw Error(where_, fmt::format("the point {}: {}", describe(point), wrong),
-                  "`crowdbench info --representations` lists the options");
     try {
       check_scenario(scenario, [&](const char*) { return where_; });
     } catch (const Error& error) {

@@ -6,16 +6,11 @@
 #include <bit>
 #include <cstdint>
 
+#include "core/sanitizer.h"
+
 // A loop of these functions is compiled twice, for any x86-64 and for AVX2, and the machine's kind is chosen when the
 // program starts. Neither has operations that the other rounds differently, so that the bits are the same. Sanitizers
 // cannot instrument what runs that early.
-#if defined(__has_feature)
-#define CROWDBENCH_HAS_SANITIZER __has_feature(address_sanitizer)
-#elif defined(__SANITIZE_ADDRESS__)
-#define CROWDBENCH_HAS_SANITIZER 1
-#else
-#define CROWDBENCH_HAS_SANITIZER 0
-#endif
 #if defined(__x86_64__) && defined(__GNUC__) && !CROWDBENCH_HAS_SANITIZER
 #define CROWDBENCH_VECTORISED __attribute__((target_clones("avx2", "default")))
 #else

@@ -281,11 +281,8 @@ class FactorsReader {
   // What the table of options says of its values is known before anything is drawn.
   void require_value(const renderers::RepresentationType& type, const std::string& option, const std::string& value,
                      const TomlNode& node) const {
-    std::string text = type.name + (type.components > 0 ? "(" : ":");
-    for (size_t i = 0; i < type.components; ++i) text += renderers::reference_spec().text() + ",";
-    text += fmt::format("{}={}{}", option, value, type.components > 0 ? ")" : "");
     try {
-      renderers::parse_spec(text);
+      renderers::require_option_value(type, option, value);
     } catch (const Error& error) {
       throw Error(node.place(where_), fmt::format("`{}.{}`: {}", type.name, option, error.wrong),
                   error.advice.empty() ? "see `crowdbench info --representations`" : error.advice);

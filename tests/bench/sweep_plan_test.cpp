@@ -328,7 +328,7 @@ TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
       {"axes = 3\n", "`axes` is an integer"},
       {"[[axes.types]]\nlabel = \"a\"\n[axes]\nseed = [1]\n", "[axes] above the [[axes.name]]"},
       {"[axes]\nrepresentation = [\"relief\"]\nrelief.map = [64,\n 1000000]\n",
-       "p.toml:4: option map=1000000 of relief is not one of"},
+       "p.toml:4: `relief.map`: option map=1000000 is not one of 32, 64, 128, 256"},
   };
   for (const auto& [toml, wanted] : faults)
     EXPECT_NE(fault_of(toml).find(wanted), std::string::npos) << toml << fault_of(toml) << "\n  wanted: " << wanted;

@@ -4,19 +4,11 @@
 // count that only makes a measurement finer is chosen smaller. What runs nowhere else stays as it is.
 #pragma once
 
+#include "core/sanitizer.h"
+
 namespace crowdbench::support {
 
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool kSanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-inline constexpr bool kSanitized = true;
-#else
-inline constexpr bool kSanitized = false;
-#endif
-#else
-inline constexpr bool kSanitized = false;
-#endif
+inline constexpr bool kSanitized = CROWDBENCH_HAS_SANITIZER;
 
 }  // namespace crowdbench::support
 
