@@ -188,7 +188,7 @@ class SurfelRepresentation : public Representation {
     for (const uint32_t i : listed) {
       const double depth = -glm::dot(backward, glm::dvec3(all[i].position));
       const double metre = focal * static_cast<double>(all[i].scale) / std::max(depth, frame.camera.near);
-      levels_.push_back(surfel_level(character.levels, options_.rule, metre));
+      levels_.push_back(surfel_level(character.levels, options_.rule, metre, static_cast<double>(character.tall)));
       ++first_[levels_.back() + 1];
     }
     for (size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
@@ -209,9 +209,9 @@ class SurfelRepresentation : public Representation {
       if (from >= end) continue;
       if (!options_.floor) program.set(CB_LOCATION_FIRST, from - first);
       const SurfelLevel& level = character.levels[k];
-      program.set(CB_LOCATION_RADIUS, static_cast<float>(level.radius * options_.rule.cover));
-      program.set(CB_LOCATION_REACH, static_cast<float>(level.reach));
-      program.set(CB_LOCATION_THIN, static_cast<float>(level.thin));
+      program.set(CB_LOCATION_RADIUS, static_cast<float>(level.radius * options_.rule.cover * level.closed));
+      program.set(CB_LOCATION_REACH, static_cast<float>(level.reach * level.closed));
+      program.set(CB_LOCATION_THIN, static_cast<float>(level.thin / level.closed));
       character.vertex_array.set_instance_stream(CB_ATTRIBUTE_AGENT, list, from * sizeof(uint32_t));
       character.vertex_array.bind();
       glDrawArraysInstanced(GL_POINTS, 0, static_cast<GLsizei>(level.points), static_cast<GLsizei>(end - from));

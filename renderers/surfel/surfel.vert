@@ -29,12 +29,12 @@ layout(location = 2) flat out vec2 v_centre;   // samples of the target
 layout(location = 3) flat out uint v_id;
 #endif
 
-// Discs seen from their edge are shown no narrower than this share of their radius in figures of few pixels
-// (surfel_area.h, kNarrowest), and no narrower than so many pixels in others: for what positions are rounded by.
+// Discs seen from their edge are shown no narrower than this share of their radius (surfel_area.h, kNarrowest), and no
+// narrower than so many pixels where they are larger: for what positions are rounded by.
 const float kNarrowest = 0.1;
-// Figures of few pixels cover as much as the character does, in the mean, with gaps between discs; in larger ones there
-// are none. Pixels of the longest side.
-const vec2 kFewPixels = vec2(8.0, 16.0);
+// Figures of few pixels cover as much as the character does, in the mean, with gaps between discs; in larger ones next
+// to none are left. Pixels of the longest side (surfel_level.h).
+const vec2 kFewPixels = vec2(8.0, 64.0);
 // What drivers round a point's place by, in samples.
 const float kRounded = 1.0 / 128.0;
 
@@ -70,7 +70,7 @@ void main() {
   float metre = position_scale.w * 0.5 * frame.viewport.y / (frame.lens.z * max(gl_Position.w, 1e-6));  // in pixels
   float whole = clamp((tall * metre - kFewPixels.x) / (kFewPixels.y - kFewPixels.x), 0.0, 1.0);
   float major = max(min(radius, reach * in_position.w) * metre * mix(thin, 1.0, whole), 1e-6);
-  float minor = max(major * facing, min(major, mix(min(major, 1.0), 1.0, whole) * kNarrowest));
+  float minor = max(major * facing, min(major, 1.0) * kNarrowest);
   vec2 lean = (mat3(frame.view_from_world) * normal).xy;
   float length2 = dot(lean, lean);
   vec2 along = length2 > 1e-12 ? lean * inversesqrt(length2) : vec2(1.0, 0.0);

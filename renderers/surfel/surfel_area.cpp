@@ -79,8 +79,8 @@ Raster raster_of(const scene::PoseBank& bank, const View& v) {
   return r;
 }
 
-// Samples that the character covers.
-size_t covered(const scene::Character& character, const View& v, const Raster& raster) {
+// By sample, whether the character covers it.
+std::vector<uint8_t> covered(const scene::Character& character, const View& v, const Raster& raster) {
   const scene::Mesh& mesh = character.mesh;
   const std::vector<glm::vec3> posed = scene::skin_points(mesh, v.palette);
   std::vector<uint8_t> shown(raster.index(0, raster.height), 0);
@@ -104,7 +104,7 @@ size_t covered(const scene::Character& character, const View& v, const Raster& r
                     });
     }
   }
-  return static_cast<size_t>(std::count(shown.begin(), shown.end(), 1));
+  return shown;
 }
 
 struct PosedSurfel {
@@ -147,26 +147,58 @@ std::vector<float> least_factors(std::span<const PosedSurfel> posed, std::span<c
   return out;
 }
 
-// factors: by view, of the samples reached. wanted: by view, how many are to be.
-SurfelArea area_of(const std::vector<std::vector<float>>& factors, const std::vector<size_t>& wanted) {
+// What one view says of one level.
+struct Reached {
+  std::vector<float> all;     // the factors of the samples that discs reach
+  std::vector<float> inside;  // of those inside of the character's outline
+};
+
+Reached reached_of(const std::vector<float>& factors, const std::vector<uint8_t>& shown, const Raster& raster) {
+  Reached out;
+  const auto row = static_cast<size_t>(raster.width);
+  for (size_t i = 0; i < factors.size(); ++i) {
+    if (factors[i] > 1) continue;
+    out.all.push_back(factors[i]);
+    // Nothing is shown at the raster's border, which lies around all discs.
+    if (shown[i] != 0 && shown[i - 1] != 0 && shown[i + 1] != 0 && shown[i - row] != 0 && shown[i + row] != 0)
+      out.inside.push_back(factors[i]);
+  }
+  return out;
+}
+
+// The n-th smallest, n below their number.
+float nth(std::vector<float>& values, size_t n) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(n);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+size_t within(const std::vector<float>& factors, float factor) {
+  return static_cast<size_t>(std::count_if(factors.begin(), factors.end(), [&](float f) { return f <= factor; }));
+}
+
+// views: of one level. wanted: by view, how many samples are to be reached.
+SurfelArea area_of(std::vector<Reached>& views, const std::vector<size_t>& wanted) {
   SurfelArea out;
   std::vector<float> all;
-  for (const std::vector<float>& view : factors) all.insert(all.end(), view.begin(), view.end());
+  for (const Reached& view : views) all.insert(all.end(), view.all.begin(), view.all.end());
   const size_t sum = std::accumulate(wanted.begin(), wanted.end(), size_t{0});
   if (sum == 0) return out;
-  if (sum < all.size()) {
-    const auto at = all.begin() + static_cast<std::ptrdiff_t>(sum);
-    std::nth_element(all.begin(), at, all.end());
-    out.thin = std::max(*at, 1e-3F);
-  }
+  if (sum < all.size()) out.thin = std::max(nth(all, sum), 1e-3F);
   double squares = 0;
-  for (size_t i = 0; i < factors.size(); ++i) {
-    const auto reached = std::count_if(factors[i].begin(), factors[i].end(), [&](float f) { return f <= out.thin; });
-    const double off = static_cast<double>(reached) - static_cast<double>(wanted[i]);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const double off = static_cast<double>(within(views[i].all, out.thin)) - static_cast<double>(wanted[i]);
     squares += off * off;
   }
-  const auto views = static_cast<double>(wanted.size());
-  out.uneven = static_cast<float>(std::sqrt(squares / views) / (static_cast<double>(sum) / views));
+  const auto count = static_cast<double>(wanted.size());
+  const auto mean = static_cast<double>(sum) / count;
+  out.uneven = static_cast<float>(std::sqrt(squares / count) / mean);
+  out.closed = out.thin;
+  for (Reached& view : views)
+    if (const size_t n = view.inside.size(); n > 0)
+      out.closed =
+          std::max(out.closed, nth(view.inside, static_cast<size_t>(static_cast<double>(n - 1) * (1 - kHoles))));
+  out.over = static_cast<float>(static_cast<double>(within(all, out.closed)) / static_cast<double>(sum) - 1);
   return out;
 }
 
@@ -179,23 +211,21 @@ float longest_side(const scene::PoseBank& bank) {
 
 std::vector<SurfelArea> fit_areas(const scene::Character& character, const scene::PoseBank& bank,
                                   std::span<const Surfel> surfels, std::span<const SurfelLevel> levels, double cover) {
-  // Of each level, by view: the factors of the samples that discs reach.
-  std::vector<std::vector<std::vector<float>>> factors(levels.size());
+  std::vector<std::vector<Reached>> reached(levels.size());  // by level and view
   std::vector<size_t> wanted;
   for (int i = 0; i < kViews; ++i) {
     const View view = view_of(bank, i);
     const Raster raster = raster_of(bank, view);
-    wanted.push_back(covered(character, view, raster));
+    const std::vector<uint8_t> shown = covered(character, view, raster);
+    wanted.push_back(static_cast<size_t>(std::count(shown.begin(), shown.end(), 1)));
     const std::vector<PosedSurfel> posed = pose_surfels(surfels, view);
-    for (size_t k = 0; k < levels.size(); ++k) {
-      std::vector<float> all =
-          least_factors(posed, surfels, levels[k], static_cast<float>(levels[k].radius * cover), raster);
-      std::erase_if(all, [](float f) { return f > 1; });
-      factors[k].push_back(std::move(all));
-    }
+    for (size_t k = 0; k < levels.size(); ++k)
+      reached[k].push_back(
+          reached_of(least_factors(posed, surfels, levels[k], static_cast<float>(levels[k].radius * cover), raster),
+                     shown, raster));
   }
   std::vector<SurfelArea> out;
-  for (const std::vector<std::vector<float>>& views : factors) out.push_back(area_of(views, wanted));
+  for (std::vector<Reached>& views : reached) out.push_back(area_of(views, wanted));
   return out;
 }
 

@@ -1,4 +1,4 @@
-// How small discs are where pixels are larger than what they show: together they cover what the character covers.
+// How small discs may be: together they cover what the character covers, or as little more as closes the surface.
 #pragma once
 #include <span>
 #include <vector>
@@ -14,13 +14,19 @@ namespace crowdbench::renderers {
 // (surfel.vert).
 inline constexpr float kNarrowest = 0.1F;
 
+// Of the samples inside of a character's outline that whole discs reach, the share that `closed` may leave open in any
+// view.
+inline constexpr double kHoles = 0.001;
+
 struct SurfelArea {
-  float thin = 1;    // factor of all discs' radii, (0, 1]
-  float uneven = 0;  // how far areas are from the character's: the root mean square over views, of the mean area
+  float thin = 1;    // factor of all discs' radii, (0, 1], with which they cover as much as the character
+  float uneven = 0;  // how far areas are from the character's then: the root mean square over views, of the mean area
+  float closed = 1;  // the least factor, [thin, 1], that leaves no more open than kHoles
+  float over = 0;    // by how much of the character's area discs cover more then
 };
-// For each level the factor with which discs cover as large a part of a picture as the character itself, without its
-// masked parts: in the mean over 32 views, from all sides and 0 to 35 degrees above, and poses over all clips. surfels:
-// with their reaches. cover: SurfelRule::cover.
+// For each level, from the parts of pictures that discs and the character itself, without its masked parts, cover: in
+// the mean over 32 views, from all sides and 0 to 35 degrees above, and poses over all clips. surfels: with their
+// reaches. cover: SurfelRule::cover.
 std::vector<SurfelArea> fit_areas(const scene::Character& character, const scene::PoseBank& bank,
                                   std::span<const Surfel> surfels, std::span<const SurfelLevel> levels, double cover);
 

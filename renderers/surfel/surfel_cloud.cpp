@@ -20,10 +20,17 @@ constexpr size_t kCandidates = 8;  // for each surfel
 
 struct Candidate {
   const scene::Primitive* primitive = nullptr;
+  // In one order whichever comes first in the mesh and whichever way they turn there, so that a figure and its mirror
+  // image have the same points.
   std::array<uint32_t, 3> corners{};
   glm::vec3 at{0.0F};   // barycentric
   size_t triangle = 0;  // of the mesh's indices
 };
+
+// As the mesh has them.
+std::array<uint32_t, 3> turned_corners(const scene::Mesh& mesh, const Candidate& c) {
+  return {mesh.indices[3 * c.triangle], mesh.indices[3 * c.triangle + 1], mesh.indices[3 * c.triangle + 2]};
+}
 
 template <typename T>
 T blend(const std::vector<T>& values, const Candidate& c) {
@@ -118,7 +125,8 @@ std::vector<Candidate> candidates_of(const scene::Mesh& mesh, const std::vector<
       Triangle t;
       t.corners.primitive = &p;
       t.corners.triangle = (p.first_index + i) / 3;
-      for (uint32_t k = 0; k < 3; ++k) t.corners.corners[k] = mesh.indices[p.first_index + i + k];
+      t.corners.corners = turned_corners(mesh, t.corners);
+      std::sort(t.corners.corners.begin(), t.corners.corners.end());
       const auto& [a, b, c] = t.corners.corners;
       area += 0.5 * static_cast<double>(glm::length(glm::cross(posed[b] - posed[a], posed[c] - posed[a])));
       t.end = area;
@@ -174,18 +182,20 @@ struct Beyond {
   SheetPlace sheet;
   glm::vec3 edge{0.0F}, outward{0.0F};  // a place on the edge; unit
 };
-void reflect(const Candidate& c, const SheetPlace& sheet, const std::array<bool, 3>& borders,
-             const std::vector<glm::vec3>& posed, std::vector<Beyond>& out) {
+void reflect(const Candidate& c, const std::array<uint32_t, 3>& turned, const SheetPlace& sheet,
+             const std::array<bool, 3>& borders, const std::vector<glm::vec3>& posed, std::vector<Beyond>& out) {
   for (size_t k = 0; k < 3; ++k) {
     if (!borders[k]) continue;
-    const glm::vec3& a = posed[c.corners[k]];
-    const glm::vec3 along = posed[c.corners[(k + 1) % 3]] - a;
-    const glm::vec3 to = posed[c.corners[(k + 2) % 3]] - a;
+    const glm::vec3& a = posed[turned[k]];
+    const glm::vec3 along = posed[turned[(k + 1) % 3]] - a;
+    const uint32_t opposite = turned[(k + 2) % 3];
+    const glm::vec3 to = posed[opposite] - a;
     const glm::vec3 height = to - along * (glm::dot(to, along) / std::max(glm::dot(along, along), 1e-30F));
     const float length = glm::length(height);
     if (length <= 0) continue;
     Beyond b{sheet, a, -height / length};
-    b.sheet.place.position -= 2 * c.at[static_cast<int>((k + 2) % 3)] * height;
+    const auto corner = std::find(c.corners.begin(), c.corners.end(), opposite) - c.corners.begin();
+    b.sheet.place.position -= 2 * c.at[static_cast<int>(corner)] * height;
     out.push_back(b);
   }
 }
@@ -216,7 +226,8 @@ Sampled sample_surface(const scene::Character& character, const std::vector<glm:
   double area = 0;
   const std::vector<Candidate> candidates = candidates_of(mesh, posed, count, first, area);
   for (const Candidate& c : candidates) {
-    const auto& [i, j, k] = c.corners;
+    const std::array<uint32_t, 3> turned = turned_corners(mesh, c);
+    const auto& [i, j, k] = turned;
     const glm::vec3 face = unit_or_up(glm::cross(posed[j] - posed[i], posed[k] - posed[i]));
     const SheetPlace sheet{{blend(posed, c), c.primitive->mirrored ? -face : face},
                            static_cast<uint32_t>(c.primitive - mesh.primitives.data())};
@@ -230,7 +241,7 @@ Sampled sample_surface(const scene::Character& character, const std::vector<glm:
     blend_weights(mesh, c, s);
     out.candidates.push_back(s);
     out.on.push_back(sheet);
-    reflect(c, sheet, borders[c.triangle], posed, beyond);
+    reflect(c, turned, sheet, borders[c.triangle], posed, beyond);
   }
   constexpr double kApart = 1.5;  // of the width of a square that a candidate stands for
   if (!beyond.empty())
@@ -254,6 +265,8 @@ void fit_discs(const scene::Character& character, const scene::PoseBank& bank, c
   for (size_t k = 0; k < cloud.levels.size(); ++k) {
     cloud.levels[k].thin = static_cast<double>(areas[k].thin);
     cloud.levels[k].uneven = static_cast<double>(areas[k].uneven);
+    cloud.levels[k].closed = static_cast<double>(areas[k].closed);
+    cloud.levels[k].over = static_cast<double>(areas[k].over);
   }
 }
 

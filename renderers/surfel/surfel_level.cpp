@@ -13,10 +13,11 @@ std::vector<SurfelLevel> surfel_levels(std::span<const float> radius) {
   return out;
 }
 
-size_t surfel_level(std::span<const SurfelLevel> levels, const SurfelRule& rule, double metre) {
+size_t surfel_level(std::span<const SurfelLevel> levels, const SurfelRule& rule, double metre, double tall) {
+  const double whole = std::clamp((tall * metre - kFewPixels[0]) / (kFewPixels[1] - kFewPixels[0]), 0.0, 1.0);
   const auto found = std::find_if(levels.begin(), levels.end(), [&](const SurfelLevel& level) {
     if (level.uneven > kEven && level.points < kPointsEnough) return false;
-    return level.radius * rule.cover * metre <= rule.size;
+    return level.over * whole <= kOver && level.radius * rule.cover * level.closed * metre <= rule.size;
   });
   return found == levels.end() ? levels.size() - 1 : static_cast<size_t>(found - levels.begin());
 }

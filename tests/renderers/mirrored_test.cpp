@@ -130,7 +130,7 @@ TEST_P(MirroredGl, ASheetShowsTheSideThatItShould) {
 
 INSTANTIATE_TEST_SUITE_P(Representations, MirroredGl,
                          ::testing::Values("mesh", "rigid:poses=4", "flat:views=sphere-8x3,frames=4,texels=64",
-                                           "relief:map=64",
+                                           "relief:map=64", "surfel:points=4096",
                                            "polypostor:views=sphere-8x3,frames=4,texels=64,key=most_visible"));
 
 }  // namespace

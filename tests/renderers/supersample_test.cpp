@@ -99,7 +99,7 @@ const std::vector<Chooser>& choosers() {
       {"dynamic", "dynamic"},
       {"relief", "relief:map=64"},
       {"relief_levels", "relief:map=64,merge=0"},
-      {"surfel", "surfel:points=8192"},
+      {"surfel", "surfel:size=3"},
       {"height", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=128),height=50)"},
       {"ratio", "hybrid(mesh,(flat:views=sphere-8x2,frames=4,texels=64),ratio=1)"},
   };

@@ -16,6 +16,7 @@
 #include "tests/renderers/compare_captures.h"
 #include "tests/renderers/gl_test_support.h"
 #include "tests/renderers/solids.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::renderers {
 namespace {
@@ -89,6 +90,21 @@ TEST(SurfelCloud, LiesOnTheSurfaceAndKeepsItsMaterials) {
   EXPECT_TRUE(make_surfel_cloud(gone, *cast.banks[0], 200, 1.5).surfels.empty());
 }
 
+// The same points whichever corner of a triangle comes first.
+TEST(SurfelCloud, TakesCornersInOneOrder) {
+  const scene::Cast plain = cast_of(scene::make_mannequin({.triangles = 500}));
+  scene::Character turned = *plain.characters[0];
+  for (auto corner = turned.mesh.indices.begin(); corner != turned.mesh.indices.end(); corner += 3)
+    std::rotate(corner, corner + 1, corner + 3);
+  const SurfelCloud a = make_surfel_cloud(*plain.characters[0], *plain.banks[0], 500, 1.5);
+  const SurfelCloud b = make_surfel_cloud(turned, *plain.banks[0], 500, 1.5);
+  ASSERT_EQ(a.surfels.size(), b.surfels.size());
+  for (size_t i = 0; i < a.surfels.size(); ++i) {
+    EXPECT_EQ(a.surfels[i].position, b.surfels[i].position) << i;
+    EXPECT_EQ(a.surfels[i].colour, b.surfels[i].colour) << i;
+  }
+}
+
 TEST(SurfelLevels, AreTheFewestWhoseDiscsAreSmallEnough) {
   std::vector<float> radius(200);
   for (size_t i = 0; i < 200; ++i) radius[i] = 1.0F / static_cast<float>(i + 1);
@@ -99,9 +115,9 @@ TEST(SurfelLevels, AreTheFewestWhoseDiscsAreSmallEnough) {
   EXPECT_EQ(levels[2].points, 200U);
   EXPECT_FLOAT_EQ(static_cast<float>(levels[1].radius), 1.0F / 128);
   const SurfelRule rule{.size = 2, .cover = 1.5};
-  EXPECT_EQ(surfel_level(levels, rule, 80), 0U) << "80 / 64 x 1.5 = 1.9 pixels";
-  EXPECT_EQ(surfel_level(levels, rule, 90), 1U);
-  EXPECT_EQ(surfel_level(levels, rule, 1e6), 2U) << "no more than there are";
+  EXPECT_EQ(surfel_level(levels, rule, 80, 2), 0U) << "80 / 64 x 1.5 = 1.9 pixels";
+  EXPECT_EQ(surfel_level(levels, rule, 90, 2), 1U);
+  EXPECT_EQ(surfel_level(levels, rule, 1e6, 2), 2U) << "no more than there are";
   EXPECT_TRUE(surfel_levels({}).empty());
 }
 
@@ -109,9 +125,26 @@ TEST(SurfelLevels, UnevenOnesAreLeftOut) {
   std::vector<SurfelLevel> levels = {{64, 0.1}, {128, 0.1}, {4096, 0.1}};
   const SurfelRule rule{.size = 2, .cover = 1};
   levels[0].uneven = levels[2].uneven = 0.2;
-  EXPECT_EQ(surfel_level(levels, rule, 1), 1U);
+  EXPECT_EQ(surfel_level(levels, rule, 1, 2), 1U);
   levels[1].uneven = 0.2;
-  EXPECT_EQ(surfel_level(levels, rule, 1), 2U) << "so many points are enough";
+  EXPECT_EQ(surfel_level(levels, rule, 1, 2), 2U) << "so many points are enough";
+}
+
+// Levels that would make a figure too large are left out where their discs are closed, not where they are thin; closed
+// discs count as large as they are drawn.
+TEST(SurfelLevels, ThoseThatReachTooFarOverOutlinesAreLeftOut) {
+  std::vector<SurfelLevel> levels = {{64, 0.1}, {128, 0.05}, {256, 0.025}};
+  const SurfelRule rule{.size = 1, .cover = 2};
+  levels[0].over = 0.06;
+  levels[1].over = 0.03;
+  EXPECT_EQ(surfel_level(levels, rule, 4, 2), 0U) << "8 pixels tall: thin";
+  levels[0].radius = levels[1].radius = 0.005;
+  EXPECT_EQ(surfel_level(levels, rule, 18, 2), 0U) << "36 pixels tall: half way to closed, 0.03 too much";
+  EXPECT_EQ(surfel_level(levels, rule, 32, 2), 1U);
+  levels[1].radius = 0.05;
+  EXPECT_EQ(surfel_level(levels, rule, 32, 2), 2U) << "0.05 x 2 x 32 = 3.2 pixels";
+  levels[1].closed = 0.3;
+  EXPECT_EQ(surfel_level(levels, rule, 32, 2), 1U);
 }
 
 TEST(SurfaceGrid, FindsWhatLiesWithinACell) {
@@ -162,6 +195,9 @@ TEST(SurfelArea, IsTheCharactersOwn) {
     EXPECT_LT(level.thin, 0.95) << level.points;
     EXPECT_GT(level.thin, 0.1) << level.points;
     EXPECT_LT(level.uneven, 0.1) << level.points;
+    EXPECT_GE(level.closed, level.thin) << level.points;
+    EXPECT_LE(level.closed, 1) << level.points;
+    EXPECT_GE(level.over, 0) << level.points;
   }
 }
 
@@ -186,7 +222,7 @@ TEST_F(SurfelGl, FiguresOfAPixelAndATenthCoverTheirArea) {
     double pixels;
     int samples;  // along a pixel
   };
-  for (const auto& [pixels, samples] : {Size{6, 1}, Size{1, 5}, Size{0.1, 21}}) {
+  for (const auto& [pixels, samples] : {Size{6, 3}, Size{1, 5}, Size{0.1, 21}}) {
     constexpr int kPixels = 96;
     const double of_pixel = 1.75 / pixels;  // metres
     const double distance = of_pixel * kPixels / (2 * std::tan(0.5 * 3.14159265358979 / 180));
@@ -203,6 +239,61 @@ TEST_F(SurfelGl, FiguresOfAPixelAndATenthCoverTheirArea) {
     renderer.draw(frame, *surfel, target);
     const double wanted = across * across * area * samples * samples / (of_pixel * of_pixel);
     EXPECT_NEAR(covered(target.read()) / wanted, 1, 0.05) << pixels << " pixels tall";
+  }
+}
+
+// What discs together cover of a figure against what its mesh does, and how much of its inside they leave open: over
+// eight views, from all sides and to 30 degrees above.
+struct Area {
+  double ratio = 0, holes = 0;
+};
+Area area_of(const scene::Cast& cast, Representation& surfel, double pixels) {
+  const auto mesh = make(cast, "mesh");
+  Renderer renderer(context(), cast);
+  const double tall = static_cast<double>(longest_side(*cast.banks[0]));
+  const int side = static_cast<int>(2 * pixels) + 8;
+  double covered[2] = {0, 0};
+  double holes = 0;
+  for (int k = 0; k < 8; ++k) {
+    const double distance = 12 * tall;
+    scene::Frame frame = frame_of_one(distance, 0, side, side, 1);
+    frame.camera.fov_y = 2 * std::atan(0.5 * side * tall / (pixels * distance));
+    const double elevation = 10.0 * (k % 4) * 3.14159265358979 / 180;
+    frame.camera.eye = {0, 0.5 * tall + distance * std::sin(elevation), distance * std::cos(elevation)};
+    frame.camera.target = {0, 0.5 * tall, 0};
+    frame.origin = frame.camera.eye;
+    add_agent(frame, cast, {0.37 * k * tall / pixels, 0, 0}, 3, 0.23 * k, 0.27F * static_cast<float>(k));
+    const Capture a = renderer.capture(frame, *mesh);
+    const Capture b = renderer.capture(frame, surfel);
+    covered[0] += static_cast<double>(testing::covered(a));
+    covered[1] += static_cast<double>(testing::covered(b));
+    for (int y = 1; y + 1 < side; ++y)
+      for (int x = 1; x + 1 < side; ++x)
+        if (*b.ids.at(x, y) == 0 && *a.ids.at(x, y) != 0 && *a.ids.at(x - 1, y) != 0 && *a.ids.at(x + 1, y) != 0 &&
+            *a.ids.at(x, y - 1) != 0 && *a.ids.at(x, y + 1) != 0)
+          ++holes;
+  }
+  return {covered[1] / covered[0], holes / covered[0]};
+}
+
+// Limbs, edges at right angles, and a ball: within a twelfth of the area at every size, and closed but for a pixel or
+// two.
+TEST_F(SurfelGl, FiguresOf20To240PixelsCoverTheirArea) {
+  CROWDBENCH_SKIP_SANITIZED("SurfelGl.ClosesTheSurfaceAtEveryDistance");
+  struct Shown {
+    const char* name;
+    scene::Cast cast;
+  };
+  const Shown all[] = {{"mannequin", cast_of(scene::make_mannequin({.triangles = 2200}), 10.0)},
+                       {"boxes", cast_of(testing::two_bones())},
+                       {"ball", cast_of(testing::sphere(0.5, 32))}};
+  for (const Shown& shown : all) {
+    const auto surfel = make(shown.cast, "surfel");
+    for (const double pixels : {20.0, 30.0, 56.0, 240.0}) {
+      const Area area = area_of(shown.cast, *surfel, pixels);
+      EXPECT_NEAR(area.ratio, 1, 0.08) << shown.name << ", " << pixels << " pixels tall";
+      EXPECT_LE(area.holes, pixels < 30 ? 0.02 : 0.01) << shown.name << ", " << pixels << " pixels tall";
+    }
   }
 }
 
