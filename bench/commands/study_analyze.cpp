@@ -155,6 +155,16 @@ std::vector<std::string> change_settings(const StudyAnalyzeOptions& o, AnalysisS
   return to.changed;
 }
 
+// What "yes" stands for in the answers to an exported study. task: a plan's word; reference: what the half under test
+// stands beside; empty: not known.
+std::string meaning_of_yes(const std::string& task, const std::string& reference) {
+  const std::string to = reference.empty() ? "the reference" : fmt::format("the reference, {}", reference);
+  if (task == task_words()[static_cast<size_t>(Task::same_different)]) return "that the halves were called different";
+  if (task == task_words()[static_cast<size_t>(Task::preference)])
+    return fmt::format("that the half under test was chosen, and \"no\" {}", to);
+  return fmt::format("that the half under test was named, and \"no\" {}", to);
+}
+
 // The plan's analysis and exclusions, and what it is now and was when it was frozen.
 AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
   const StudyPlan plan = read_study_plan(file);
@@ -165,6 +175,10 @@ AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
     for (const Deviation& each : frozen->deviations) facts.deviations.push_back({each.hash, each.reason});
   }
   AnalysisSettings out = plan.analysis.settings;
+  out.asked.text = plan.question_text;
+  // Of pairs that are ranked both items are named.
+  if (plan.method.method != Method::active_pairs)
+    out.asked.yes = meaning_of_yes(task_words()[static_cast<size_t>(plan.task)], plan.reference.text());
   out.axis = axis_of_factor(plan.analysis.level);
   out.catch_least = plan.exclude.catch_least;
   out.trials.shortest_rt_ms = plan.exclude.shortest_rt_ms;
@@ -175,20 +189,26 @@ AnalysisSettings settings_of_plan(const std::string& file, PlanFacts& facts) {
   return out;
 }
 
-// The answers that a study's server kept, by what was shown: the exported folder's sides.json says it.
-Table kept_answers(const std::string& file, const std::string& study) {
+// The answers that a study's server kept, by what was shown: the exported folder's sides.json says it. asked: set where
+// it is not known yet.
+Table kept_answers(const std::string& file, const std::string& study, AskedQuestion& asked) {
   const std::filesystem::path beside = std::filesystem::absolute(file).parent_path();
   const std::filesystem::path folder = study.empty() ? beside : std::filesystem::path(study);
   if (!std::filesystem::exists(folder / "sides.json"))
     throw Error(file, "is not in the folder of its study", "name that folder: --study OUT");
   const StudyFolder shown = read_study_folder(folder);
+  if (asked.text.empty()) {
+    asked.text = shown.question;
+    const bool ranked = !shown.adaptive.empty() && shown.task == task_words()[static_cast<size_t>(Task::preference)];
+    if (!ranked) asked.yes = meaning_of_yes(shown.task, "");
+  }
   return parse_table(answers_csv(read_study_answers({file}, shown.study), folder), file);
 }
 
-Table rows_of(const std::string& file, const StudyAnalyzeOptions& o) {
+Table rows_of(const std::string& file, const StudyAnalyzeOptions& o, AskedQuestion& asked) {
   const std::filesystem::path extension = std::filesystem::path(file).extension();
   const bool kept = extension == ".sqlite" || extension == ".json";
-  Table out = kept ? kept_answers(file, o.study) : read_table(file);
+  Table out = kept ? kept_answers(file, o.study, asked) : read_table(file);
   for (const std::string& condition : o.where) {
     const size_t equals = condition.find('=');
     if (equals == std::string::npos)
@@ -198,17 +218,17 @@ Table rows_of(const std::string& file, const StudyAnalyzeOptions& o) {
   return out;
 }
 
-Answers read_answers(const StudyAnalyzeOptions& o) {
+Answers read_answers(const StudyAnalyzeOptions& o, AskedQuestion& asked) {
   if (o.files.empty() && o.table.empty())
     throw Error("study analyze", "there are no answers to analyse",
                 "give files whose columns have the names of roles, or --table FILE --columns MAP");
   Answers out;
   for (const std::string& file : o.files) {
-    const Table table = rows_of(file, o);
+    const Table table = rows_of(file, o, asked);
     add_answers(out, table, columns_by_name(table));
   }
   if (!o.table.empty()) {
-    const Table table = rows_of(o.table, o);
+    const Table table = rows_of(o.table, o, asked);
     add_answers(out, table, o.columns.empty() ? columns_by_name(table) : parse_column_map(o.columns, "--columns"));
   }
   return out;
@@ -237,7 +257,7 @@ int run_analyze(const StudyAnalyzeOptions& options) {
   if (!options.columns.empty()) changed.push_back("--columns " + options.columns);
   const ScoreTable scores = options.scores.empty() ? ScoreTable{} : read_scores(options.scores);
   StudyReport report;
-  Answers answers = read_answers(options);
+  Answers answers = read_answers(options, settings.asked);
   if (!options.plan.empty()) report.standing = plan_standing(plan, answers, changed);
   report.analysis = analyse(std::move(answers), settings, scores);
   write_outputs(options, report);
@@ -384,7 +404,7 @@ void add_study_analyze(Command& study, Run& run) {
       "Roles of columns: participant, trial, task, condition, clip, stimulus, level, signal, item_a, item_b, "
       "shown_first,\n"
       "answer, expected, yes, no, ties, total, rt, frames_dropped, hidden, study (the plan's hash), catch,\n"
-      "pixels_per_degree, pixels_per_degree_se, css_px_per_clip_px. `answer`, or counts\n"
+      "pixels_per_degree, pixels_per_degree_se, css_px_per_clip_px, yes_first. `answer`, or counts\n"
       "(`yes` and `no` or `total`), is needed; what else there is decides what is analysed: `level` a psychometric\n"
       "function, `item_a` and `item_b` a ranking, `participant` a mixed model.\n\nExamples:\n"
       "  crowdbench study analyze answers.csv --margin 0.1 --markdown answers.md\n"

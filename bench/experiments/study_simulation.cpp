@@ -113,10 +113,13 @@ class Observer {
   double eta(const studies::ShownStimulus& s, double done) const {
     const studies::SimulatedObservers& who = simulated_.who;
     const double level = number_of(s.level, std::numeric_limits<double>::infinity());
-    const double bias = s.expected == "upper" ? who.side_bias : s.expected == "lower" ? -who.side_bias : 0;
     return slope_ * (level - threshold_) +
            who.clip_sd * studies::random_normal(simulated_.seed, number_of(s.clip, uint64_t{0}), kClip) +
-           who.learning * (done - 0.5) + bias;
+           who.learning * (done - 0.5) + bias(s);
+  }
+  double bias(const studies::ShownStimulus& s) const {
+    const double side = simulated_.who.side_bias;
+    return s.expected == "upper" ? side : s.expected == "lower" ? -side : 0;
   }
   std::string same_or_different(uint64_t turn) const { return chance(kGuess, turn) < guess() ? "different" : "same"; }
   static std::string wrong(const std::string& right) {
@@ -130,7 +133,7 @@ class Observer {
   std::string not_seen(const studies::ShownStimulus& s, uint64_t turn) const {
     if (asked_.same_different) return same_or_different(turn);
     if (asked_.may_not_tell && chance(kTell, turn) < simulated_.cannot_tell) return "cannot-tell";
-    return chance(kGuess, turn) < guess() ? s.expected : wrong(s.expected);
+    return chance(kGuess, turn) < studies::biased_guess(guess(), 0, bias(s)) ? s.expected : wrong(s.expected);
   }
   // A picture shown twice is worth as much as itself.
   std::string compared(const studies::ShownStimulus& s, uint64_t turn) const {

@@ -14,8 +14,8 @@ namespace crowdbench::bench {
 // A trial whose stimulus has a level is seen with the probability 1 / (1 + exp(-eta)), eta as SimulatedObservers has
 // it, with the clip's effect by crowd; a level that is infinite is seen always, or never. What is seen is answered
 // rightly but for slips (`lapse`); of what is not seen, "cannot tell" is said at the rate `cannot_tell` where the task
-// offers it, and else the right answer is guessed at the rate `guess`. Of halves that are alike, "different" is said at
-// that rate.
+// offers it, and else the right answer is guessed at the rate `guess`, which the side's bias moves. Of halves that are
+// alike, "different" is said at that rate.
 //
 // Where no level is a number, and of pairs, the halves have worths: Bradley and Terry's choice with Davidson's ties.
 // Broken halves are seen by everybody; of a picture shown twice nothing is seen.

@@ -175,9 +175,14 @@ std::string study_curves_chart(const StudyTask& task) {
   if (Json thresholds = thresholds_of_curves(task); !thresholds.empty()) {
     Json low = x;
     low["field"] = "low";
-    layers.push_back({{"data", {{"values", thresholds}}},
-                      {"mark", {{"type", "rule"}, {"strokeWidth", 4}, {"opacity", 0.45}}},
-                      {"encoding", {{"x", low}, {"x2", {{"field", "high"}}}, {"y", y("share")}, {"color", colour}}}});
+    // An axis over no number at all is none.
+    const bool any_interval = std::any_of(task.curves.begin(), task.curves.end(), [](const StudyCurve& c) {
+      return c.threshold && c.threshold_low && c.threshold_high;
+    });
+    if (any_interval)
+      layers.push_back({{"data", {{"values", thresholds}}},
+                        {"mark", {{"type", "rule"}, {"strokeWidth", 4}, {"opacity", 0.45}}},
+                        {"encoding", {{"x", low}, {"x2", {{"field", "high"}}}, {"y", y("share")}, {"color", colour}}}});
     layers.push_back(
         {{"data", {{"values", std::move(thresholds)}}},
          {"mark", {{"type", "point"}, {"shape", "diamond"}, {"filled", true}, {"size", 110}, {"opacity", 1}}},
@@ -217,14 +222,16 @@ std::string study_rows_chart(const std::vector<StudyPoint>& rows, const std::str
   };
   Json spec = chart_frame(names.row_height() * static_cast<int>(rows.size()) + 20);
   spec["data"] = {{"values", std::move(values)}};
-  spec["layer"] =
-      Json::array({{{"mark", {{"type", "rule"}, {"strokeWidth", 2}, {"color", "#0072b2"}, {"opacity", 0.6}}},
-                    {"encoding", {{"y", names.axis()}, {"x", x("low")}, {"x2", {{"field", "high"}}}}}},
-                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}, {"color", "#0072b2"}}},
+  Json layers = Json::array();
+  if (std::any_of(rows.begin(), rows.end(), [](const StudyPoint& row) { return row.low && row.high; }))
+    layers.push_back({{"mark", {{"type", "rule"}, {"strokeWidth", 2}, {"color", "#0072b2"}, {"opacity", 0.6}}},
+                      {"encoding", {{"y", names.axis()}, {"x", x("low")}, {"x2", {{"field", "high"}}}}}});
+  layers.push_back({{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}, {"color", "#0072b2"}}},
                     {"encoding",
                      {{"y", names.axis()},
                       {"x", x("value")},
-                      {"tooltip", Json::array({tooltip_of("name", "name"), tooltip_of("text", "value")})}}}}});
+                      {"tooltip", Json::array({tooltip_of("name", "name"), tooltip_of("text", "value")})}}}});
+  spec["layer"] = std::move(layers);
   return spec.dump();
 }
 

@@ -26,9 +26,12 @@ std::vector<TemplateValues> list_if_any(const std::vector<std::string>& texts) {
   return out;
 }
 
-std::vector<TemplateValues> cells_of(const std::vector<std::string>& texts, size_t words) {
+// columns: their heads, which stand beside each cell where the table is too wide for the screen.
+std::vector<TemplateValues> cells_of(const std::vector<std::string>& texts, const std::vector<std::string>& columns,
+                                     size_t words) {
   std::vector<TemplateValues> out;
-  for (size_t i = 0; i < texts.size(); ++i) out.push_back({{"class", i < words ? "l" : "n"}, {"text", texts[i]}});
+  for (size_t i = 0; i < texts.size(); ++i)
+    out.push_back({{"class", i < words ? "l" : "n"}, {"of", i < columns.size() ? columns[i] : ""}, {"text", texts[i]}});
   return out;
 }
 
@@ -36,8 +39,8 @@ std::vector<TemplateValues> table_of(const StudyTable& table) {
   std::vector<TemplateValues> out;
   if (table.columns.empty()) return out;
   std::vector<TemplateValues> rows;
-  for (const auto& row : table.rows) rows.push_back({{"cells", cells_of(row, table.words)}});
-  out.push_back({{"columns", cells_of(table.columns, table.words)}, {"rows", std::move(rows)}});
+  for (const auto& row : table.rows) rows.push_back({{"cells", cells_of(row, table.columns, table.words)}});
+  out.push_back({{"columns", cells_of(table.columns, {}, table.words)}, {"rows", std::move(rows)}});
   return out;
 }
 

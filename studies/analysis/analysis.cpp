@@ -28,6 +28,7 @@ TaskResult task_of(const Answers& answers, const std::string& name, const Rows& 
     out.ranking = parts::ranking_of(answers, rows, s);
     return out;
   }
+  out.side = parts::side_of(rows, s);
   if (rows.front()->level) out.curves = parts::curves_of(groups, s);
   out.mixed = parts::mixed_models(answers, rows, groups, out.curves, s);
   return out;
@@ -113,6 +114,17 @@ void analyse_tasks(Analysis& out, const ScoreTable& scores) {
               "the answers need the column (`stimulus`, `clip`, `condition`; items of pairs) that the scores are of");
 }
 
+// Stimuli have the same ids in every study.
+void require_scores_of_these(const ScoreTable& scores, const Answers& answers) {
+  const auto& known = answers.studies;
+  if (scores.study.empty() || known.empty() || std::find(known.begin(), known.end(), scores.study) != known.end())
+    return;
+  throw Error(scores.source,
+              fmt::format("is of the study {}, and the answers are of {}", printable(scores.study.substr(0, 12)),
+                          printable(known.front().substr(0, 12))),
+              "give the study.json of the export that was answered");
+}
+
 }  // namespace
 
 Decided decided(uint64_t yes, uint64_t ties, uint64_t no, TieRule rule) {
@@ -144,16 +156,21 @@ std::optional<ThresholdInterval> threshold_interval(const CurveResult& c) {
   if (!c.fit.threshold) return std::nullopt;
   const auto none = [](std::string why) { return ThresholdInterval{{}, {}, "", std::move(why)}; };
   const JackknifeState spread = c.jackknife ? c.jackknife->state : JackknifeState::alike;
-  if (spread == JackknifeState::done)
+  if (spread == JackknifeState::done) {
+    const bool over_clips = c.jackknife->clips > 0;
     return ThresholdInterval{
-        c.jackknife->threshold.low, c.jackknife->threshold.high, "jackknife over participants",
-        fmt::format("participants differ, and Student's t with {} degrees of freedom counts how few they are",
-                    c.jackknife->groups - 1)};
+        c.jackknife->threshold.low, c.jackknife->threshold.high,
+        over_clips ? "jackknife over participants and clips" : "jackknife over participants",
+        fmt::format("{} differ, and Student's t with {:.3g} degrees of freedom counts how few they are",
+                    over_clips ? "participants and clips" : "participants", c.jackknife->degrees),
+        over_clips};
+  }
   if (spread == JackknifeState::too_few && c.participants > 1)
     return none(fmt::format("{} participants do not say how much people differ; that takes {}", c.participants,
                             kLeastJackknifeGroups));
   if (spread == JackknifeState::one_decides)
     return none("without one of the participants the others have no threshold");
+  if (spread == JackknifeState::one_clip_decides) return none("without one of the clips the others have no threshold");
   const std::string why = c.participants == 1 ? "of this one participant, not of people"
                           : c.jackknife       ? "the participants' answers show no spread between them"
                                               : "it is not known whose answers these are";
@@ -166,6 +183,7 @@ std::optional<ThresholdInterval> threshold_interval(const CurveResult& c) {
 
 Analysis analyse(Answers answers, const AnalysisSettings& settings, const ScoreTable& scores) {
   Analysis out;
+  require_scores_of_these(scores, answers);
   out.settings = settings;
   out.sources = answers.sources;
   const auto is_catch = [](const Answer& row) { return !row.catch_kind.empty(); };

@@ -40,7 +40,14 @@ std::string axis_title(const LevelAxis& axis);
 // "pixels", "m"; empty: none is known.
 std::string axis_unit(const LevelAxis& axis);
 
+// What a study asked, for the sentences that are written of it; empty: not known.
+struct AskedQuestion {
+  std::string text;
+  std::string yes;  // what an answer "yes" means, as "that the half under test was chosen"
+};
+
 struct AnalysisSettings {
+  AskedQuestion asked;
   double chance = 0.5;  // of a yes, where there is nothing to see
   double confidence = 0.95;
   TieRule ties = TieRule::drop;
@@ -84,6 +91,15 @@ struct DifferenceResult {
   double holm = 1;                    // the two-sided p of "no difference", corrected over the pairs of the task
 };
 
+// Which side is chosen, of two, whatever stands there.
+struct SideResult {
+  uint64_t first = 0, of = 0;        // decided answers in which what counts as yes stood first, of all that say
+  double share = 0.5;                // of yes, both sides counted alike
+  double chosen_first = 0.5;         // share of answers that chose the first side, likewise
+  size_t participants = 0;           // with answers to both; 0: not known
+  std::optional<Interval> interval;  // of chosen_first, over participants by Student's t; of two or more
+};
+
 struct CurveResult {
   std::string condition;
   CurveFit fit;
@@ -91,16 +107,19 @@ struct CurveResult {
   std::optional<CurveJackknife> jackknife;  // where participants are known
   bool by_participant = false;              // what the bootstrap draws
   size_t participants = 0;
+  size_t clips = 0;                     // 0: not known
   std::optional<AngleThreshold> angle;  // of threshold_interval(); levels in pixels and calibrated participants
 };
 
 // The interval of a curve's threshold that is told and drawn. Of several participants the jackknife's, which counts
-// that they differ: it is refused where there are too few of them, or one decides. Where their answers show no spread,
+// that they differ, and that clips do, where there are enough of those: it is refused where there are too few
+// participants, or one (or one clip) decides. Where the participants' answers show no spread,
 // or they are not known, or there is one: the parametric bootstrap's, else the likelihood's.
 struct ThresholdInterval {
   std::optional<double> low, high;  // nothing: open that way; both: there is none
-  std::string method;               // "jackknife over participants", "parametric bootstrap", "profile likelihood"
-  std::string why;                  // this method, or there is none
+  std::string method;       // "jackknife over participants (and clips)", "parametric bootstrap", "profile likelihood"
+  std::string why;          // this method, or there is none
+  bool over_clips = false;  // else it is of the clips that were shown, and not of others like them
 };
 // Nothing where there is no threshold.
 std::optional<ThresholdInterval> threshold_interval(const CurveResult& curve);
@@ -142,6 +161,7 @@ struct TaskResult {
   std::vector<CurveResult> curves;
   std::vector<MixedResult> mixed;
   std::optional<RankingResult> ranking;
+  std::optional<SideResult> side;              // where answers say on which side what counts as yes stood
   std::optional<ScorePredictions> prediction;  // where there are scores
 };
 

@@ -155,6 +155,10 @@ Json json_of(const CurveResult& c, const CurveSettings& s) {
     out["threshold_interval"] = {
         {"interval", told->method.empty() ? Json() : Json::array({json_of(told->low), json_of(told->high)})},
         {"method", told->method.empty() ? Json() : Json(told->method)},
+        {"over_clips", told->over_clips},
+        {"clips", c.clips > 0 ? Json(c.clips) : Json()},
+        {"degrees_of_freedom",
+         c.jackknife && c.jackknife->state == JackknifeState::done ? Json(c.jackknife->degrees) : Json()},
         {"why", told->why}};
   if (c.angle) out["threshold_degrees"] = json_of(*c.angle);
   return out;
@@ -238,6 +242,11 @@ Json json_of(const TaskResult& t, const AnalysisSettings& s) {
   for (const CurveResult& c : t.curves) out["curves"].push_back(json_of(c, s.curve));
   for (const MixedResult& m : t.mixed) out["mixed_models"].push_back(json_of(m));
   out["ranking"] = json_of(t.ranking);
+  if (t.side)
+    out["side"] = {
+        {"yes_stood_first", t.side->first},     {"of", t.side->of},
+        {"share_both_alike", t.side->share},    {"chosen_first", t.side->chosen_first},
+        {"participants", t.side->participants}, {"interval", t.side->interval ? json_of(*t.side->interval) : Json()}};
   if (!t.differences.empty()) out["differences"] = Json::array();
   for (const DifferenceResult& d : t.differences) out["differences"].push_back(json_of(d, t.conditions));
   if (t.prediction) out["prediction"] = json_of(*t.prediction);
@@ -264,6 +273,8 @@ Json analysis_json(const Analysis& a) {
                      {"dropped", a.left_out.dropped},
                      {"hidden", a.left_out.hidden},
                      {"hidden_catch", a.left_out.hidden_catch}};
+  out["asked"] = a.settings.asked.text.empty() ? Json() : Json(a.settings.asked.text);
+  out["yes_means"] = a.settings.asked.yes.empty() ? Json() : Json(a.settings.asked.yes);
   out["settings"] = {{"chance", a.settings.chance},
                      {"confidence", a.settings.confidence},
                      {"axis", a.settings.axis.name.empty() ? Json() : Json(a.settings.axis.name)},

@@ -58,6 +58,18 @@ std::vector<Calibration> calibrations_of(const Rows& rows) {
   return out;
 }
 
+// Empty where a row does not say of which clip it is.
+std::vector<std::vector<Level>> levels_by_clip(const Rows& rows, TieRule rule) {
+  std::map<uint32_t, Rows> clips;
+  for (const Answer* row : rows) {
+    if (!row->clip) return {};
+    clips[*row->clip].push_back(row);
+  }
+  std::vector<std::vector<Level>> out;
+  for (const auto& [clip, theirs] : clips) out.push_back(levels_of(theirs, rule));
+  return out;
+}
+
 CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSettings& s) {
   CurveResult out;
   out.condition = name;
@@ -67,7 +79,9 @@ CurveResult curve_of(const std::string& name, const Rows& rows, const AnalysisSe
   out.fit = fit_curve(levels, settings);
   std::vector<std::vector<Level>> people;
   for (const auto& [participant, theirs] : by_participant(rows)) people.push_back(levels_of(theirs, s.ties));
-  if (!people.empty()) out.jackknife = jackknife_threshold(out.fit, people, settings);
+  const std::vector<std::vector<Level>> clips = levels_by_clip(rows, s.ties);
+  out.clips = clips.size();
+  if (!people.empty()) out.jackknife = jackknife_threshold(out.fit, people, clips, settings);
   if (people.size() < 2) people.clear();
   out.by_participant = !people.empty();
   out.bootstrap = bootstrap_threshold(out.fit, levels, people, settings, s.seed, s.resamples);

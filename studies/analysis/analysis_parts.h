@@ -35,6 +35,8 @@ std::vector<CurveResult> curves_of(const Groups& groups, const AnalysisSettings&
 // curves: of the same groups; a rate of guesses that they fit is held by the mixed models.
 std::vector<MixedResult> mixed_models(const Answers& answers, const Rows& rows, const Groups& groups,
                                       const std::vector<CurveResult>& curves, const AnalysisSettings& settings);
+// Nothing where the rows do not say it of both sides.
+std::optional<SideResult> side_of(const Rows& rows, const AnalysisSettings& settings);
 RankingResult ranking_of(const Answers& answers, const Rows& rows, const AnalysisSettings& settings);
 ScorePredictions prediction_of(const Answers& answers, const Groups& groups, const AnalysisSettings& settings,
                                const ScoreTable& scores);

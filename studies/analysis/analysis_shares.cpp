@@ -2,10 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "core/multiple_tests.h"
+#include "core/probability.h"
 #include "studies/analysis/analysis_parts.h"
 
 namespace crowdbench::studies::parts {
@@ -196,6 +199,44 @@ std::vector<DifferenceResult> differences_of(const Groups& groups, const std::ve
     require_corrected(d.equivalence, d.holm, s.alpha,
                       std::min(conditions[d.first].decided, conditions[d.second].decided), d.equivalence.participants);
   }
+  return out;
+}
+
+std::optional<SideResult> side_of(const Rows& rows, const AnalysisSettings& s) {
+  struct Side {
+    double yes = 0, of = 0;
+    double share() const { return yes / of; }
+  };
+  using Sides = std::array<Side, 2>;  // second, first
+  Sides all;
+  std::map<uint32_t, Sides> people;
+  for (const Answer* row : rows) {
+    if (!row->yes_first) continue;
+    const Counted c = counted(row->yes, row->ties, row->no, s.ties);
+    const auto add = [&](Side& to) {
+      to.yes += static_cast<double>(c.yes) + static_cast<double>(c.halves) / 2;
+      to.of += static_cast<double>(c.of);
+    };
+    add(all[*row->yes_first ? 1 : 0]);
+    if (row->participant) add(people[*row->participant][*row->yes_first ? 1 : 0]);
+  }
+  const auto chosen_first = [](const Sides& of) { return (of[1].share() + 1 - of[0].share()) / 2; };
+  if (all[0].of == 0 || all[1].of == 0) return std::nullopt;
+  SideResult out{.first = static_cast<uint64_t>(all[1].of), .of = static_cast<uint64_t>(all[0].of + all[1].of)};
+  out.share = (all[0].share() + all[1].share()) / 2;
+  out.chosen_first = chosen_first(all);
+  std::vector<double> each;
+  for (const auto& [participant, sides] : people)
+    if (sides[0].of > 0 && sides[1].of > 0) each.push_back(chosen_first(sides));
+  out.participants = each.size();
+  if (each.size() < 2) return out;
+  const auto n = static_cast<double>(each.size());
+  const double mean = std::accumulate(each.begin(), each.end(), 0.0) / n;
+  double squares = 0;
+  for (const double one : each) squares += (one - mean) * (one - mean);
+  const double half = student_t_quantile(1 - (1 - s.confidence) / 2, n - 1) * std::sqrt(squares / (n - 1) / n);
+  out.interval = Interval{std::clamp(std::min(mean - half, out.chosen_first), 0.0, 1.0),
+                          std::clamp(std::max(mean + half, out.chosen_first), 0.0, 1.0)};
   return out;
 }
 

@@ -48,7 +48,8 @@ const std::vector<std::pair<std::string, Role>>& role_names() {
                                                                 {"pixels_per_degree", Role::pixels_per_degree},
                                                                 {"pixels_per_degree_se", Role::pixels_per_degree_se},
                                                                 {"css_px_per_clip_px", Role::css_px_per_clip_px},
-                                                                {"observers", Role::observers}};
+                                                                {"observers", Role::observers},
+                                                                {"yes_first", Role::yes_first}};
   return all;
 }
 
@@ -288,6 +289,11 @@ void read_rest(const Columns& columns, const Table::Row& row, Answer& out) {
     const Word word = word_of(columns.required(row, Role::signal));
     if (word != Word::yes && word != Word::no) throw columns.wrong(row, Role::signal, "it is 1 or 0");
     out.signal = word == Word::yes;
+  }
+  if (columns.has(Role::yes_first) && !columns.field(row, Role::yes_first).empty()) {
+    const Word word = word_of(columns.field(row, Role::yes_first));
+    if (word != Word::yes && word != Word::no) throw columns.wrong(row, Role::yes_first, "it is 1, 0 or empty");
+    out.yes_first = word == Word::yes;
   }
   read_calibration(columns, row, out);
   out.hidden = count_if_any(columns, row, Role::hidden);

@@ -24,6 +24,8 @@ namespace crowdbench::studies {
 //   signal              whether there was something to see (1) or not (0): d' and criterion
 //   item_a, item_b      the two things compared, by name; `yes` is then a choice of item_a
 //   shown_first         the item that stood first (above, or left): for the effect of position
+//   yes_first           whether what counts as yes stood first (above, or left; 1) or second (0), or empty: for the
+//                       preference of a side
 //   answer              one trial: yes/no, 1/0, true/false, right/wrong, seen/unseen; of two things a/b,
 //                       first/second, or an item's name; "cannot tell", tie, none
 //   expected            the right answer, in the same words: the answer counts as yes where it is that one
@@ -66,6 +68,7 @@ enum class Role {
   pixels_per_degree_se,
   css_px_per_clip_px,
   observers,
+  yes_first,
 };
 
 struct ColumnMap {
@@ -83,6 +86,7 @@ struct Answer {
   std::optional<uint32_t> participant, task, condition, clip, item_a, item_b, stimulus, study;
   std::optional<bool> shown_first_is_a;
   std::optional<bool> signal;
+  std::optional<bool> yes_first;
   std::optional<double> level;  // finite
   std::optional<double> rt_ms;
   uint64_t frames_dropped = 0;

@@ -48,6 +48,8 @@ const std::vector<DataColumn>& data_columns() {
        [](A a, R r, TieRule) {
          return r.shown_first_is_a ? name_of(a.items, *r.shown_first_is_a ? r.item_a : r.item_b) : "";
        }},
+      {"yes_first", "1: what counts as yes stood first",
+       [](A, R r, TieRule) { return std::string(r.yes_first ? (*r.yes_first ? "1" : "0") : ""); }},
       {"yes", "answers yes (right, seen, item_a)", [](A, R r, TieRule) { return fmt::format("{}", r.yes); }},
       {"ties", "answers \"cannot tell\"", [](A, R r, TieRule) { return fmt::format("{}", r.ties); }},
       {"no", "answers no", [](A, R r, TieRule) { return fmt::format("{}", r.no); }},

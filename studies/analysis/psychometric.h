@@ -118,21 +118,30 @@ std::optional<CurveBootstrap> bootstrap_threshold(const CurveFit& fit, std::span
 // The interval of a threshold over participants, as of a mean of as many numbers: without each participant in turn
 // (Tukey's jackknife), the estimate less or more Student's t with n - 1 degrees of freedom times
 //   SE = sqrt((n - 1) / n sum over i of (t_i - t)^2),  t_i: the threshold without i, t: that of all
-// (of Weibull's curve, of the logs of thresholds). tests/studies/recovery_test.cpp says how often it holds the truth.
+// (of Weibull's curve, of the logs of thresholds). Where several clips were shown to everybody, the interval is over
+// both: V = Vp + Vc - Vt of the variances without a participant, without a clip, and of trials alone (from the
+// likelihood's interval; it stands in both of the others), at least the larger of Vp and Vc, with
+// V^2 / (Vp^2 / (participants - 1) + Vc^2 / (clips - 1)) degrees of freedom (Satterthwaite).
+// tests/studies/recovery_test.cpp says how often it holds the truth.
 enum class JackknifeState {
   done,
-  too_few,      // fewer than kLeastJackknifeGroups
-  one_decides,  // without one of them the rest have no threshold
+  too_few,           // fewer than kLeastJackknifeGroups
+  one_decides,       // without one of them the rest have no threshold
+  one_clip_decides,  // nor without one of the clips
   alike,  // the threshold is the same without any of them, or a step, which the optimiser places: no spread is seen
 };
 struct CurveJackknife {
   JackknifeState state = JackknifeState::done;
   size_t groups = 0;
+  size_t clips = 0;    // that it is over, beside the participants; 0: none, it is for the clips that were shown
+  double degrees = 0;  // of freedom, where done
   Interval threshold;  // where done
 };
 inline constexpr size_t kLeastJackknifeGroups = 3;
-// groups: at least one. Nothing where the fit has no threshold.
+// groups: the answers by participant, at least one. clips: the same answers by clip; fewer than kLeastJackknifeGroups
+// count for none. Nothing where the fit has no threshold.
 std::optional<CurveJackknife> jackknife_threshold(const CurveFit& fit, std::span<const std::vector<Level>> groups,
+                                                  std::span<const std::vector<Level>> clips,
                                                   const CurveSettings& settings);
 
 }  // namespace crowdbench::studies

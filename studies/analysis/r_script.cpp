@@ -53,14 +53,28 @@ compare <- function(task, condition, rows, formula, guess, link, nAGQ, effects) 
   # "Cannot tell" that is split gives halves, which lme4 rounds in silence. Twice the counts at half the weight are whole
   # numbers and the same likelihood.
   rows$half <- 0.5
+  # Levels in units of their spread about their mean, as crowdbench optimises in; lme4 stops short of the estimate in
+  # others. Independent random slopes are of levels about 0: those are in units of their size alone.
+  back <- diag(length(effects))
+  if ("level" %in% effects) {
+    mean_level <- weighted.mean(rows$level, rows$decided)
+    spread <- sqrt(weighted.mean((rows$level - mean_level)^2, rows$decided))
+    rows$centred <- (rows$level - mean_level) / spread
+    rows$scaled <- rows$level / sqrt(weighted.mean(rows$level^2, rows$decided))
+    back[1, 2] <- -mean_level / spread
+    back[2, 2] <- 1 / spread
+  }
   fit <- glmer(formula, data = rows, weights = half, family = binomial(guessing(guess, link)), nAGQ = nAGQ,
                control = glmerControl(optimizer = "bobyqa", optCtrl = list(maxfun = 1e5)))
-  theirs <- coef(summary(fit))
+  estimate <- as.vector(back %*% fixef(fit))
+  se <- sqrt(diag(back %*% as.matrix(vcov(fit)) %*% t(back)))
   mine <- ours[ours$task == task & ours$condition == condition, ]
   mine <- mine[match(effects, mine$effect), ]
-  table <- data.frame(effect = effects, crowdbench = mine$estimate, lme4 = theirs[, "Estimate"],
-                      crowdbench_se = mine$se, lme4_se = theirs[, "Std. Error"], row.names = NULL)
+  table <- data.frame(effect = effects, crowdbench = mine$estimate, lme4 = estimate,
+                      crowdbench_se = mine$se, lme4_se = se, row.names = NULL)
   print(table, digits = 6)
+  if (any(c("centred", "scaled") %in% names(rows)))
+    cat("Variances of slopes are of `centred` (of `scaled`), of intercepts at the levels' mean where slopes correlate.\n")
   print(VarCorr(fit), comp = "Variance")
   furthest <<- max(furthest, abs(table$crowdbench - table$lme4) / table$crowdbench_se)
 }
@@ -69,8 +83,8 @@ compare <- function(task, condition, rows, formula, guess, link, nAGQ, effects) 
 
 std::string random_terms(const MixedSettings& s) {
   std::string out = !s.slopes      ? "(1 | participant)"
-                    : s.correlated ? "(1 + level | participant)"
-                                   : "(1 + level || participant)";
+                    : s.correlated ? "(1 + centred | participant)"
+                                   : "(1 + scaled || participant)";
   return out + (s.clips ? " + (1 | clip)" : "");
 }
 
@@ -81,7 +95,7 @@ std::string model(const TaskResult& t, const MixedResult& m, const Analysis& a) 
   std::string rows = fmt::format("rows <- subset(answers, task == {}", name(t.name, '\\'));
   if (!m.condition.empty()) rows += fmt::format(" & condition == {}", name(m.condition, '\\'));
   std::string out = rows + ")\n";
-  std::string fixed = level ? "1 + level" : "1";
+  std::string fixed = level ? "1 + centred" : "1";
   if (m.effects.size() > first_contrast) {
     // The first condition is what the others are held against.
     std::string levels;

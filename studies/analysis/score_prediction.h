@@ -16,6 +16,7 @@ namespace crowdbench::studies {
 struct ScoreTable {
   enum class Key { stimulus, clip, condition, item };
   std::string source;  // what messages call it
+  std::string study;   // the hash of the plan that they are of; empty: not known
   Key key = Key::stimulus;
   std::vector<std::string> scores;                         // names
   std::vector<std::string> keys;                           // of stimuli

@@ -68,6 +68,7 @@ ScoreTable scores_of_study(const std::filesystem::path& file) {
   if (!study.is_object() || !study.contains("stimuli") || !study["stimuli"].is_array())
     refuse_study(out.source, "is not a study.json with a list `stimuli`");
   if (study.value("format", Parsed(1)) != Parsed(1)) refuse_study(out.source, "is of another format");
+  if (study.contains("hash") && study["hash"].is_string()) out.study = study["hash"].get<std::string>();
   std::set<std::string> seen;
   for (const Parsed& stimulus : study["stimuli"]) {
     if (!stimulus.is_object() || !stimulus.contains("id") || !stimulus["id"].is_string() ||

@@ -29,6 +29,11 @@ double random_normal(uint64_t seed, uint64_t index, uint64_t purpose) {
   return normal_quantile(random_unit(seed, index, purpose) + 0x1.0p-54);
 }
 
+double biased_guess(double guess, double lapse, double bias) {
+  if (guess <= 0 || guess >= 1 || bias == 0) return guess;
+  return std::min(1 - lapse, logistic_cdf(std::log(guess / (1 - guess)) + bias));
+}
+
 Answers simulate_answers(const SimulatedObservers& o, const SimulatedDesign& design, uint64_t seed) {
   assert(!design.levels.empty() && design.clips > 0);
   Answers out;
@@ -47,13 +52,16 @@ Answers simulate_answers(const SimulatedObservers& o, const SimulatedDesign& des
       const uint32_t clip = order[t] / levels % design.clips;
       const bool first = order[t] / levels / design.clips % 2 == 0;
       const double done = (t + 0.5) / trials;
+      const double bias = first ? o.side_bias : -o.side_bias;
       const double eta = slope * (design.levels[level] - threshold) + o.clip_sd * random_normal(seed, clip, kClip) +
-                         o.learning * (done - 0.5) + (first ? o.side_bias : -o.side_bias);
-      const double chance = o.guess + (1 - o.guess - o.lapse) * logistic_cdf(eta);
+                         o.learning * (done - 0.5) + bias;
+      const double guess = biased_guess(o.guess, o.lapse, bias);
+      const double chance = guess + (1 - guess - o.lapse) * logistic_cdf(eta);
       Answer row;
       row.line = out.rows.size() + 2;
       row.participant = p;
       row.simulated = true;
+      row.yes_first = first;
       row.clip = clip;
       row.level = design.levels[level];
       row.trial = fmt::format("{}", t + 1);
@@ -67,10 +75,10 @@ Answers simulate_answers(const SimulatedObservers& o, const SimulatedDesign& des
 }
 
 std::string answers_csv(const Answers& answers) {
-  std::string out = "observers,participant,trial,clip,level,answer\n";
+  std::string out = "observers,participant,trial,clip,level,yes_first,answer\n";
   for (const Answer& row : answers.rows)
-    out += fmt::format("simulated,{},{},{},{},{}\n", answers.participants[*row.participant], row.trial,
-                       answers.clips[*row.clip], *row.level, row.yes > 0 ? "yes" : "no");
+    out += fmt::format("simulated,{},{},{},{},{},{}\n", answers.participants[*row.participant], row.trial,
+                       answers.clips[*row.clip], *row.level, *row.yes_first ? 1 : 0, row.yes > 0 ? "yes" : "no");
   return out;
 }
 

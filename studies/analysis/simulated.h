@@ -10,9 +10,10 @@
 
 namespace crowdbench::studies {
 
-// P(yes) = guess + (1 - guess - lapse) / (1 + exp(-eta)), where
+// P(yes) = g + (1 - g - lapse) / (1 + exp(-eta)), where
 // eta = slope of the observer (level - threshold of the observer) + effect of the clip
-//       + learning (trials done / all trials - 1/2) +- side_bias.
+//       + learning (trials done / all trials - 1/2) +- side_bias,
+// g = guess, whose logit is moved by +- side_bias, too: who sees nothing chooses the preferred side.
 struct SimulatedObservers {
   double threshold = 0;     // in units of the level; of the typical observer
   double slope = 1;         // of eta by unit of level; below 0 for what is seen less the higher the level
@@ -21,7 +22,7 @@ struct SimulatedObservers {
   double clip_sd = 0;       // of eta between clips
   double guess = 0;
   double lapse = 0;
-  double side_bias = 0;  // of eta: added where what is looked for stands first, taken off where it stands second
+  double side_bias = 0;  // in logits: added where what is looked for stands first, taken off where it stands second
   double learning = 0;   // of eta from the first trial to the last
 };
 struct SimulatedDesign {
@@ -30,6 +31,10 @@ struct SimulatedDesign {
   uint32_t clips = 1;
   uint32_t repeats = 1;  // of each clip at each level
 };
+// The rate of right guesses by who prefers a side; bias: in logits, below 0 where what is looked for stands on the
+// other. At most 1 - lapse.
+double biased_guess(double guess, double lapse, double bias);
+
 // Every observer sees every clip at every level `repeats` times, in an order of their own; of the repeats every second
 // has what is looked for on the first side. The same seed gives the same answers; the first observers are the same
 // however many there are.

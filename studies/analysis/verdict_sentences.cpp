@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "core/probability.h"
 #include "studies/analysis/text_numbers.h"
 
@@ -113,6 +114,13 @@ std::string difference_sentence(const TaskResult& t, const DifferenceResult& d, 
                      *s.between, e.difference, more_text(e, " of either"));
 }
 
+// Of what clips the interval says something, where it is not over clips.
+std::string for_clips(const CurveResult& c, const ThresholdInterval& interval) {
+  if (interval.over_clips) return "";
+  if (c.clips == 1) return " for the one clip that was shown";
+  return c.clips == 0 ? " for the clips that were shown" : fmt::format(" for these {} clips", c.clips);
+}
+
 std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
   const std::string who = c.condition.empty() ? "" : named(c.condition) + ": ";
   if (c.fit.state == CurveState::no_slope)
@@ -128,8 +136,8 @@ std::string curve_sentence(const CurveResult& c, const AnalysisSettings& s) {
   const std::optional<ThresholdInterval> interval = threshold_interval(c);
   if (!interval->low && !interval->high)
     return fmt::format("{}, and these answers give it no interval: {}.{}", threshold, interval->why, angle);
-  return fmt::format("{} ({:.0f} % interval {}, {}{}).{}", threshold, 100 * s.confidence,
-                     ends_text(interval->low, interval->high), interval->method,
+  return fmt::format("{} ({:.0f} % interval {}{}, {}{}).{}", threshold, 100 * s.confidence,
+                     ends_text(interval->low, interval->high), for_clips(c, *interval), interval->method,
                      c.fit.state == CurveState::step ? "; the answers are a step, which may lie anywhere in it" : "",
                      angle);
 }
@@ -211,10 +219,39 @@ std::string prediction_sentence(const ScorePredictions& p) {
   return out + (alike.empty() ? "." : fmt::format("; not distinguishable from it: {}.", alike));
 }
 
+// What stands before all others: what was asked, and what is counted.
+std::string asked_sentence(const AskedQuestion& asked) {
+  std::string out;
+  if (!asked.text.empty()) out = fmt::format("Asked was: \"{}\"", printable(asked.text, 300));
+  if (!asked.yes.empty()) out += fmt::format("{}\"Yes\" means {}.", out.empty() ? "" : " ", named(asked.yes));
+  return out;
+}
+
+std::string side_sentence(const SideResult& side, const AnalysisSettings& s) {
+  std::string out = fmt::format(
+      "The first side (above, or left) was chosen in {:.0f} % of the answers, both sides counted "
+      "alike",
+      100 * side.chosen_first);
+  if (side.interval) {
+    const bool preferred = side.interval->low > 0.5 || side.interval->high < 0.5;
+    out +=
+        fmt::format(" ({:.0f} % interval {:.0f} to {:.0f} % over {}): {}", 100 * s.confidence, 100 * side.interval->low,
+                    100 * side.interval->high, counted(side.participants, "participant", "participants"),
+                    preferred ? "a side is preferred, and fewer differences are found than without that"
+                              : "that a side is preferred is not shown");
+  }
+  out += fmt::format(". What counts as yes stood first in {} of {}", side.first, side.of);
+  const double balance = static_cast<double>(side.first) / static_cast<double>(side.of);
+  constexpr double kEven = 0.02;  // of which a preference moves a share by less than a fiftieth of its own
+  if (std::fabs(balance - 0.5) <= kEven) return out + ": shares are of both sides alike.";
+  return out + fmt::format(", which moves shares of yes: of both sides alike it is {:.3f}.", side.share);
+}
+
 }  // namespace
 
 std::vector<std::string> verdict_sentences(const TaskResult& t, const AnalysisSettings& s) {
   std::vector<std::string> out;
+  if (std::string asked = asked_sentence(s.asked); !asked.empty()) out.push_back(std::move(asked));
   for (const ConditionResult& c : t.conditions) {
     out.push_back(shares_sentence(c));
     if (!c.is_tested()) continue;
@@ -223,6 +260,7 @@ std::vector<std::string> verdict_sentences(const TaskResult& t, const AnalysisSe
   for (const DifferenceResult& d : t.differences) out.push_back(difference_sentence(t, d, s));
   for (const CurveResult& c : t.curves) out.push_back(curve_sentence(c, s));
   if (t.ranking) out.push_back(ranking_sentence(*t.ranking, s));
+  if (t.side) out.push_back(side_sentence(*t.side, s));
   if (t.prediction) out.push_back(prediction_sentence(*t.prediction));
   return out;
 }

@@ -172,6 +172,7 @@
             this.whenTaken()
             return
           }
+          if (status === 409) throw new Error('The server has not got all your answers')
           notice('The server does not answer. Please leave this window open.')
           await sleep(Math.min(wait, 10000))
         }

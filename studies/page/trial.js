@@ -127,9 +127,12 @@
     ended() {
       if (document.hidden || this.spoiled) return  // shown anew when the page is seen again
       const now = this.quality()
-      if (now.total !== null) {
-        this.frames.total += now.total - this.before.total
-        this.frames.dropped += now.dropped - this.before.dropped
+      // Counters that run backwards began anew with the clip: how many frames were shown is not known then.
+      const total = now.total - this.before.total
+      const dropped = now.dropped - this.before.dropped
+      if (now.total !== null && this.frames.total !== null && dropped >= 0 && total >= dropped) {
+        this.frames.total += total
+        this.frames.dropped += dropped
       } else {
         this.frames = { total: null, dropped: null }
       }

@@ -6,6 +6,7 @@
 #include "core/version.h"
 #include "scene/scenario/scenario_writer.h"
 #include "studies/plan/adaptive.h"
+#include "studies/stimuli/clip.h"
 #include "studies/stimuli/stack.h"
 
 namespace crowdbench::studies {
@@ -149,6 +150,8 @@ Json study_json(const ExportFacts& facts) {
       {"bar",
        "the middle half of the bar's rows is within 12 code values of its colour, and the 8 rows on either side "
        "are at most twice as far off as the others"}};
+  out["browsers"] = {{"clips/*.mp4", players_text("h264")}};
+  if (facts.settings.webm) out["browsers"]["clips/*.webm"] = players_text("vp9");
   out["scores_display"] = metrics::display_text(facts.settings.display.display);
   out["halves"] = facts.halves;
   out["stimuli"] = facts.stimuli;

@@ -187,6 +187,12 @@ std::string signal_of(const CsvRow& r) {
   return r.shown.expected == "different" ? "1" : "0";
 }
 
+// Of two halves of which one is looked for: whether it stands above.
+std::string yes_first_of(const CsvRow& r) {
+  if (r.ranked || r.same_different) return {};
+  return r.shown.expected == "upper" ? "1" : r.shown.expected == "lower" ? "0" : "";
+}
+
 using R = const CsvRow&;
 const std::vector<CsvColumn>& csv_columns() {
   static const std::vector<CsvColumn> all = {
@@ -203,6 +209,7 @@ const std::vector<CsvColumn>& csv_columns() {
       {"shown_first", [](R r) { return r.ranked ? r.shown.upper : std::string(); }, false},
       {"answer", [](R r) { return analysis_word(*r.answer.answer, r.shown, r.ranked); }},
       {"expected", expected_word, false},
+      {"yes_first", yes_first_of, false},
       {"rt", [](R r) { return optional_text(r.answer.rt); }},
       {"frames_dropped", dropped_frames},
       {"hidden", [](R r) { return std::string(r.answer.hidden.value_or(0) > 0 ? "1" : "0"); }},

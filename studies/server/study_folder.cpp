@@ -155,6 +155,8 @@ StudyFolder read_study_folder(const fs::path& out) {
     add_choices(folder, read, all.at("adaptive"), known);
     folder.adaptive = all.at("adaptive").dump();
   }
+  if (const auto asked = all.find("question"); asked != all.end() && asked->is_string())
+    folder.question = asked->get<std::string>();
   if (const auto frames = all.find("frames"); frames != all.end() && frames->is_number_unsigned())
     folder.frames = frames->get<uint64_t>();
   for (const json& list : read.member(all, "trials.json", "lists", json::value_t::array))

@@ -25,6 +25,7 @@ struct StudyFile {
 struct StudyFolder {
   std::string study;                                                // the plan's hash
   std::string task;                                                 // as the plan calls it
+  std::string question;                                             // in words; empty: it does not say
   std::vector<std::string> answers;                                 // values that a trial may be answered with
   std::vector<std::string> lists;                                   // ids, in the order of the file
   std::map<std::string, std::map<std::string, StudyTrial>> trials;  // by list, by trial

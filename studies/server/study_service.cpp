@@ -66,6 +66,51 @@ std::optional<uint32_t> count_of(const json& of, const char* name) {
   return found->get<uint32_t>();
 }
 
+// A body that is an object, in which nothing is said twice: of two members of one name readers take different ones.
+// What cannot be taken says why in `wrong`.
+json object_of(std::string_view body, std::string& wrong) {
+  std::vector<std::set<std::string>> open;
+  bool twice = false;
+  const json out = json::parse(
+      body,
+      [&](int, json::parse_event_t event, json& parsed) {
+        if (event == json::parse_event_t::object_start) open.emplace_back();
+        if (event == json::parse_event_t::object_end) open.pop_back();
+        if (event == json::parse_event_t::key) twice = !open.back().insert(parsed.get<std::string>()).second || twice;
+        return true;
+      },
+      false);
+  if (!out.is_object()) wrong = "not a JSON object";
+  if (twice) wrong = "a member stands there twice";
+  return out;
+}
+
+// Members that a record may leave out, or leave empty, and what they are else.
+std::string fault_of_optional(const json& record) {
+  for (const char* name : {"frames_dropped", "frames_total", "frames"}) {
+    const auto found = record.find(name);
+    if (found != record.end() && !found->is_null() && !count_of(record, name))
+      return fmt::format("{} is not a count", name);
+  }
+  const auto dropped = count_of(record, "frames_dropped");
+  const auto total = count_of(record, "frames_total");
+  if (dropped && total && *dropped > *total) return "more frames are dropped than there were";
+  const auto size = record.find("css_px_per_clip_px");
+  if (size == record.end() || size->is_null()) return {};
+  const auto number = number_of(record, "css_px_per_clip_px");
+  return number && *number > 0 && *number <= 1000 ? "" : "css_px_per_clip_px is not a size";
+}
+
+// What a record says of whose it is must be what the server knows.
+std::string fault_of_owner(const StudyFolder& folder, const StudyParticipantRow& who, const json& record) {
+  const std::array<std::pair<const char*, const std::string*>, 3> owners = {
+      {{"study", &folder.study}, {"participant", &who.participant}, {"list", &who.list}}};
+  for (const auto& [name, known] : owners)
+    if (const auto found = record.find(name); found != record.end() && *found != json(*known))
+      return fmt::format("of another {}", name);
+  return {};
+}
+
 bool is_calibration(const std::string& page) { return page.starts_with("calibration"); }
 
 // What a calibration found, or that it found nothing; empty where that can be.
@@ -102,7 +147,7 @@ std::string fill_trial(const StudyFolder& folder, const std::string& list, const
     return "there is no such answer";
   if (!row.rt || !(*row.rt >= 0 && *row.rt <= 1e9)) return "rt_ms is not a time";
   if (!row.replays || !row.hidden || !row.restarts) return "a count is missing";
-  return {};
+  return fault_of_optional(record);
 }
 
 }  // namespace
@@ -140,8 +185,7 @@ HttpReply StudyService::handle(const HttpRequest& r) {
   if (!who) return error(401, "this window may not answer: continued in another one, or withdrawn");
   if (r.path == "/api/answer") return answer(r, *who);
   if (r.path == "/api/withdraw") return withdraw(*who);
-  store_.finish(who->id, now_());
-  return reply({{"state", "finished"}});
+  return finish(*who);
 }
 
 HttpReply StudyService::file(const HttpRequest& r) const {
@@ -155,8 +199,9 @@ HttpReply StudyService::file(const HttpRequest& r) const {
 }
 
 HttpReply StudyService::start(const HttpRequest& r) {
-  const json body = json::parse(r.body, nullptr, false);
-  if (!body.is_object()) return error(400, "not a JSON object");
+  std::string wrong;
+  const json body = object_of(r.body, wrong);
+  if (!wrong.empty()) return error(400, wrong);
   if (text_of(body, "study") != folder_.study) return error(400, "the page is of another study; reload it");
   const auto participant = text_of(body, "participant");
   if (!participant || !is_hash(*participant)) return error(400, "participant is not a SHA-256");
@@ -182,8 +227,10 @@ HttpReply StudyService::start(const HttpRequest& r) {
 }
 
 HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& who) {
-  const json record = json::parse(r.body, nullptr, false);
-  if (!record.is_object()) return error(400, "not a JSON object");
+  std::string wrong;
+  const json record = object_of(r.body, wrong);
+  if (wrong.empty()) wrong = fault_of_owner(folder_, who, record);
+  if (!wrong.empty()) return error(400, wrong);
   StudyAnswerRow row;
   row.participant = who.id;
   row.item = text_of(record, "item").value_or("");
@@ -199,11 +246,11 @@ HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& 
   row.data = r.body;
   if (row.kind == "page") {
     if (!is_page(row.item)) return error(400, "there is no such page");
-    if (is_calibration(row.item))
-      if (const std::string wrong = fault_of_calibration(record); !wrong.empty()) return error(400, wrong);
-  } else if (const std::string wrong = fill_trial(folder_, who.list, record, row); !wrong.empty()) {
-    return error(400, wrong);
+    if (is_calibration(row.item)) wrong = fault_of_calibration(record);
+  } else {
+    wrong = fill_trial(folder_, who.list, record, row);
   }
+  if (!wrong.empty()) return error(400, wrong);
   switch (store_.add(row)) {
     case AnswerStore::Kept::different: return error(409, "another answer is kept");
     case AnswerStore::Kept::closed: return error(409, "this participant has finished");
@@ -214,6 +261,19 @@ HttpReply StudyService::answer(const HttpRequest& r, const StudyParticipantRow& 
   const auto spread = number_of(record, "pixels_per_degree_se");
   if (row.kind == "page" && is_calibration(row.item) && pixels && spread) store_.calibrate(who.id, *pixels, *spread);
   return reply({{"kept", true}});
+}
+
+HttpReply StudyService::finish(const StudyParticipantRow& who) {
+  if (who.state == "started") {
+    std::set<std::string> given;
+    for (const StudyAnswerRow& row : store_.answers(who.id)) given.insert(row.item);
+    const auto& trials = folder_.trials.at(who.list);
+    const auto left =
+        std::count_if(trials.begin(), trials.end(), [&](const auto& trial) { return !given.contains(trial.first); });
+    if (left > 0) return error(409, fmt::format("{} of {} trials are not answered", left, trials.size()));
+    store_.finish(who.id, now_());
+  }
+  return reply({{"state", "finished"}});
 }
 
 HttpReply StudyService::withdraw(const StudyParticipantRow& who) {

@@ -11,9 +11,10 @@
 //   POST /api/withdraw  {} -> {"state": "withdrawn"}: what was sent is deleted
 //
 // Errors are {"error": one line}: 400 malformed or not of this study, 401 no such token (taken over by another window,
-// or withdrawn), 403 from another site, 404, 405, 409 another answer to that item is kept, 411 no length or one of 0,
-// 413 too long, 415 not JSON, 421 another host's name. A calibration beyond 5 to 500 pixels a degree is malformed. The
-// same record sent twice is acknowledged twice and kept once.
+// or withdrawn), 403 from another site, 404, 405, 409 another answer to that item is kept, or (finish) trials are not
+// answered yet, 411 no length or one of 0, 413 too long, 415 not JSON, 421 another host's name. A calibration beyond 5
+// to 500 pixels a degree is malformed, and so is a member that stands in a record twice. The same record sent twice is
+// acknowledged twice and kept once.
 #pragma once
 #include <functional>
 #include <optional>
@@ -44,6 +45,7 @@ class StudyService {
   HttpReply file(const HttpRequest& request) const;
   HttpReply start(const HttpRequest& request);
   HttpReply answer(const HttpRequest& request, const StudyParticipantRow& who);
+  HttpReply finish(const StudyParticipantRow& who);
   HttpReply withdraw(const StudyParticipantRow& who);
 
   const StudyFolder& folder_;

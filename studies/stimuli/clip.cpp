@@ -416,6 +416,16 @@ std::vector<std::string> LosslessWriter::finish() {
   return std::move(state_->hashes);
 }
 
+std::string players_text(const std::string& codec) {
+  if (codec == "vp9")
+    return "VP9 4:4:4: Chromium and Firefox, whose decoders are their own (tried: Chromium 156, Firefox 153 on "
+           "Debian); "
+           "Safari was not tried";
+  return "H.264 4:4:4: Chromium, and Firefox where FFmpeg decodes (tried: Chromium 156, Firefox 153 on Debian); "
+         "refused "
+         "by Safari, and by Firefox where the system decodes H.264";
+}
+
 Json clip_json(const Clip& clip) {
   const auto finite = [](double db) { return std::isinf(db) ? Json("inf") : Json(db); };
   Json files = Json::array();
@@ -423,6 +433,7 @@ Json clip_json(const Clip& clip) {
     Json entry = {{"file", file.path.filename().string()},
                   {"role", file.role},
                   {"for_studies", file.role == "study"},
+                  {"browsers", file.role == "study" ? Json(players_text(file.codec)) : Json()},
                   {"sha256", file.sha256},
                   {"bytes", file.bytes}};
     entry["encoder"] = {{"codec", file.codec},

@@ -81,6 +81,9 @@ struct Clip {
   bool accurate = false;
 };
 
+// Which browsers play a study file of that codec ("h264" or "vp9", both 4:4:4), in words.
+std::string players_text(const std::string& codec);
+
 // What a manifest says of a clip: "frames", "fps", "width", "height", "files": [...], "attempts", "frame_sha256".
 // Decibels that are infinite are the text "inf".
 Json clip_json(const Clip& clip);

@@ -88,7 +88,7 @@ TEST(StudyPage, IsWholeAndHarmless) {
   EXPECT_EQ(page, study_page(model()));
   for (const char* there : {"<div class=\"banner\">Not the planned analysis", "p.toml was not frozen.", "100 rows.",
                             "which &lt;b&gt;looks&lt;/b&gt; better", "29 % chose the first", "<li>two</li>",
-                            "<td class=\"l\">near</td><td class=\"n\">0.5</td>", "<p class=\"note\">note</p>",
+                            "<td class=\"l\" data-of=\"condition\">near</td>", "<p class=\"note\">note</p>",
                             "What this cannot tell", "from answers.csv"})
     EXPECT_NE(page.find(there), std::string::npos) << there;
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);

@@ -340,6 +340,8 @@ TEST_F(ClipTest, CompatibilityCopySaysWhatItIs) {
   const auto json = nlohmann::json::parse(clip_json(clip).dump());
   EXPECT_EQ(json["files"][0]["for_studies"], true);
   EXPECT_EQ(json["files"][1]["for_studies"], false);
+  EXPECT_NE(json["files"][0]["browsers"].get<std::string>().find("refused by Safari"), std::string::npos);
+  EXPECT_TRUE(json["files"][1]["browsers"].is_null());
   // Half the chroma costs far more at the outlines of small saturated figures than the codec does.
   EXPECT_LT(clip.files[1].error.psnr_mean, clip.files[0].error.psnr_mean - 6);
 }

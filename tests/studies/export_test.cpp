@@ -114,6 +114,7 @@ TEST_F(ExportGl, FolderIsWhatThePageAndTheAnalysisNeed) {
   const json trials = json::parse(read_text(out / "page" / "trials.json"));
   const json sides = json::parse(read_text(out / "sides.json"));
   const json study = json::parse(read_text(out / "study.json"));
+  EXPECT_NE(study.at("browsers").at("clips/*.mp4").get<std::string>().find("refused by Safari"), std::string::npos);
   EXPECT_EQ(trials.at("study"), study.at("hash"));
   EXPECT_EQ(trials.at("frames"), 6);
   EXPECT_EQ(trials.at("height"), 72 * 2 + 16);

@@ -238,6 +238,26 @@ TEST_F(StudyBrowserSlow, RestartsAreCountedThroughAKillOfTheServerAndInAnotherBr
   for (const auto& [item, count] : restarts) EXPECT_EQ(trial(all, item).restarts, count) << item;
 }
 
+// Of H.264 4:4:4 Debian packages no decoder but libavcodec's (VP9 has vpxdec, in clip_test.cpp): what is told apart
+// here are the browsers' own readers of the file and their clocks.
+TEST_F(StudyBrowserSlow, BrowsersFindEveryFrameAtItsTime) {
+  serve();
+  size_t tried = 0;
+  for (const auto& [browser, program] : {std::pair{"chromium", "chromium"}, {"firefox", "firefox-esr"}}) {
+    if (!has(program)) continue;
+    ++tried;
+    const support::Outcome outcome = support::run_shell(
+        "node " + shell_quoted((fs::path(CROWDBENCH_SOURCE_DIR) / "tests/studies/frame_check.mjs").string()) + " " +
+        url_ + " clips/s001.mp4 30 --browser " + browser + " 2>" + shell_quoted((folder_ / "frames.txt").string()));
+    ASSERT_EQ(outcome.status, 0) << read_text(folder_ / "frames.txt");
+    const nlohmann::json said = nlohmann::json::parse(outcome.text, nullptr, false);
+    EXPECT_EQ(said.value("frames", 0), 15) << browser << outcome.text;
+    EXPECT_EQ(said.value("different", 0), 15) << browser << " shows a frame twice, or not: " << outcome.text;
+    EXPECT_NEAR(said.value("duration", 0.0), 0.5, 1e-6) << browser;
+  }
+  if (tried == 0) GTEST_SKIP() << "neither chromium nor firefox-esr is installed";
+}
+
 TEST_F(StudyBrowserSlow, WhoWithdrawsLeavesNothing) {
   if (!has("chromium")) GTEST_SKIP() << "chromium is not installed (chromium)";
   serve();

@@ -185,14 +185,37 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
   EXPECT_EQ(send(token, record("t002", "lower")), 409);
   EXPECT_EQ(send("", row), 401);
   EXPECT_EQ(send(std::string(32, '0'), row), 401);
-  const std::vector<std::pair<const char*, nlohmann::json>> wrong = {
-      {"answer", "left"}, {"stimulus", "s002"}, {"kind", "catch"}, {"item", "t009"}, {"item", 3},
-      {"rt_ms", -1},      {"rt_ms", "fast"},    {"hidden", -2},    {"replays", 1.5}, {"restarts", nullptr}};
+  const std::vector<std::pair<const char*, nlohmann::json>> wrong = {{"answer", "left"},
+                                                                     {"stimulus", "s002"},
+                                                                     {"kind", "catch"},
+                                                                     {"item", "t009"},
+                                                                     {"item", 3},
+                                                                     {"rt_ms", -1},
+                                                                     {"rt_ms", "fast"},
+                                                                     {"hidden", -2},
+                                                                     {"replays", 1.5},
+                                                                     {"restarts", nullptr},
+                                                                     {"frames_dropped", -1},
+                                                                     {"frames_dropped", "2"},
+                                                                     {"frames_total", -30},
+                                                                     {"frames_total", 1},
+                                                                     {"frames", 1.5},
+                                                                     {"css_px_per_clip_px", 0},
+                                                                     {"css_px_per_clip_px", "1"},
+                                                                     {"list", "9"},
+                                                                     {"study", "another"},
+                                                                     {"participant", participant(2)}};
   for (const auto& [name, value] : wrong) {
     nlohmann::json changed = record("t003", "upper");
     changed[name] = value;
     EXPECT_EQ(send(token, changed), 400) << name << " " << value;
   }
+  const HttpAnswer twice =
+      http_post(port_, "/api/answer", R"({"answer":"lower",)" + record("t003", "upper").dump().substr(1), token);
+  EXPECT_EQ(twice.status, 400);
+  EXPECT_NE(twice.body.find("a member stands there twice"), std::string::npos) << twice.body;
+  const std::string deep = R"({"item":)" + std::string(30000, '[') + std::string(30000, ']') + "}";
+  EXPECT_EQ(http_post(port_, "/api/answer", deep, token).status, 400);
   for (const auto& [pixels, spread] : std::vector<std::pair<nlohmann::json, nlohmann::json>>{
            {1e300, 1}, {4.9, 1}, {501, 1}, {-40, 1}, {40, -1}, {40, 41}, {40, nullptr}, {nullptr, 3}, {"40", 3}})
     EXPECT_EQ(send(token, {{"item", "calibration"},
@@ -226,9 +249,18 @@ TEST_F(StudyServer, KeepsEachAnswerOnceAndDeletesThemOnWithdrawal) {
   EXPECT_EQ(send(token, record("t003", "lower")), 401);
   const std::string second = again.at("token");
   EXPECT_EQ(send(second, record("t003", "lower")), 200);
+  const HttpAnswer early = http_post(port_, "/api/finish", "{}", second);
+  EXPECT_EQ(early.status, 409);
+  EXPECT_NE(early.body.find("3 of 5 trials are not answered"), std::string::npos) << early.body;
+  EXPECT_EQ(kept().participants.at(0).state, "started");
+  nlohmann::json unknown = record("t001", "upper");
+  unknown["frames_dropped"] = unknown["frames_total"] = nullptr;
+  EXPECT_EQ(send(second, unknown), 200) << "a browser that does not count";
+  for (const char* trial : {"t004", "t005"}) EXPECT_EQ(send(second, record(trial, "lower")), 200);
   EXPECT_EQ(http_post(port_, "/api/finish", "{}", second).status, 200);
+  EXPECT_EQ(http_post(port_, "/api/finish", "{}", second).status, 200) << "an acknowledgement that got lost";
   EXPECT_EQ(send(second, record("t003", "lower")), 200);
-  EXPECT_EQ(send(second, record("t004", "lower")), 409) << "finished";
+  EXPECT_EQ(send(second, {{"item", "comments"}, {"kind", "page"}}), 409) << "finished";
   EXPECT_EQ(kept().participants.at(0).state, "finished");
   // Withdrawal.
   EXPECT_EQ(http_post(port_, "/api/withdraw", "{}", second).status, 200);

@@ -224,7 +224,7 @@ TEST(Psychometric, JackknifeIsTheFormula) {
     settings.level = 0.5;
     const auto on_axis = [&](double x) { return kind == Curve::weibull ? std::log(x) : x; };
     const CurveFit fit = fit_curve(levels_without(people, 9), settings);
-    const auto got = jackknife_threshold(fit, people, settings);
+    const auto got = jackknife_threshold(fit, people, {}, settings);
     ASSERT_TRUE(got);
     ASSERT_EQ(got->state, JackknifeState::done);
     double squares = 0;
@@ -239,15 +239,70 @@ TEST(Psychometric, JackknifeIsTheFormula) {
   }
 }
 
+// The variance of an estimate over groups, by refits that the test makes itself.
+double variance_without_each(const std::vector<std::vector<Level>>& groups, double threshold,
+                             const CurveSettings& settings) {
+  double squares = 0;
+  for (size_t i = 0; i < groups.size(); ++i) {
+    const double off = fit_curve(levels_without(groups, i), settings).threshold.value() - threshold;
+    squares += off * off;
+  }
+  return (static_cast<double>(groups.size()) - 1) / static_cast<double>(groups.size()) * squares;
+}
+
+TEST(Psychometric, JackknifeOverParticipantsAndClipsIsTheFormula) {
+  CurveSettings settings;
+  settings.guess = 0;
+  settings.level = 0.5;
+  const auto people = three_people();
+  const CurveFit fit = fit_curve(levels_without(people, 9), settings);
+  // The same answers by four clips: an easy one, a hard one, and two that halve the rest.
+  std::vector<std::vector<Level>> clips(4);
+  for (const Level& level : levels_without(people, 9)) {
+    uint64_t yes = level.yes;
+    uint64_t of = level.of;
+    for (size_t i = 0; i < 4; ++i) {
+      const uint64_t part = of / (4 - i);
+      const uint64_t seen = i == 0   ? std::min(yes, part)
+                            : i == 1 ? (yes + part > of ? yes + part - of : 0)
+                                     : std::min(part, std::max(yes / (4 - i), yes + part > of ? yes + part - of : 0));
+      clips[i].push_back({level.x, seen, part});
+      yes -= seen;
+      of -= part;
+    }
+    ASSERT_EQ(yes + of, 0U);
+  }
+  const auto got = jackknife_threshold(fit, people, clips, settings);
+  ASSERT_TRUE(got);
+  ASSERT_EQ(got->state, JackknifeState::done);
+  EXPECT_EQ(got->clips, 4U);
+  const double vp = variance_without_each(people, *fit.threshold, settings);
+  const double vc = variance_without_each(clips, *fit.threshold, settings);
+  const double se = (*fit.threshold_profile.high - *fit.threshold_profile.low) / 2 / 1.959964;
+  const double v = std::max({vp, vc, vp + vc - se * se});
+  const double degrees = v * v / (vp * vp / 2 + vc * vc / 3);
+  EXPECT_NEAR(got->degrees, degrees, 1e-2 * degrees);
+  const double half = student_t_quantile(0.975, degrees) * std::sqrt(v);
+  EXPECT_NEAR(got->threshold.high - *fit.threshold, half, 1e-2 * half);
+  EXPECT_NEAR(*fit.threshold - got->threshold.low, half, 1e-2 * half);
+  EXPECT_GT(vc, 2 * se * se) << "these clips differ";
+}
+
 TEST(Psychometric, JackknifeSaysWhyThereIsNone) {
   CurveSettings settings;
   settings.guess = 0;
   settings.level = 0.5;
   auto people = three_people();
+  std::vector<std::vector<Level>> clips;
   const auto state = [&] {
-    return jackknife_threshold(fit_curve(levels_without(people, 9), settings), people, settings).value().state;
+    return jackknife_threshold(fit_curve(levels_without(people, 9), settings), people, clips, settings).value().state;
   };
   EXPECT_EQ(state(), JackknifeState::done);
+  clips = {levels_without(people, 9), {{1, 20, 20}, {2, 20, 20}, {3, 20, 20}}, {{1, 0, 20}, {2, 0, 20}, {3, 0, 20}}};
+  EXPECT_EQ(state(), JackknifeState::one_clip_decides);
+  clips.pop_back();
+  EXPECT_EQ(state(), JackknifeState::done) << "two clips say nothing of clips";
+  clips.clear();
   people[1] = people[2] = people[0];
   EXPECT_EQ(state(), JackknifeState::alike);
   people = {people[0], {{1, 20, 20}, {2, 20, 20}, {3, 20, 20}}, {{1, 0, 20}, {2, 0, 20}, {3, 0, 20}}};
@@ -255,7 +310,7 @@ TEST(Psychometric, JackknifeSaysWhyThereIsNone) {
   EXPECT_EQ(state(), JackknifeState::one_decides) << "the other two answer alike at all levels";
   people.pop_back();
   EXPECT_EQ(state(), JackknifeState::too_few);
-  EXPECT_FALSE(jackknife_threshold(CurveFit(), people, settings)) << "no threshold, no interval";
+  EXPECT_FALSE(jackknife_threshold(CurveFit(), people, {}, settings)) << "no threshold, no interval";
 }
 
 // ---- what fits are found by

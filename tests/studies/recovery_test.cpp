@@ -104,34 +104,38 @@ TEST(Recovery, ThresholdOfPsychometricFunctionIsCovered) {
   expect_share(covered, n, 0.95, 0.93, 0.97, "threshold of the psychometric function, profile likelihood");
 }
 
-// Participants whose thresholds differ, few and many of them: the interval over participants, and the mixed model's.
+// Studies of one design: how often the interval that is told of the curve, and the mixed model's, hold the truth.
 // Answers without a threshold or an interval are counted, and no part of the share.
+void expect_covered(const std::string& name, const SimulatedObservers& truth, const SimulatedDesign& design,
+                    const AnalysisSettings& settings, size_t n) {
+  size_t told = 0, covered = 0, mixed_told = 0, mixed_covered = 0;
+  for (size_t seed = 0; seed < n; ++seed) {
+    const Analysis analysis = analyse(simulate_answers(truth, design, 1000 + seed), settings);
+    const auto interval = threshold_interval(analysis.tasks.at(0).curves.at(0));
+    if (interval && !interval->method.empty()) {
+      ++told;
+      covered += interval->low.value_or(-1e9) <= truth.threshold && truth.threshold <= interval->high.value_or(1e9);
+    }
+    const auto& mixed = analysis.tasks[0].mixed.at(0).threshold;
+    if (mixed && mixed->interval) {
+      ++mixed_told;
+      mixed_covered += mixed->interval->low <= truth.threshold && truth.threshold <= mixed->interval->high;
+    }
+  }
+  EXPECT_GE(told, n * 9 / 10) << name;
+  expect_share(covered, told, 0.95, 0.93, 0.97, ("threshold over " + name + ", jackknife").c_str());
+  std::cout << fmt::format(
+      "| threshold over {}, mixed model | {} of {} | {:.1f} % | 95 % | - |\n", name, mixed_covered, mixed_told,
+      100 * static_cast<double>(mixed_covered) / static_cast<double>(std::max<size_t>(1, mixed_told)));
+}
+
+// Participants whose thresholds differ, few and many of them.
 void expect_covered_over_participants(const char* name, const SimulatedObservers& truth, SimulatedDesign design,
                                       AnalysisSettings settings, size_t n) {
   settings.resamples = 0;
   for (const uint32_t participants : {3U, 5U, 9U, 24U}) {
     design.participants = participants;
-    size_t told = 0, covered = 0, mixed_told = 0, mixed_covered = 0;
-    for (size_t seed = 0; seed < n; ++seed) {
-      const Analysis analysis = analyse(simulate_answers(truth, design, 1000 + seed), settings);
-      const auto interval = threshold_interval(analysis.tasks.at(0).curves.at(0));
-      if (interval && !interval->method.empty()) {
-        ++told;
-        covered += interval->low.value_or(-1e9) <= truth.threshold && truth.threshold <= interval->high.value_or(1e9);
-      }
-      const auto& mixed = analysis.tasks[0].mixed.at(0).threshold;
-      if (mixed && mixed->interval) {
-        ++mixed_told;
-        mixed_covered += mixed->interval->low <= truth.threshold && truth.threshold <= mixed->interval->high;
-      }
-    }
-    EXPECT_GE(told, n * 9 / 10) << name << ", " << participants;
-    expect_share(covered, told, 0.95, 0.93, 0.97,
-                 fmt::format("threshold over {} participants, jackknife, {}", participants, name).c_str());
-    std::cout << fmt::format(
-        "| threshold over {} participants, mixed model, {} | {} of {} | {:.1f} % | 95 % | - |\n", participants, name,
-        mixed_covered, mixed_told,
-        100 * static_cast<double>(mixed_covered) / static_cast<double>(std::max<size_t>(1, mixed_told)));
+    expect_covered(fmt::format("{} participants, {}", participants, name), truth, design, settings, n);
   }
 }
 
@@ -148,6 +152,24 @@ TEST(Recovery, ThresholdOverFewParticipantsIsCovered) {
   expect_covered_over_participants("forced choice, falling",
                                    {.threshold = 150, .slope = -0.03, .threshold_sd = 30, .guess = 0.5},
                                    {.levels = {60, 105, 150, 195, 240}, .clips = 1, .repeats = 8}, settings, seeds(10));
+}
+
+// Clips that differ as much as participants do, few and many of them, and clips that do not differ.
+TEST(Recovery, ThresholdOverFewClipsIsCovered) {
+  CROWDBENCH_SKIP_SANITIZED("ThresholdOfMixedModelIsCovered");
+  AnalysisSettings settings{.resamples = 0};
+  settings.curve.guess = 0;
+  settings.curve.level = 0.5;
+  settings.curve.lapse_rate = Rate::fixed;
+  const size_t n = seeds(8);
+  for (const double clip_sd : {0.5, 1.0, 0.0})
+    for (const auto& [participants, clips] : {std::pair{12U, 3U}, {12U, 6U}, {24U, 10U}}) {
+      if (participants > 12 && n < 50) continue;  // costs most, and holds best
+      expect_covered(fmt::format("{} participants and {} clips of sd {}", participants, clips, clip_sd),
+                     {.threshold = 12, .slope = 0.5, .threshold_sd = 1, .clip_sd = clip_sd},
+                     {.participants = participants, .levels = {6, 9, 12, 15, 18}, .clips = clips, .repeats = 2},
+                     settings, n);
+    }
 }
 
 TEST(Recovery, DifferencesOfWorthsAreCovered) {
@@ -197,8 +219,23 @@ TEST(Recovery, EquivalentIsNotSaidOfWhatLiesAtTheMargin) {
   EXPECT_GT(said_of_equal, n * 9 / 10);
 }
 
-// As wide an interval with six tenths of the trials: the spread of QUEST+'s estimates over seeds against that of
-// constant stimuli, both read as posterior means of the same grid.
+// The interval in which the posterior of the threshold holds all but 2.5 % at either end, between the grid's points.
+Interval posterior_interval(const QuestPlus& quest, const std::vector<double>& grid) {
+  const std::vector<double> marginal = quest.marginal(0);
+  const auto at = [&](double share) {
+    double below = 0;
+    for (size_t i = 0; i < grid.size(); ++i) {
+      if (below + marginal[i] >= share)  // what a point holds lies half a step to either side of it
+        return grid[i] + (grid[1] - grid[0]) * ((share - below) / marginal[i] - 0.5);
+      below += marginal[i];
+    }
+    return grid.back();
+  };
+  return {at(0.025), at(0.975)};
+}
+
+// As wide an interval with six tenths of the trials: the width of the posterior's 95 % interval, how often it holds the
+// truth, and the error of the posterior's mean, against those of constant stimuli on the same grid.
 TEST(Recovery, QuestPlusNeedsFewerTrials) {
   QuestSettings grid{.function = QuestFunction::normal,
                      .stimuli = {},
@@ -211,8 +248,18 @@ TEST(Recovery, QuestPlusNeedsFewerTrials) {
   constexpr size_t kConstant = 100;
   constexpr size_t kAdaptive = 60;
   const size_t n = seeds(40);
-  std::vector<double> constant;
-  std::vector<double> adaptive;
+  struct Method {
+    std::vector<double> errors, widths;
+    size_t held = 0;
+    void add(const QuestPlus& quest, const std::vector<double>& thresholds, double truth) {
+      const Interval interval = posterior_interval(quest, thresholds);
+      errors.push_back(std::fabs(quest.mean()[0] - truth));
+      widths.push_back(interval.high - interval.low);
+      held += interval.low <= truth && truth <= interval.high ? 1 : 0;
+    }
+  };
+  Method constant;
+  Method adaptive;
   for (size_t seed = 0; seed < n; ++seed) {
     const double truth = 6 + 8 * random_unit(seed, 0, 1);
     const auto yes = [&](double x, uint64_t trial, uint64_t purpose) {
@@ -228,12 +275,21 @@ TEST(Recovery, QuestPlusNeedsFewerTrials) {
       const size_t stimulus = quest.next().stimulus;
       quest.answer(stimulus, yes(grid.stimuli[stimulus], t, 3));
     }
-    constant.push_back(std::fabs(fixed.mean()[0] - truth));
-    adaptive.push_back(std::fabs(quest.mean()[0] - truth));
+    constant.add(fixed, grid.threshold, truth);
+    adaptive.add(quest, grid.threshold, truth);
   }
-  std::cout << fmt::format("| constant stimuli | {} | {:.3f} |\n| QUEST+ | {} | {:.3f} |\n", kConstant,
-                           median(constant), kAdaptive, median(adaptive));
-  EXPECT_LE(median(adaptive), median(constant));
+  const auto row = [n](const char* name, size_t trials, const Method& m) {
+    std::cout << fmt::format("| {} | {} | {:.3f} | {:.3f} | {} of {} |\n", name, trials, median(m.widths),
+                             median(m.errors), m.held, n);
+  };
+  row("constant stimuli", kConstant, constant);
+  row("QUEST+", kAdaptive, adaptive);
+  EXPECT_LE(median(adaptive.widths), median(constant.widths));
+  EXPECT_LE(median(adaptive.errors), median(constant.errors));
+  // The posterior is of the grid that the truth is drawn from: 95 %, within what 99.9 of 100 honest runs give.
+  const double noise = 3.3 * std::sqrt(0.95 * 0.05 * static_cast<double>(n)) + 1;
+  for (const Method* m : {&constant, &adaptive})
+    EXPECT_NEAR(static_cast<double>(m->held), 0.95 * static_cast<double>(n), noise);
 }
 
 TEST(Recovery, PowerIsThatOfLme4) {
@@ -295,6 +351,20 @@ TEST(Simulated, BiasAndLearningMoveAnswers) {
   double late = 0;
   for (const Answer& a : learned.rows) (std::stoi(a.trial) <= 20 ? early : late) += static_cast<double>(a.yes);
   EXPECT_GT(late, 1.5 * early);
+  // Of every two repeats the first has what is looked for on the first side. Nothing is seen at -20: all are guesses.
+  SimulatedDesign blind = design;
+  blind.levels = {-20};
+  const auto chosen_first = [&](double bias, double guess) {
+    double first = 0;
+    for (const Answer& a : simulate_answers({.guess = guess, .side_bias = bias}, blind, 3).rows)
+      first += a.yes_first.value() == (a.yes > 0) ? 1.0 / 1600 : 0;
+    return first;
+  };
+  EXPECT_NEAR(chosen_first(0, 0.5), 0.5, 0.04);
+  EXPECT_NEAR(chosen_first(1, 0.5), logistic_cdf(1), 0.04);
+  EXPECT_NEAR(chosen_first(-1, 0.5), logistic_cdf(-1), 0.04);
+  EXPECT_NEAR(biased_guess(0.5, 0.1, 5), 0.9, 1e-12);
+  EXPECT_EQ(biased_guess(0, 0, 2), 0) << "nobody guesses";
 }
 
 }  // namespace

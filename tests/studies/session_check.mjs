@@ -73,6 +73,13 @@ for (const status of [400, 409, 413]) {
   assert.equal(told, 1)
   assert.equal(made.state.finished, false)
 }
+// The end, where the server has not got all answers: it is said, and a reload asks for them.
+{
+  const { made, asked } = session([409])
+  await assert.rejects(made.finish(), /has not got all your answers/)
+  assert.equal(asked.length, 1)
+  assert.equal(made.state.finished, false)
+}
 // What was shown and answered comes back from the server; of what it has not got yet this browser knows better.
 {
   const { Study } = page((path) => (path === 'api/start'

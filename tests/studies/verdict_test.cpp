@@ -226,6 +226,62 @@ TEST(Scores, OfAStudyAreHeldToTheLimitsOfTables) {
   EXPECT_NE(fault(R"({"id": "s1", "scores": [)" + many + "]}").find("has 65 scores"), std::string::npos);
 }
 
+TEST(Scores, OfAnotherStudyAreRefused) {
+  const support::ScratchFolder folder;
+  const auto scores_of = [&](const std::string& hash) {
+    write_file(folder / "study.json", R"({"hash": ")" + hash +
+                                          R"(", "stimuli": [{"id": "s1", "scores": [{"score": "ssim", "mean": 1}]},)" +
+                                          R"({"id": "s2", "scores": [{"score": "ssim", "mean": 0.5}]}]})");
+    return read_scores(folder / "study.json");
+  };
+  const std::string ours(64, 'a');
+  const auto analysed = [&](const std::string& text, const std::string& hash) {
+    return analyse(answers_of(text), {.random = RandomEffects::none, .resamples = 0}, scores_of(hash));
+  };
+  const std::string rows = "study,stimulus,yes,no\n" + ours + ",s1,3,1\n" + ours + ",s2,1,3\n";
+  EXPECT_TRUE(analysed(rows, ours).tasks.at(0).prediction);
+  try {
+    analysed(rows, std::string(64, 'b'));
+    ADD_FAILURE() << "stimuli of another study have the same ids";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("study.json"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("is of the study bbbbbbbbbbbb, and the answers are of aaaaaaaaaaaa"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_TRUE(analysed("stimulus,yes,no\ns1,3,1\ns2,1,3\n", ours).tasks.at(0).prediction) << "not known";
+}
+
+TEST(Verdicts, BeginWithWhatWasAskedAndSayWhichSideIsPreferred) {
+  // Six people who choose the first side in 8 of 10, the yes standing there as often as not; the seventh says no side.
+  std::string text = "participant,condition,yes_first,yes,no\n";
+  for (int p = 0; p < 6; ++p) text += fmt::format("{0},far,1,{1},{2}\n{0},far,0,{2},{1}\n", p, 7 + p % 3, 3 - p % 3);
+  text += "6,far,,5,5\n";
+  AnalysisSettings settings{.random = RandomEffects::none, .resamples = 0};
+  settings.asked = {"Which looks better?", "that the half under test was chosen"};
+  const Analysis a = analyse(answers_of(text), settings);
+  const SideResult& side = a.tasks.at(0).side.value();
+  EXPECT_EQ(side.first, 60U);
+  EXPECT_EQ(side.of, 120U);
+  EXPECT_NEAR(side.chosen_first, 0.8, 1e-12);
+  EXPECT_NEAR(side.share, 0.5, 1e-12);
+  EXPECT_EQ(side.participants, 6U);
+  // Shares of .7, .8 and .9 twice each: standard deviation .0894, by the root of 6, by t of 5 degrees of freedom.
+  ASSERT_TRUE(side.interval);
+  EXPECT_NEAR(side.interval->high - 0.8, 2.570582 * std::sqrt(0.04 / 5 / 6), 1e-6);
+  const std::vector<std::string> said = verdict_sentences(a.tasks[0], settings);
+  EXPECT_EQ(said.front(), "Asked was: \"Which looks better?\" \"Yes\" means that the half under test was chosen.");
+  EXPECT_NE(said.back().find("chosen in 80 % of the answers"), std::string::npos) << said.back();
+  EXPECT_NE(said.back().find("a side is preferred"), std::string::npos) << said.back();
+  EXPECT_NE(said.back().find("stood first in 60 of 120: shares are of both sides alike."), std::string::npos);
+  // Sides that were not balanced: the share of yes is said as it is of both alike.
+  const Analysis skewed =
+      analyse(answers_of("participant,condition,yes_first,yes,no\n1,far,1,16,4\n1,far,0,2,8\n"), settings);
+  EXPECT_NE(verdict_sentences(skewed.tasks[0], settings).back().find("of both sides alike it is 0.500"),
+            std::string::npos);
+  EXPECT_FALSE(analyse(answers_of("yes_first,yes,no\n1,5,5\n"), settings).tasks[0].side) << "of one side";
+}
+
 TEST(Rankings, SayWhichPairsAreApartWhereTheWidestGapIsNot) {
   // a and b are known well, c hardly.
   const auto said = [](const char* text) {

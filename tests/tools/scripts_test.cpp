@@ -279,6 +279,13 @@ TEST_F(ScriptsGl, StudyEvidence) {
   EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("threshold of the mixed model[^\n]* of 2 \\|")));
   EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("same-different, export to interval[^\n]* of 2 \\|")));
   EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("1 kills under 50 [^\n]* 0 lost")));
+  // One part anew: the others stay as they are.
+  ASSERT_EQ(run("study_evidence.sh", build_ + " evidence.md --seeds 3 --part quest").status, 0);
+  EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("\\| QUEST\\+ [^\n]* of 3 \\|")));
+  EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("threshold of the mixed model[^\n]* of 2 \\|")));
+  EXPECT_TRUE(std::regex_search(text("evidence.md"), std::regex("1 kills under 50 [^\n]* 0 lost")));
+  EXPECT_EQ(run("study_evidence.sh", build_ + " evidence.md --part luck").status, 2);
+  EXPECT_EQ(run("study_evidence.sh", build_ + " none.md --part quest").status, 2);
   EXPECT_EQ(run("study_evidence.sh", build_ + " evidence.md --frobnicate").status, 2);
   EXPECT_EQ(run("study_evidence.sh", "nowhere other.md").status, 2);
 }
