@@ -3,6 +3,7 @@
 #include "renderers/hybrid/hybrid.h"
 #include "renderers/layered/layered.h"
 #include "renderers/mesh/mesh.h"
+#include "renderers/perjoint/perjoint.h"
 #include "renderers/polypostor/polypostor.h"
 #include "renderers/posecache/posecache.h"
 #include "renderers/preskinned/preskinned.h"
@@ -31,6 +32,7 @@ const std::vector<RepresentationType>& representation_types() {
       posecache_type,
       dynamic_type,
       layered_type,
+      perjoint_type,
   };
   // clang-format on
   return types;

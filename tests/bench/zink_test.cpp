@@ -74,6 +74,8 @@ const std::vector<const char*>& specs() {
       "dynamic",
       "layered:views=sphere-4x1,frames=2,texels=64",
       "surfel:points=512",
+      "perjoint:views=cube-2,texels=64",
+      "perjoint:views=cube-2,texels=64,depth=plane",
       "rigid:poses=4",
       "flat:views=sphere-4x1,frames=2,texels=64",
       "flat:views=sphere-4x1,frames=2,texels=64,depth=nailboard,blend=3",

@@ -77,6 +77,8 @@ const std::map<std::string, Bound>& bounds() {
         "discs cover what the figure covers and no more; poses stretch the surface between them: ten pixels of 2,009"}},
       {"dynamic", {{0.975, 1.01, 0.01, 1, 0.1}, "pictures of the same poses, resampled by half a texel"}},
       {"layered", {{0.905, 1.065, 0.07, 17, 7}, "as flat's views; eight layers close most of what lies between them"}},
+      {"perjoint",
+       {{0.965, 1.02, 0.02, 2, 1}, "as flat's views, of each joint's own space; pictures are stiff where skin bends"}},
       {"posecache", {{0.995, 1.005, 0.002, 0, 0}, "blended from the bank's own samples: normals of 16 bits"}},
       {"preskinned", {{0.999, 1.001, 0.001, 0, 0}, "the same sums, on drivers that contract them otherwise"}},
   };

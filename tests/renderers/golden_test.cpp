@@ -57,6 +57,7 @@ const std::vector<Golden>& goldens() {
       {"posecache", "posecache:keys=4", 5.5},
       {"dynamic", "dynamic", 5.5},
       {"layered", "layered:views=sphere-6x2,frames=4", 5.5},
+      {"perjoint", "perjoint:views=cube-3", 5.5},
       {"surfel", "surfel", 5.5},
       {"surfel_far", "surfel", 15},
       {"hybrid", "hybrid(mesh,polypostor:views=sphere-4x1,frames=2,texels=64,distance=4,fade=4)", 5.5},

@@ -110,6 +110,8 @@ void draw_everything() {
   draw(glowing, flat + ",frames_between=move_blend", kEveryPass);
   draw(glowing, polypostor, kEveryPass);
   draw(glowing, "layered:views=sphere-4x1,frames=2,texels=32", kEveryPass);
+  draw(glowing, "perjoint:views=cube-2,texels=32", kEveryPass);
+  draw(glowing, "perjoint:views=cube-2,texels=32,depth=plane,floor=1", {kIds});
   draw(glowing, relief, kEveryPass);
   for (const char* options : {"",
                               ",compress=bc",

@@ -97,6 +97,7 @@ const std::vector<Chooser>& choosers() {
       {"polypostor", "polypostor:views=sphere-8x2,frames=4,texels=128"},
       {"layered", "layered:views=sphere-8x2,frames=4,texels=128"},
       {"dynamic", "dynamic"},
+      {"perjoint", "perjoint:views=cube-2"},
       {"relief", "relief:map=64"},
       {"relief_levels", "relief:map=64,merge=0"},
       {"surfel", "surfel:size=3"},
