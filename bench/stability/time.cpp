@@ -148,6 +148,8 @@ Found small_steps_of_time(Fixture& fixture) {
     worst.measured = static_cast<double>(change.changed);
     worst.bound = bound;
     worst.place = fmt::format("phase {:.7f}, pixel ({}, {})", phase, change.x, change.y);
+    worst.expected = "less change";
+    worst.got = fmt::format("{} pixels changed", change.changed);
     worst.note = fmt::format("the fastest vertex moves {:.2g} pixels", pixels);
     worst.before = enlarged(a, change.x, change.y);
     worst.after = enlarged(b, change.x, change.y);

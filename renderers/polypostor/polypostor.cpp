@@ -9,6 +9,7 @@
 #include <cstring>
 #include <map>
 #include <set>
+#include <span>
 #include <tuple>
 
 #include "core/error.h"
@@ -61,6 +62,7 @@ struct CharacterPolygons {
   double texel = 0;
   float texels_a_unit = 0;
   int levels = 0;
+  bool fades = false;      // from step to step: two figures an agent
   uint64_t triangles = 0;  // of level 0, mean over the views
   PolypostorBake bake;     // without its images; empty but for the facts unless lines are drawn
 };
@@ -87,12 +89,34 @@ gl::Buffer upload_table(gl::Context& context, const PolypostorBake& bake, const 
   return {context, table};
 }
 
+// Steps that show the same images as the step before, the first's being the last one, get its range: by their ranges
+// the placing knows where images fade.
+void share_ranges(PolypostorBake& bake) {
+  if (bake.ranges_by_frame == 0) return;
+  const auto corners = [&](const PolypostorRange& range) {
+    return std::span(bake.indices).subspan(range.first_index, range.indices);
+  };
+  const auto alike = [&](const PolypostorRange& a, const PolypostorRange& b) {
+    return std::ranges::equal(corners(a), corners(b));
+  };
+  for (size_t s = 0; s < bake.sets.size(); ++s) {
+    if (bake.sets[s].words == 0) continue;  // nobody sees it
+    const uint32_t frames = bake.clips[s / bake.views % bake.clips.size()].frames;
+    PolypostorRange* const first = bake.ranges.data() + bake.sets[s].first_range;
+    for (uint32_t f = 1; f < frames; ++f)
+      if (alike(first[f], first[f - 1])) first[f] = first[f - 1];
+    for (uint32_t f = frames; f-- > 1 && alike(first[f], first[0]);) first[f] = first[0];
+  }
+}
+
 CharacterPolygons upload(gl::Context& context, PolypostorBake bake, const ViewGrid& grid, bool keep) {
   CharacterPolygons out;
   out.centre = {bake.centre[0], bake.centre[1], bake.centre[2]};
   out.texel = static_cast<double>(bake.texel);
   out.texels_a_unit = bake.unit / bake.texel;
   out.levels = static_cast<int>(bake.levels);
+  share_ranges(bake);
+  out.fades = bake.ranges_by_frame != 0;
   out.table = upload_table(context, bake, grid);
   if (bake.layers > 0) {
     const auto make = [&](unsigned stored, unsigned format, const std::vector<uint8_t>& texels) {
@@ -203,7 +227,7 @@ class PolypostorRepresentation : public Representation {
       if (agents[c].empty() || !polygons.albedo) continue;
       order_.sort(frame, frame.agents[c], agents[c], polygons.centre, polygons.texel, polygons.levels);
       resources.draw_listed(c, order_.all(), [&](uint32_t count) {
-        place_figures(polygons, count);
+        const uint32_t figures = place_figures(polygons, count);
         filtered_.bind(CB_POLYPOSTOR_TEXTURE_ALBEDO);
         filtered_.bind(CB_POLYPOSTOR_TEXTURE_NORMALS);
         nearest_.bind(CB_POLYPOSTOR_TEXTURE_MATERIALS);
@@ -214,6 +238,9 @@ class PolypostorRepresentation : public Representation {
         const bool glows = polygons.emission && !paints();
         const gl::Program& p = program(pass, glows);
         p.use();
+        std::array<GLint, 4> viewport{};
+        glGetIntegerv(GL_VIEWPORT, viewport.data());
+        p.set(CB_LOCATION_SAMPLES, static_cast<float>(viewport[3]) / static_cast<float>(frame.height));
         if (glows) {
           filtered_.bind(CB_POLYPOSTOR_TEXTURE_EMISSION);
           polygons.emission.bind(CB_POLYPOSTOR_TEXTURE_EMISSION);
@@ -223,9 +250,9 @@ class PolypostorRepresentation : public Representation {
         polygons.vertex_array.set_instance_records(figures_, sizeof(Figure), kFigure);
         polygons.vertex_array.bind();
         glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
-        glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(count), 0);
+        glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(figures), 0);
         glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
-        if (draws_lines()) draw_lines(polygons, count, pass);
+        if (draws_lines()) draw_lines(polygons, figures, pass);
       });
     }
     for (const unsigned unit : {CB_POLYPOSTOR_TEXTURE_ALBEDO, CB_POLYPOSTOR_TEXTURE_NORMALS,
@@ -298,10 +325,11 @@ class PolypostorRepresentation : public Representation {
   bool draws_lines() const { return debug_ == Debug::wire || debug_ == Debug::lines; }
   bool paints() const { return debug_ == Debug::parts || debug_ == Debug::stretch; }
 
-  // Figures and commands of the listed agents, on the GPU.
-  void place_figures(const CharacterPolygons& polygons, uint32_t count) {
-    if (figures_.size() < count * sizeof(Figure)) {
-      const size_t room = std::bit_ceil(count);
+  // Figures and commands of the listed agents, on the GPU: how many.
+  uint32_t place_figures(const CharacterPolygons& polygons, uint32_t count) {
+    const uint32_t figures = polygons.fades ? 2 * count : count;
+    if (figures_.size() < figures * sizeof(Figure)) {
+      const size_t room = std::bit_ceil(figures);
       figures_ = gl::Buffer(context_, room * sizeof(Figure));
       commands_ = gl::Buffer(context_, room * sizeof(Command));
     }
@@ -324,6 +352,7 @@ class PolypostorRepresentation : public Representation {
     }
     glDispatchCompute((count + CB_POLYPOSTOR_GROUP - 1) / CB_POLYPOSTOR_GROUP, 1, 1);
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
+    return figures;
   }
 
   // The debug view's lines of one figure: the triangles of every polygon, or where each corner goes from one stored

@@ -6,6 +6,10 @@
 #define CB_POLYPOSTOR_LEVELS 12
 #define CB_POLYPOSTOR_GROUP 64
 
+// From one step between poses to the next some parts may show another image. Over this share of each step, before its
+// end and after its beginning, the images of both share the pixels by ordered dither, half each at the pose between.
+#define CB_POLYPOSTOR_FADE 0.25
+
 #define CB_POLYPOSTOR_STORAGE_TABLE 10
 #define CB_POLYPOSTOR_STORAGE_SETS 11      // PolypostorSet[]
 #define CB_POLYPOSTOR_STORAGE_RANGES 12    // PolypostorRange[]

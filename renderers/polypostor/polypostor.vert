@@ -9,10 +9,9 @@ layout(location = CB_POLYPOSTOR_ATTRIBUTE_CLIP) in mat4 in_clip_from_units;
 layout(location = CB_POLYPOSTOR_ATTRIBUTE_LIGHT) in vec4 in_light_blend;
 layout(location = CB_POLYPOSTOR_ATTRIBUTE_POSE) in uvec4 in_pose;
 
-// Page coordinates in [0, 1], layer. Affine on the screen, as polygons are fitted: images are what an eye sees.
-layout(location = 0) noperspective out vec3 v_texel;
+layout(location = 0) out vec4 v_texel;  // page coordinates in [0, 1] times a weight; layer; the weight
 layout(location = 1) flat out vec3 v_light;  // towards the light, in the key image's axes
-layout(location = 2) flat out uint v_outfit;
+layout(location = 2) flat out uint v_outfit;  // and ranks
 #ifdef CB_IDS
 layout(location = 3) flat out uint v_id;
 #endif
@@ -23,6 +22,17 @@ layout(location = 6) flat out float v_level;
 #endif
 
 vec3 position(uint word) { return vec3(word & 0xfffu, word >> 12 & 0xfffu, word >> 24); }
+
+// Weighted by its distance a corner's texel is affine on the screen, as polygons are fitted: images are what an eye sees.
+// Where the eye is about to pass through the figure, what all weights are raised by keeps them positive, so that nothing
+// jumps when a corner gets behind the eye; alike weights are affine on the polygon. distance: of the corner.
+float weight(float distance) {
+  vec4 row = vec4(in_clip_from_units[0].w, in_clip_from_units[1].w, in_clip_from_units[2].w, in_clip_from_units[3].w);
+  vec3 half_range = vec3(2048.0, 2048.0, 128.0);  // of the words' positions
+  float middle = dot(row.xyz, half_range) + row.w;
+  float reach = dot(abs(row.xyz), half_range);  // of all corners from there, at most
+  return distance + max(0.0, 2.0 * reach - middle);
+}
 
 void main() {
 #ifdef CB_DEBUG
@@ -36,7 +46,8 @@ void main() {
   int b = gl_VertexID + int(in_pose.y);
   vec3 p = mix(position(texelFetch(words, a).x), position(texelFetch(words, b).x), blend);
   gl_Position = in_clip_from_units * vec4(p, 1.0);
-  v_texel = vec3(vec2(in_vertex.xy) / 65535.0, float(in_vertex.z & 0x7ffu));
+  float w = weight(gl_Position.w);
+  v_texel = vec4(vec2(in_vertex.xy) / 65535.0 * w, float(in_vertex.z & 0x7ffu), w);
 
   vec2 turned = mix(unpackSnorm2x16(texelFetch(words, a + int(in_vertex.w)).x),
                     unpackSnorm2x16(texelFetch(words, b + int(in_vertex.w)).x), blend);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -227,6 +228,55 @@ TEST_F(PolypostorGl, ADamagedCacheIsBakedAnew) {
   EXPECT_EQ(entries, 1U);
   EXPECT_EQ(picture(false), fresh) << "damage is seen, and baked over";
   EXPECT_EQ(picture(true), fresh);
+}
+
+// A change of more than 16 code values of a channel, as `stability` counts them, when a pose is passed by a millionth
+// of a cycle: which image a part shows may change there. Half of the pixels had the new one already.
+TEST_F(PolypostorGl, ImagesFadeWhereStepsMeet) {
+  CROWDBENCH_SKIP_SANITIZED("DebugPicturesDiffer");
+  const auto drawn = make(walker(), "polypostor:views=sphere-4x1,frames=4,texels=64,key=two_keys");
+  Renderer renderer(context(), walker());
+  const auto changed = [&](double from, double to) {
+    const Capture a = renderer.capture(frame_from(walker(), {.phase = from}), *drawn);
+    const Capture b = renderer.capture(frame_from(walker(), {.phase = to}), *drawn);
+    size_t n = 0;
+    for (size_t i = 0; i < a.ids.data.size(); ++i) {
+      int most = 0;
+      for (size_t k = 0; k < 3; ++k)
+        most = std::max(most, std::abs(int{a.colour.data[4 * i + k]} - int{b.colour.data[4 * i + k]}));
+      n += most > 16 ? 1U : 0U;
+    }
+    return n;
+  };
+  constexpr int kPoses = 8;
+  size_t faded = 0;
+  for (int k = 0; k < kPoses; ++k) {
+    const double pose = static_cast<double>(k) / kPoses;
+    const double before = k == 0 ? 1.0 : pose;
+    EXPECT_LE(changed(before - 5e-7, pose + 5e-7), 3U) << "pose " << k;
+    faded += changed(before - 0.24 / kPoses, pose + 0.24 / kPoses);
+  }
+  EXPECT_GT(faded, 8U * 20) << "over the whole window the figure moves and its images change";
+}
+
+// Levels begin within the groups of slots that one compute unit places.
+TEST_F(PolypostorGl, EveryAgentOfEveryLevelIsDrawn) {
+  const auto drawn = make(walker(), "polypostor:views=sphere-4x1,frames=4,texels=64,key=two_keys");
+  scene::Frame frame = frame_of_one(5, 1, 320, 240, 60);
+  for (uint32_t id = 1; id <= 25; ++id) {
+    const double away = 5 + 3.0 * (id % 5) * (id % 5);
+    add_agent(frame, walker(), {0.055 * (id - 13.0) * away, 0, 5 - away}, id, 0.07 * id);
+  }
+  Renderer renderer(context(), walker());
+  const Capture mesh = renderer.capture(frame, *make(walker(), "mesh"));
+  const Capture capture = renderer.capture(frame, *drawn);
+  size_t compared = 0;
+  for (uint32_t id = 1; id <= 25; ++id) {
+    if (std::count(mesh.ids.data.begin(), mesh.ids.data.end(), id) < 4) continue;
+    ++compared;
+    EXPECT_GT(std::count(capture.ids.data.begin(), capture.ids.data.end(), id), 0) << "agent " << id;
+  }
+  EXPECT_GT(compared, 20U);
 }
 
 TEST_F(PolypostorGl, DebugPicturesDiffer) {
