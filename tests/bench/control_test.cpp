@@ -80,7 +80,8 @@ TEST(Control, FalseAlarmsAreAtMostAsStatedAndThreePercentIsFound) {
   const size_t runs = long_form ? 10'000 : 1000;
   const CountLimits limits = binomial_limits(runs, kControlLevel);
   if (long_form)
-    std::cout << "| scatter of a frame | drift of a round | false alarms in 1,000 (95 % limits of 5 %) | in 10,000 (limits) | 3 % "
+    std::cout << "| scatter of a frame | drift of a round | false alarms in 1,000 (95 % limits of 5 %) | in 10,000 "
+                 "(limits) | 3 % "
                  "slow-down found | detectable change, mean | found at it |\n|--:|--:|--:|--:|--:|--:|--:|\n";
   const CountLimits of_thousand = binomial_limits(1000, kControlLevel);
   for (const double noise : long_form ? std::vector{0.01, 0.02, 0.03, 0.05} : std::vector{0.02})
@@ -92,7 +93,8 @@ TEST(Control, FalseAlarmsAreAtMostAsStatedAndThreePercentIsFound) {
         EXPECT_TRUE(alarms >= of_thousand.low && alarms <= of_thousand.high) << alarms;
         std::cout << "| " << 100 * noise << " % | " << 100 * drift << " % | " << alarms << " (" << of_thousand.low
                   << " to " << of_thousand.high << ") | " << found.alarms << " (" << limits.low << " to " << limits.high
-                  << ") | " << percent(found.slow_downs) << " % | " << 100 * found.detectable << " % | " << percent(found.at_detectable) << " % |\n";
+                  << ") | " << percent(found.slow_downs) << " % | " << 100 * found.detectable << " % | "
+                  << percent(found.at_detectable) << " % |\n";
       }
       EXPECT_LE(found.alarms, limits.high) << noise << ' ' << drift;
       if (!long_form) {
