@@ -123,8 +123,9 @@ struct LevelMesh {
 };
 
 struct BakeInfo {
-  double seconds = 0;   // spent on baking or on reading the cache
-  bool cached = false;  // came from the cache
+  double seconds = 0;       // spent now, on baking or on reading the cache
+  double made_seconds = 0;  // what making the bakes took, now or when they were stored; 0 where nothing is stored
+  bool cached = false;      // came from the cache
   std::string
       cache_key;  // SHA-256 over character, options, bake version, GL renderer and version; empty: nothing baked
   // What the bake holds, for people and JSON: ("views", 136), ("tiles", 1360), ("texel_mm", 14.5), ...
@@ -134,6 +135,9 @@ struct BakeInfo {
   std::vector<std::string> notes;  // what was asked for and could not be had, and why
   std::vector<LevelInfo> levels;   // that it draws, one a character and level; a hybrid's are its components'
 };
+
+// Seconds that it takes with nothing in the cache, the uploads left out where bakes are kept.
+inline double cold_seconds(const BakeInfo& bake) { return bake.cache_key.empty() ? bake.seconds : bake.made_seconds; }
 
 // agents[c]: indices into frame.agents[c], ascending.
 using AgentLists = std::vector<std::vector<uint32_t>>;

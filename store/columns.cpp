@@ -135,7 +135,17 @@ const Table<MeasurementRow>& table<MeasurementRow>() {
       field<&R::shared_bytes>({.name = "shared_bytes",
                                .unit = "bytes",
                                .meaning = "on the GPU for all representations together: poses, textures of characters"}),
-      field<&R::bake_seconds>({.name = "bake_seconds", .unit = "s", .meaning = "time that the bake took"}),
+      field<&R::bake_seconds>({.name = "bake_seconds",
+                               .unit = "s",
+                               .meaning = "time that making the bake took, in this run or in the one that stored it",
+                               .changed = 9,
+                               .before = "CASE WHEN bake_cached = 0 THEN bake_seconds END"}),
+      field<&R::bake_load_seconds>({.name = "bake_load_seconds",
+                                    .unit = "s",
+                                    .meaning = "time that reading it from the cache took, where it came from there",
+                                    .since = 9,
+                                    .changed = 9,
+                                    .before = "CASE WHEN bake_cached = 1 THEN bake_seconds END"}),
       field<&R::bake_cached>({.name = "bake_cached", .meaning = "the bake came from the cache on disk"}));
   return made;
 }

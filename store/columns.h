@@ -44,7 +44,8 @@ struct Column {
   bool bulky = false;               // a text of many lines: left out of the view `results`, of CSV and of Markdown
   int since = 1;                    // the schema that brought the column
   // Where a later schema changed what it holds or whether it may be absent: that schema, and the SQL expression of the
-  // older columns that gives its present value.
+  // older columns that gives its present value. One that is new may have both, of the same schema: what
+  // older files said in another column.
   int changed = 1;
   std::string before;
   // Filled from the member; only `seed` is said.

@@ -3,6 +3,7 @@
 #pragma once
 #include <compare>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -99,6 +100,7 @@ struct MeasurementRow {
   std::optional<uint64_t> vertices_shaded, primitives, fragments, samples_passed;
   std::optional<uint64_t> texture_bytes, buffer_bytes, upload_bytes_per_frame, disk_bytes, shared_bytes;
   std::optional<double> bake_seconds;
+  std::optional<double> bake_load_seconds;
   std::optional<bool> bake_cached;
 
   std::vector<SampleRow> samples;  // filled on writing; on reading only when asked for
@@ -413,6 +415,7 @@ struct StoreContents {
   std::vector<StabilityCaseRow> stability_cases;
   std::vector<StudyParticipantRow> participants;
   std::vector<StudyAnswerRow> answers;
+  std::map<int64_t, std::string> sources;  // by run the file that it is from, where several were joined; else empty
 };
 
 }  // namespace crowdbench

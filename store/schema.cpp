@@ -85,10 +85,8 @@ std::string selected(const TableDescription& table, int schema) {
   std::string list = table.owner;
   for (const Column& column : table.columns) {
     if (!list.empty()) list += ", ";
-    if (column.since > schema)
-      list += "NULL";
-    else if (column.changed > schema)
-      list += column.before;
+    if (std::max(column.since, column.changed) > schema)
+      list += column.before.empty() ? "NULL" : column.before;
     else
       list += identifier(column.name);
   }

@@ -16,7 +16,7 @@ namespace crowdbench {
 
 // SQLite's application_id of our files ("crwd") and the version of the schema (its user_version).
 inline constexpr int kStoreApplicationId = 0x63727764;
-inline constexpr int kStoreSchemaVersion = 8;
+inline constexpr int kStoreSchemaVersion = 9;
 
 // A file that measurements are added to; made when it does not exist, continued when it does. A file of an older schema
 // is first brought to this one, in one transaction.

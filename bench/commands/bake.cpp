@@ -174,7 +174,8 @@ void print_json(const BakeOptions& options, const renderers::Spec& spec, const s
               {"renderer", renderer},
               {"cached", bake.cached},
               {"seconds", baked.seconds},
-              {"bake_seconds", bake.seconds},
+              {"bake_seconds", renderers::cold_seconds(bake)},
+              {"load_seconds", bake.cached ? Json(bake.seconds) : Json(nullptr)},
               {"cache_key", bake.cache_key.empty() ? Json(nullptr) : Json(bake.cache_key)},
               {"texture_bytes", bytes.texture_bytes},
               {"buffer_bytes", bytes.buffer_bytes},
@@ -216,7 +217,8 @@ void print_text(const BakeOptions& options, const renderers::Spec& spec, const s
   if (bake.cache_key.empty())
     fmt::print("  nothing is baked\n");
   else
-    fmt::print("  {}  {:.2f} s\n", bake.cached ? "read from disk" : "baked         ", bake.seconds);
+    fmt::print("  baked         {:.2f} s{}\n", bake.made_seconds,
+               bake.cached ? fmt::format(" when it was made; read from disk in {:.2f} s", bake.seconds) : "");
   for (const renderers::Kept& kept : bake.kept)
     fmt::print("  required by   {} in {} ticks: {} of {} {}, {:.1f} of {:.1f} MiB\n", printable(options.required_by),
                baked.ticks, kept.kept, kept.whole, kept.unit, mib(kept.kept_bytes), mib(kept.whole_bytes));

@@ -31,8 +31,9 @@ std::string ending(const RegressReport& report) {
   const auto counted = [&](Verdict verdict) {
     return fmt::format("{} {}", count(report, verdict), verdict_name(verdict));
   };
-  const std::string counts = fmt::format("{}, {}, {}, {}", counted(Verdict::worse), counted(Verdict::unclear),
-                                         counted(Verdict::better), counted(Verdict::same));
+  const std::string counts =
+      fmt::format("{}, {}, {}, {}, {}", counted(Verdict::worse), counted(Verdict::unclear), counted(Verdict::better),
+                  counted(Verdict::indistinct), counted(Verdict::same));
   switch (exit_status(report)) {
     case 0: return "PASS: " + counts;
     case 1: return "REGRESSION: " + counts;
@@ -59,9 +60,11 @@ std::string method(const RegressReport& report) {
       "test "
       "says that the ratio grew by more than {:.2g} % (or than what a control shows without any change), level {:g}, "
       "correction over "
-      "all points: {}. Unclear: a slow-down of {:.3g} % is not excluded. A slow-down of the reference makes all others "
+      "all points: {}. Unclear: a slow-down of {:.3g} % is not excluded. Not distinguishable: one of that "
+      "size is, but the 95 % interval reaches beyond {:.2g} %. A slow-down of the reference makes all others "
       "faster; it shows in the reference's own line.",
-      100 * limits.least_effect, limits.level, correction_name(limits.correction), 100 * limits.detect);
+      100 * limits.least_effect, limits.level, correction_name(limits.correction), 100 * limits.detect,
+      100 * limits.least_effect);
 }
 
 std::string drift_text(const RegressReport& report) {
@@ -164,7 +167,7 @@ std::string regress_text(const RegressReport& report) {
       ++same;
       return;
     }
-    out += fmt::format("{:>4} {:<8} {:<8} {}: {}\n", number, verdict_name(point.verdict), kind, title, point.reason);
+    out += fmt::format("{:>4} {:<19} {:<8} {}: {}\n", number, verdict_name(point.verdict), kind, title, point.reason);
   });
   if (same > 0) out += fmt::format("{:>13} scores and pictures are the same\n", same);
   for (const std::string& point : report.only_baseline) out += "  missing in CURRENT: " + point + "\n";

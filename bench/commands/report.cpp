@@ -1,6 +1,9 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <filesystem>
 #include <memory>
+#include <set>
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
@@ -12,24 +15,43 @@
 #include "reports/exports/cost_export.h"
 #include "reports/exports/exports.h"
 #include "reports/page/report_page.h"
+#include "store/joined.h"
 #include "store/store.h"
 
 namespace crowdbench::bench {
 namespace {
 
 struct ReportOptions {
-  std::string file;
+  std::vector<std::string> files;
   std::string out, markdown, csv, scores_csv, json, google_benchmark;
 };
+
+// The files' own names; where two are alike, as they were given.
+std::vector<std::string> names_of(const std::vector<std::string>& files) {
+  std::vector<std::string> names;
+  for (const std::string& file : files) names.push_back(std::filesystem::path(file).filename().string());
+  if (std::set<std::string>(names.begin(), names.end()).size() == names.size()) return names;
+  if (std::set<std::string>(files.begin(), files.end()).size() < files.size())
+    throw Error("report", "a file is named twice", "name each file once");
+  return files;
+}
 
 int run_report(const ReportOptions& options) {
   if (options.out.empty() && options.markdown.empty() && options.csv.empty() && options.scores_csv.empty() &&
       options.json.empty() && options.google_benchmark.empty())
     throw Error("report", "nothing to write",
                 "name at least one of --out, --markdown, --csv, --scores-csv, --json-out, --google-benchmark");
+  if (options.files.size() > 1 &&
+      !(options.csv.empty() && options.scores_csv.empty() && options.json.empty() && options.google_benchmark.empty()))
+    throw Error("report", "these forms have no place for a file's name",
+                "name one file, or --out and --markdown alone, which set files beside each other");
   const bool samples = !options.out.empty() || !options.json.empty() || !options.google_benchmark.empty();
-  const StoreContents contents = read_store(options.file, samples, !options.out.empty());
-  const std::string source = std::filesystem::path(options.file).filename().string();
+  const std::vector<std::string> names = names_of(options.files);
+  std::vector<NamedContents> each;
+  for (size_t i = 0; i < names.size(); ++i)
+    each.push_back({names[i], read_store(options.files[i], samples, !options.out.empty())});
+  const StoreContents contents = joined(std::move(each));
+  const std::string source = fmt::format("{}", fmt::join(names, ", "));
   const std::vector<reports::ScoreDoc> scores = score_docs(metrics::scores());
   const auto write = [](const std::string& path, const auto& make) {
     if (path.empty()) return;
@@ -59,9 +81,12 @@ void add_report(Command& app, Run& run) {
   command->footer(
       "Examples:\n  crowdbench report results.sqlite --out report.html\n  crowdbench report results.sqlite "
       "--google-benchmark "
-      "baseline.json --csv results.csv");
+      "baseline.json --csv results.csv\n  crowdbench report before.sqlite after.sqlite --out both.html");
   auto options = std::make_shared<ReportOptions>();
-  command->add_option("FILE", options->file, "result file that `bench`, `demo` or a command with --db made")
+  command
+      ->add_option("FILE", options->files,
+                   "result file that `bench`, `demo`, `sweep` or a command with --db made; several are set beside each "
+                   "other")
       ->required()
       ->type_name("FILE.sqlite");
   command->add_option("--out", options->out, "one self-contained HTML page")->type_name("FILE.html")->output_file();

@@ -3,6 +3,7 @@
 
 #include "bench/commands/score_json.h"
 #include "bench/commands/tune_output.h"
+#include "bench/experiments/tune_measure.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -39,9 +40,9 @@ Json candidate_json(const TuneReport& report, const TuneMeasured& measured, size
 }
 
 // What the rules of thumb would do, by their names; null where a rule says nothing of such a candidate.
-Json predicted_json(const TuneReport& report, size_t subject, const TuneSwitch& one) {
+Json predicted_json(const std::vector<PredictedSwitch>& rules) {
   Json out = {{"one_texel_a_pixel", nullptr}, {"an_error_of_one_pixel", nullptr}};
-  for (const PredictedSwitch& predicted : predicted_switches(report, subject, one.change.to, one.height_px)) {
+  for (const PredictedSwitch& predicted : rules) {
     const TuneError& error = *predicted.error;
     const bool known = !predicted.beyond && !error.values.empty();
     std::string key = predicted.rule;
@@ -73,7 +74,7 @@ Json switch_json(const TuneReport& report, size_t subject, const TuneSwitch& one
           {"unreal_screen_size", engines.unreal_size},
           {"godot_visibility_range_m", engines.godot_metres},
           {"godot_threshold_pixels", godot_pixels ? Json(*godot_pixels) : Json(nullptr)},
-          {"predicted", predicted_json(report, subject, one)}};
+          {"predicted", predicted_json(predicted_switches(report, subject, one.change.to, one.height_px))}};
 }
 
 Json budget_json(const TuneReport& report, const TuneAnswer& answer) {
@@ -103,6 +104,11 @@ Json answer_json(const TuneReport& report, size_t subject, const TuneAnswer& ans
   if (answer.plan)
     for (const size_t c : answer.plan->candidate) out["chosen"].push_back(candidate_name(report, c));
   for (const TuneSwitch& one : answer.switches) out["switches"].push_back(switch_json(report, subject, one));
+  out["not_chosen"] = Json::array();
+  for (const UnchosenCandidate& one : unchosen_candidates(report, subject, answer))
+    out["not_chosen"].push_back({{"representation", candidate_name(report, one.candidate)},
+                                 {"keeps_threshold_from_px", one.kept_px ? Json(*one.kept_px) : Json(nullptr)},
+                                 {"predicted", predicted_json(one.rules)}});
   const std::optional<MeshLodCurve> curve = mesh_lod_in_report(report, subject, answer);
   out["unity_mesh_lod"] = curve ? Json({{"slope", curve->slope}, {"bias", curve->bias}}) : Json(nullptr);
   out["representation"] = answer.plan ? Json(tuned_representation(report.request, answer).text()) : Json(nullptr);
@@ -272,15 +278,18 @@ Json tune_json(const TuneReport& report) {
               {"crowd", report.crowd},
               {"characters", Json::array()}};
   for (size_t s = 0; s < result.subjects.size(); ++s) {
-    Json one = {{"character", request.subjects[s].character->name}, {"candidates", Json::array()}};
+    Json one = {{"character", request.subjects[s].character->name},
+                {"views", result.subjects[s].views},
+                {"tail_bounded", result.subjects[s].views >= kTailValues},
+                {"candidates", Json::array()}};
     for (size_t c = 0; c < request.candidates.size(); ++c)
       one["candidates"].push_back(candidate_json(report, result.subjects[s], c));
     one["alone"] = result.alone.empty() ? Json(nullptr) : answer_json(report, s, result.alone[s]);
     out["characters"].push_back(one);
   }
   const Json together = answer_json(report, 0, result.together);
-  for (const char* key :
-       {"agents", "chosen", "switches", "representation", "no_plan", "unity_mesh_lod", "budget", "reference_over_plan"})
+  for (const char* key : {"agents", "chosen", "switches", "not_chosen", "representation", "no_plan", "unity_mesh_lod",
+                          "budget", "reference_over_plan"})
     out[key] = together.at(key);
   out["promise"] = promise_json(report);
   out["promise_of_others"] = others_json(report);

@@ -78,6 +78,14 @@ void print_answer(const TuneReport& report, size_t subject, const TuneAnswer& an
   fmt::print("draws as: {}\n", tuned_representation(report.request, answer).text());
 }
 
+// Whether or not there is a rule: a rule of thumb is held beside what was measured.
+void print_unchosen(const TuneReport& report, size_t subject, const TuneAnswer& answer) {
+  for (const UnchosenCandidate& one : unchosen_candidates(report, subject, answer)) {
+    fmt::print("{}\n", unchosen_text(report, subject, one));
+    for (const PredictedSwitch& rule : one.rules) fmt::print("  {}\n", predicted_text(report, rule));
+  }
+}
+
 void print_noise(const TuneReport& report, size_t subject) {
   const TuneMeasured& measured = report.result.subjects[subject];
   for (size_t c = 0; c < report.request.candidates.size(); ++c)
@@ -133,8 +141,7 @@ void print_tune(const TuneReport& report) {
     fmt::print("{}: {} at the bad end's 5 % of {} views and moments, threshold {:g}; time of one more agent; {}x{}\n",
                printable(report.request.subjects[s].character->name), report.request.error.score->title, views,
                report.request.error.value, report.request.cost.width, report.request.cost.height);
-    if (views < kTailValues)
-      fmt::print("  fewer than {} views bound no tail: the worst one seen stands for its end\n", kTailValues);
+    if (const std::string few = few_views_text(views); !few.empty()) fmt::print("  {}\n", few);
     print_heights(report, s);
     print_noise(report, s);
     if (!result.alone.empty()) {
@@ -144,6 +151,7 @@ void print_tune(const TuneReport& report) {
   }
   if (!result.alone.empty()) fmt::print("for all {} characters (metres of the first):\n", result.subjects.size());
   print_answer(report, 0, answer);
+  print_unchosen(report, 0, answer);
   if (!answer.plan) return;
   if (agents_in_view(answer) > 0) fmt::print("{}\n", saving_text(answer));
   if (report.promise)

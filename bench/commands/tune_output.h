@@ -18,6 +18,10 @@ std::string tune_page_of(const TuneReport& report);
 std::string switch_certainty_text(const TuneReport& report, const TuneSwitch& one);
 // "one texel a pixel would switch at 24.1 pixels (31.2 m): there 95 % of the figures have ..."
 std::string predicted_text(const TuneReport& report, const PredictedSwitch& one);
+// "flat, to which the rule changes nowhere: keeps the threshold by itself from 20.0 pixels (24.1 m) on"
+std::string unchosen_text(const TuneReport& report, size_t subject, const UnchosenCandidate& one);
+// Why 5 % of the figures are not bounded; empty where they are.
+std::string few_views_text(size_t views);
 std::string lens_text(const TuneReport& report, const LensSpread& spread);
 std::string lens_verdict(const std::vector<LensSpread>& spreads);
 std::string budget_text(const TuneReport& report, const TuneAnswer& answer);

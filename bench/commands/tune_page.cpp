@@ -13,6 +13,7 @@
 #include "bench/experiments/tune_measure.h"
 #include "core/image_io.h"
 #include "metrics/pseudocolour.h"
+#include "reports/model/amplified.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -55,6 +56,12 @@ reports::TunePageSwitch switch_of(const TuneReport& report, size_t subject, cons
   return out;
 }
 
+// With a capital and a full stop.
+std::string sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text + ".";
+}
+
 // "Nearer than 12.3 m draw mesh; from there on flat."
 std::vector<std::string> answer_sentences(const TuneReport& report, size_t subject, const TuneAnswer& answer) {
   if (!answer.plan) return {"There is no rule: " + no_plan_text(report, answer) + "."};
@@ -79,23 +86,19 @@ std::vector<std::string> answer_sentences(const TuneReport& report, size_t subje
       out.push_back(fmt::format("Undecided, in fewer than 95 % of the resampled measurements: {} of {} {}.", unsure,
                                 answer.switches.size(), answer.switches.size() == 1 ? "change" : "changes"));
   }
+  const metrics::Score& score = *report.request.error.score;
+  const char* worse = score.direction == metrics::Direction::higher_is_better ? "of less" : "of more";
+  const std::string few = few_views_text(report.result.subjects[subject].views);
   if (answer.budget)
     out.push_back(budget_text(report, answer) + ".");
   else
-    out.push_back(fmt::format(
-        "Of the figures that each draws there, no more than 5 % have {} {} than {:g}.",
-        report.request.error.score->title,
-        report.request.error.score->direction == metrics::Direction::higher_is_better ? "of less" : "of more",
-        report.request.error.value));
+    out.push_back(fmt::format("Of the figures that each {} there, {} {} {} than {:g}.", few.empty() ? "draws" : "drew",
+                              few.empty() ? "no more than 5 % have" : "none had", score.title, worse,
+                              report.request.error.value));
+  if (!few.empty()) out.push_back(sentence(few));
   if (report.request.subjects.size() > 1) out.push_back("Metres are those of " + name_of(report, subject) + ".");
   if (agents_in_view(answer) > 0) out.push_back(saving_text(answer) + ".");
   return out;
-}
-
-// With a capital and a full stop.
-std::string sentence(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text + ".";
 }
 
 std::vector<std::string> proof_lines(const TuneReport& report) {
@@ -162,6 +165,10 @@ std::vector<reports::TuneMark> marks_of(const TuneReport& report, size_t subject
       out.push_back({to, rule.depth_m, true,
                      fmt::format("{}: {} m, {} px", rule.rule, metres(rule.depth_m), pixels(rule.height_px))});
   }
+  for (const UnchosenCandidate& one : unchosen_candidates(report, subject, report.result.together))
+    for (const PredictedSwitch& rule : one.rules)
+      out.push_back({candidate_name(report, one.candidate), rule.depth_m, true,
+                     fmt::format("{}: {} m, {} px", rule.rule, metres(rule.depth_m), pixels(rule.height_px))});
   return out;
 }
 
@@ -175,6 +182,7 @@ reports::TunePageCharacter character_of(const TuneReport& report, size_t subject
       "{} views and moments at each of {} heights. Time: one more agent of the height in the "
       "picture, {} rounds.",
       measured.views, report.request.heights_px.size(), report.request.cost.rounds);
+  if (const std::string few = few_views_text(measured.views); !few.empty()) out.measured += " " + sentence(few);
   if (!report.result.alone.empty())
     for (const std::string& line : answer_sentences(report, subject, report.result.alone[subject]))
       out.alone.push_back((out.alone.empty() ? "By itself: " : "") + line);
@@ -204,22 +212,35 @@ reports::TunePageCharacter character_of(const TuneReport& report, size_t subject
   return out;
 }
 
-void add_rules(const TuneReport& report, reports::TunePage& page) {
+// measured_px: from where on the candidate is drawn, or keeps the threshold by itself; 0: nowhere.
+reports::TunePageRule rule_of(const TuneReport& report, const std::string& to, const PredictedSwitch& rule,
+                              double measured_px) {
   const metrics::Score& score = *report.request.error.score;
+  const bool known = !rule.beyond && !rule.error->values.empty();
+  const bool nowhere = !(measured_px > 0);
+  return {to,
+          rule.rule,
+          nowhere ? "nowhere" : pixels(measured_px),
+          nowhere ? kNone : metres(depth_in_report(report, 0, measured_px)),
+          pixels(rule.height_px),
+          metres(rule.depth_m),
+          known ? fmt::format("{} {} or {}", score.title, score_of(score, rule.error->promised),
+                              score.direction == metrics::Direction::higher_is_better ? "more" : "less")
+                : "not measured there",
+          !known                ? kNone
+          : rule.error->allowed ? fmt::format("enough ({:g})", report.request.error.value)
+                                : fmt::format("not enough ({:g})", report.request.error.value),
+          known ? fmt::format("{:.2f}", 1e-3 * rule.cost_ns) : kNone};
+}
+
+void add_rules(const TuneReport& report, reports::TunePage& page) {
   for (const TuneSwitch& one : report.result.together.switches)
-    for (const PredictedSwitch& rule : predicted_switches(report, 0, one.change.to, one.height_px)) {
-      const bool known = !rule.beyond && !rule.error->values.empty();
-      page.rules.push_back(
-          {candidate_name(report, one.change.to), rule.rule, pixels(one.height_px),
-           metres(depth_in_report(report, 0, one.height_px)), pixels(rule.height_px), metres(rule.depth_m),
-           known ? fmt::format("{} {} or {}", score.title, score_of(score, rule.error->promised),
-                               score.direction == metrics::Direction::higher_is_better ? "more" : "less")
-                 : "not measured there",
-           !known                ? kNone
-           : rule.error->allowed ? fmt::format("enough ({:g})", report.request.error.value)
-                                 : fmt::format("not enough ({:g})", report.request.error.value),
-           known ? fmt::format("{:.2f}", 1e-3 * rule.cost_ns) : kNone});
-    }
+    for (const PredictedSwitch& rule : predicted_switches(report, 0, one.change.to, one.height_px))
+      page.rules.push_back(rule_of(report, candidate_name(report, one.change.to), rule, one.height_px));
+  for (const UnchosenCandidate& one : unchosen_candidates(report, 0, report.result.together))
+    for (const PredictedSwitch& rule : one.rules)
+      page.rules.push_back(rule_of(report, candidate_name(report, one.candidate) + " (the rule changes to it nowhere)",
+                                   rule, one.kept_px.value_or(0)));
 }
 
 void add_engines(const TuneReport& report, reports::TunePage& page) {
@@ -276,6 +297,10 @@ void add_pictures(const TuneReport& report, reports::TunePage& page) {
                             drawn.view.elevation_deg, pop.title, score_of(pop, drawn.pop));
     one.pictures = {picture_of(drawn.before, from), picture_of(drawn.after, to),
                     picture_of(drawn.difference, "what differs")};
+    if (const auto amplified = reports::amplified_difference(drawn.before, drawn.after))
+      one.pictures.push_back(
+          picture_of(amplified->picture, fmt::format("difference × {}, of each channel, {} code values at most",
+                                                     amplified->factor, amplified->largest)));
     page.pictures.push_back(std::move(one));
   }
   page.picture_scale = "Differences: dark blue where the two are equal, red where they differ as much as they can.";

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bench/commands/tune_output.h"
+#include "bench/experiments/tune_measure.h"
 #include "core/counted.h"
 
 namespace crowdbench::bench {
@@ -43,6 +44,18 @@ std::string predicted_text(const TuneReport& report, const PredictedSwitch& one)
                      score.title, one.error->promised, score.digits,
                      score.direction == metrics::Direction::higher_is_better ? "more" : "less",
                      report.request.error.value, one.error->allowed ? "enough" : "NOT enough", 1e-3 * one.cost_ns);
+}
+
+std::string unchosen_text(const TuneReport& report, size_t subject, const UnchosenCandidate& one) {
+  const std::string name = candidate_name(report, one.candidate) + ", to which the rule changes nowhere: ";
+  if (!one.kept_px) return name + "does not keep the threshold even at the smallest height measured";
+  return fmt::format("{}keeps the threshold by itself from {:.1f} pixels ({:.1f} m) on", name, *one.kept_px,
+                     depth_in_report(report, subject, *one.kept_px));
+}
+
+std::string few_views_text(size_t views) {
+  if (views >= kTailValues) return {};
+  return fmt::format("fewer than {} views bound no tail: the worst one seen stands for its end", kTailValues);
 }
 
 std::string lens_text(const TuneReport& report, const LensSpread& spread) {

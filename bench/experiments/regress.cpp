@@ -199,6 +199,7 @@ void list_unpaired(const std::map<Key, Value>& of, const std::map<Key, Value>& i
 const char* verdict_name(Verdict verdict) {
   switch (verdict) {
     case Verdict::same: return "same";
+    case Verdict::indistinct: return "not distinguishable";
     case Verdict::better: return "better";
     case Verdict::worse: return "worse";
     case Verdict::unclear: return "unclear";

@@ -37,10 +37,11 @@ struct RegressLimits {
 };
 
 enum class Verdict {
-  same,     // no worse: for times, a slow-down of `detect` is excluded
-  better,   // faster, or nearer to the reference
-  worse,    // slower, wronger, or another picture
-  unclear,  // not enough data
+  same,        // no worse; of times the interval lies within the least effect on either side
+  indistinct,  // of times: a slow-down of `detect` is excluded, but not one of the least effect
+  better,      // faster, or nearer to the reference
+  worse,       // slower, wronger, or another picture
+  unclear,     // not enough data
 };
 const char* verdict_name(Verdict verdict);
 
@@ -94,8 +95,8 @@ struct RegressReport {
   std::optional<Interval>
       drift;  // of the reference's own time, current over baseline, where processes were interleaved
 };
-// 0: nothing is worse and all is known; 1: something is worse; 3: nothing is worse, but something is unclear, of the
-// baseline's points is missing, or there is no point in common.
+// 0: nothing is worse, and of every time a slow-down of `detect` is excluded; 1: something is worse; 3: nothing is
+// worse, but something is unclear, of the baseline's points is missing, or there is no point in common.
 int exit_status(const RegressReport& report);
 size_t count(const RegressReport& report, Verdict verdict);
 

@@ -228,6 +228,24 @@ std::string needed_text(const TimePoint& point) {
   return point.runs_needed > 0 ? fmt::format("; about {} runs of each tell", point.runs_needed) : std::string();
 }
 
+// Of a change that no test tells and that is no slow-down of limits.detect.
+void judge_small(TimePoint& point, const RegressLimits& limits) {
+  point.reason = change_text(point);
+  if (point.interval.high <= limits.least_effect && point.interval.low >= -limits.least_effect) {
+    point.verdict = Verdict::same;
+    return;
+  }
+  point.verdict = Verdict::indistinct;
+  if (point.interval.high > limits.least_effect)
+    point.reason += fmt::format(": a slow-down of {:.2g} % is not excluded, one of {:.3g} % is",
+                                100 * limits.least_effect, 100 * limits.detect);
+  if (point.least_effect <= limits.least_effect) return;
+  point.reason +=
+      fmt::format("; the controls of these runs (A/A) differ by {:.2g} % without any change", 100 * point.least_effect);
+  // All of the interval is a slow-down that was asked about, which the controls cover up.
+  if (point.interval.low > limits.least_effect) point.verdict = Verdict::unclear;
+}
+
 void judge(TimePoint& point, const RegressLimits& limits) {
   if (!point.judged) {
     point.verdict = Verdict::unclear;
@@ -250,8 +268,7 @@ void judge(TimePoint& point, const RegressLimits& limits) {
     point.reason = fmt::format("{}: a slow-down of {:.3g} % is not excluded{}", change_text(point), 100 * limits.detect,
                                needed_text(point));
   } else {
-    point.verdict = Verdict::same;
-    point.reason = change_text(point);
+    judge_small(point, limits);
   }
 }
 

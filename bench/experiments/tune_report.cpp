@@ -148,6 +148,21 @@ std::vector<PredictedSwitch> predicted_switches(const TuneReport& report, size_t
   return out;
 }
 
+std::vector<UnchosenCandidate> unchosen_candidates(const TuneReport& report, size_t subject, const TuneAnswer& answer) {
+  std::vector<UnchosenCandidate> out;
+  for (size_t c = 0; c < report.request.candidates.size(); ++c) {
+    if (std::any_of(answer.switches.begin(), answer.switches.end(),
+                    [&](const TuneSwitch& one) { return one.change.to == c; }))
+      continue;
+    UnchosenCandidate one{.candidate = c, .rules = {}, .kept_px = {}};
+    for (size_t b = report.request.heights_px.size(); b-- > 0 && error_of(report, subject, c, b).allowed;)
+      one.kept_px = report.request.heights_px[b];
+    one.rules = predicted_switches(report, subject, c, one.kept_px.value_or(0));
+    if (!one.rules.empty()) out.push_back(std::move(one));
+  }
+  return out;
+}
+
 std::vector<LensSpread> lens_spreads(const TuneReport& report) {
   std::vector<LensSpread> out;
   if (!report.lenses) return out;

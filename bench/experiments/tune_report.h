@@ -76,6 +76,16 @@ struct PredictedSwitch {
 std::vector<PredictedSwitch> predicted_switches(const TuneReport& report, size_t subject, size_t candidate,
                                                 double switch_px);
 
+// A candidate that the answer changes to nowhere, by itself: what rules of thumb say of it beside what was measured.
+struct UnchosenCandidate {
+  size_t candidate = 0;
+  std::vector<PredictedSwitch> rules;  // at least one; `pixels` are of kept_px, 0 without it
+  // The tallest height from which on, for every smaller one too, its errors keep the threshold: where it might be
+  // changed to if it were the cheapest. Nothing where it does not at the smallest.
+  std::optional<double> kept_px;
+};
+std::vector<UnchosenCandidate> unchosen_candidates(const TuneReport& report, size_t subject, const TuneAnswer& answer);
+
 // ---- one rule for every picture and lens
 // All conditions (rows and lenses) of one bin of the plan.
 struct LensSpread {

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "core/progress.h"
+#include "core/short_numbers.h"
 #include "core/statistics.h"
 
 namespace crowdbench::bench::sweep {
@@ -97,12 +99,19 @@ Estimate estimate(const Plan& plan, const Shard& shard, const std::filesystem::p
 
 std::string dry_run_text(const Plan& plan, const Shard& shard, const Estimate& estimate) {
   std::string out;
+  std::map<std::string, std::set<std::string>> values;
+  for (const Condition& condition : plan.conditions)
+    for (const PlannedPoint& point : condition.points)
+      for (const Setting& setting : point.settings) values[setting.axis].insert(setting.text);
+  std::map<std::string, std::map<std::string, std::string>> texts;
+  for (const auto& [axis, of] : values) texts[axis] = short_numbers(of);
   for (size_t c = 0; c < plan.conditions.size(); ++c) {
     if (!shard.holds(c)) continue;
     for (const PlannedPoint& point : plan.conditions[c].points) {
       std::string settings;
       for (const Setting& setting : point.settings)
-        if (setting.axis != "representation") settings += fmt::format("{} = {}, ", setting.axis, setting.text);
+        if (setting.axis != "representation")
+          settings += fmt::format("{} = {}, ", setting.axis, texts[setting.axis][setting.text]);
       out += fmt::format("condition {}: {}representation = {}\n", c + 1, settings, point.representation);
     }
   }

@@ -227,6 +227,22 @@ class Grouping {
   std::map<std::string, size_t> by_scenario_;
 };
 
+// An option that no point's representation has would be dropped without a word.
+void require_used(const std::vector<Condition>& conditions, const std::vector<std::string>& names,
+                  const std::vector<Axis>& axes, const std::string& points_place) {
+  std::set<std::string> used;
+  for (const Condition& condition : conditions)
+    for (const PlannedPoint& point : condition.points)
+      for (const Setting& setting : point.settings) used.insert(setting.axis);
+  for (const std::string& name : names) {
+    if (used.contains(name)) continue;
+    const auto axis = std::find_if(axes.begin(), axes.end(), [&](const Axis& one) { return one.name == name; });
+    throw Error(axis == axes.end() ? points_place : axis->place,
+                fmt::format("`{}` changes nothing: no point draws `{}`", name, name.substr(0, name.find('.'))),
+                fmt::format("add it to the axis `representation`, or leave `{}` out", name));
+  }
+}
+
 void check_sampling(const std::vector<Axis>& axes, const PointsTable& points) {
   const auto sampled = std::find_if(axes.begin(), axes.end(), [](const Axis& axis) { return axis.sampled(); });
   if (sampled != axes.end() && points.sampling.count == 0)
@@ -310,6 +326,7 @@ Plan parse_plan(const std::string& toml, const std::string& where, const std::fi
   plan.conditions = grouping.take(plan.measures.together);
   if (plan.conditions.empty())
     throw Error(top.place("points"), "the conditions leave no point", "loosen [points] `where`");
+  require_used(plan.conditions, plan.axes, axes, top.place("points"));
   if (plan.points() > kMostPoints)
     throw Error(where, fmt::format("{} points, more than {}", plan.points(), kMostPoints), "make several plans of it");
   plan.tables = read_tables(top, where, plan);

@@ -9,9 +9,11 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/counted.h"
 #include "core/error.h"
+#include "core/short_numbers.h"
 #include "core/statistics.h"
 #include "renderers/representation.h"
 
@@ -36,6 +38,23 @@ struct PointView {
 };
 
 using Views = std::vector<PointView>;
+
+// By axis and value what stands for it in a table.
+using AxisTexts = std::map<std::string, std::map<std::string, std::string>>;
+AxisTexts texts_of(const Views& views) {
+  std::map<std::string, std::set<std::string>> values;
+  for (const PointView& view : views)
+    for (const auto& [axis, text] : view.settings) values[axis].insert(text);
+  AxisTexts out;
+  for (const auto& [axis, texts] : values) out[axis] = short_numbers(texts);
+  return out;
+}
+std::string text_on(const AxisTexts& texts, const std::string& axis, const std::string& value) {
+  const auto of = texts.find(axis);
+  if (of == texts.end()) return value;
+  const auto found = of->second.find(value);
+  return found == of->second.end() ? value : found->second;
+}
 
 Views views_of(const StoreContents& contents) {
   std::map<int64_t, const RunRow*> runs;
@@ -123,7 +142,7 @@ const std::vector<MeasureDoc>& measure_docs() {
       {"triangles", "triangles an agent", 0, false, amount_of<&M::triangles_per_agent, 0>},
       {"texture_mb", "textures, MB", 2, false, amount_of<&M::texture_bytes, -6>},
       {"buffer_mb", "buffers, MB", 2, false, amount_of<&M::buffer_bytes, -6>},
-      {"bake_s", "bake, s", 2, false, amount_of<&M::bake_seconds, 0>},
+      {"bake_s", "bake (cold), s", 2, false, amount_of<&M::bake_seconds, 0>},
       {kAgentsAt, "agents", 0, true, headline_ms},
   };
   return all;
@@ -279,12 +298,13 @@ std::string long_table(const Plan& plan, const Views& views) {
   for (const Measure& measure : shown) head.push_back(measure.title);
   head.emplace_back("state");
   std::string out = markdown_row(head) + markdown_rule(axes.size(), shown.size() + 1);
+  const AxisTexts texts = texts_of(views);
   for (const PointView& view : views) {
     if (view.row->role == "aa") continue;
     std::vector<std::string> cells;
     for (const std::string& axis : axes) {
       const auto found = view.settings.find(axis);
-      cells.push_back(found == view.settings.end() ? "" : found->second);
+      cells.push_back(found == view.settings.end() ? "" : text_on(texts, axis, found->second));
     }
     for (const Measure& measure : shown) {
       const std::optional<MeasuredValue> value = measure.of(view);
@@ -392,13 +412,14 @@ std::string table_text(const TableRequest& request, const Plan& plan, const Stor
     std::erase_if(columns,
                   [&](const std::string& one) { return is_empty_reference(views, request.columns, one, measure); });
   }
+  const AxisTexts texts = texts_of(views);
   std::vector<std::string> head = {request.rows};
-  head.insert(head.end(), columns.begin(), columns.end());
+  for (const std::string& column : columns) head.push_back(text_on(texts, request.columns, column));
   std::string out = fmt::format("**{}**{}\n\n", request.title.empty() ? plan.name : request.title,
                                 request.columns.empty() ? "" : fmt::format(": {}, by {}", what, request.columns));
   out += markdown_row(head) + markdown_rule(1, columns.size());
   for (const std::string& row : values_on(views, request.rows)) {
-    std::vector<std::string> cells = {row};
+    std::vector<std::string> cells = {text_on(texts, request.rows, row)};
     for (const std::string& column : columns) cells.push_back(cell_of(views, request, measure, row, column));
     out += markdown_row(cells);
   }

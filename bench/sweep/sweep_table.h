@@ -5,6 +5,8 @@
 // texture_mb, buffer_mb; bake_s; every score by its name. agents_at_ms needs `at`: how many agents are drawn in so many
 // milliseconds, between the points of the axis crowd.agents along a power law.
 //
+// Numbers of an axis are written as short as tells them apart (core/short_numbers.h); the store has all digits.
+//
 // Where several points fall into one cell (repetitions, axes that are neither rows nor columns), it holds their median
 // and how many they are; one value where all are equal.
 #pragma once

@@ -48,9 +48,10 @@ void TimedRepresentation::put_footprint(MeasurementRow& row) const {
   row.buffer_bytes = footprint.buffer_bytes;
   row.upload_bytes_per_frame = footprint.upload_bytes_per_frame;
   const renderers::BakeInfo bake = representation_->bake_info();
+  if (const double cold = renderers::cold_seconds(bake); cold > 0) row.bake_seconds = cold;
   if (!bake.cache_key.empty()) {
     row.disk_bytes = footprint.disk_bytes;
-    row.bake_seconds = bake.seconds;
+    if (bake.cached) row.bake_load_seconds = bake.seconds;
     row.bake_cached = bake.cached;
   }
   row.shared_bytes = stage_.renderer().shared_bytes();

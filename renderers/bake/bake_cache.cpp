@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdio>
 #include <fstream>
 
@@ -16,26 +17,28 @@ namespace fs = std::filesystem;
 namespace {
 
 // The last two say the container's version, raised whenever the header's meaning changes.
-constexpr char kMagic[8] = {'C', 'B', 'B', 'A', 'K', 'E', '2', '\n'};
+constexpr char kMagic[8] = {'C', 'B', 'B', 'A', 'K', 'E', '3', '\n'};
 constexpr size_t kMagicName = 6;
 
 struct Header {
   char magic[8];
   char kind[24];
   char key[64];
+  double made_seconds;
   uint64_t payload_bytes;
-  uint64_t checksum;  // over kind, key, payload_bytes and the payload
+  uint64_t checksum;  // over what stands from kind on, and the payload
 };
-static_assert(sizeof(Header) == 112);
+static_assert(sizeof(Header) == 120);
 
-Header make_header(std::string_view kind, std::string_view key, std::span<const uint8_t> payload) {
+Header make_header(std::string_view kind, std::string_view key, std::span<const uint8_t> payload, double made_seconds) {
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   std::memcpy(header.kind, kind.data(), std::min(kind.size(), sizeof header.kind));
   std::memcpy(header.key, key.data(), std::min(key.size(), sizeof header.key));
+  header.made_seconds = made_seconds;
   header.payload_bytes = payload.size();
   const auto* start = reinterpret_cast<const uint8_t*>(header.kind);
-  const uint64_t named = xxh3_64({start, sizeof header.kind + sizeof header.key + sizeof header.payload_bytes});
+  const uint64_t named = xxh3_64({start, offsetof(Header, checksum) - offsetof(Header, kind)});
   header.checksum = xxh3_64(payload, named);
   return header;
 }
@@ -50,7 +53,7 @@ fs::path BakeCache::path(std::string_view kind, std::string_view key) const {
   return folder_ / fmt::format("{}-{}.bake", kind, key);
 }
 
-std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::string_view key) const {
+std::optional<StoredBake> BakeCache::load(std::string_view kind, std::string_view key) const {
   if (!enabled_) return std::nullopt;
   const fs::path file = path(kind, key);
   std::error_code error;
@@ -68,12 +71,12 @@ std::optional<std::vector<uint8_t>> BakeCache::load(std::string_view kind, std::
   if (sound) {
     payload.resize(header.payload_bytes);
     stream.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size()));
-    const Header expected = make_header(kind, key, payload);
+    const Header expected = make_header(kind, key, payload, header.made_seconds);
     sound = !stream.fail() && std::memcmp(&header, &expected, sizeof header) == 0;
   }
   if (sound) {
     mark_used(file);
-    return payload;
+    return StoredBake{std::move(payload), header.made_seconds};
   }
   if (!other_version) warn(fmt::format("{}: the stored bake is damaged; it is made anew", file.string()));
   fs::remove(file, error);
@@ -92,7 +95,8 @@ void BakeCache::make_room(const fs::path& newest, uint64_t limit) const {
                     newest.string(), bytes >> 20, limit >> 20));
 }
 
-uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span<const uint8_t> payload) const {
+uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span<const uint8_t> payload,
+                          double made_seconds) const {
   if (!enabled_) return 0;
   try {
     const uint64_t limit = cache_limit_bytes();
@@ -103,7 +107,7 @@ uint64_t BakeCache::store(std::string_view kind, std::string_view key, std::span
                   "set CROWDBENCH_CACHE_DIR to a place that can be written");
     PendingFile pending(path(kind, key));
     {
-      const Header header = make_header(kind, key, payload);
+      const Header header = make_header(kind, key, payload, made_seconds);
       std::ofstream stream(pending.path(), std::ios::binary | std::ios::trunc);
       stream.write(reinterpret_cast<const char*>(&header), sizeof header);
       stream.write(reinterpret_cast<const char*>(payload.data()), static_cast<std::streamsize>(payload.size()));

@@ -84,7 +84,14 @@ class ByteReader {
   bool ok_ = true;
 };
 
-// One folder of entries, "<kind>-<key>.bake". An entry holds its kind, its key and a checksum over everything; one that
+// What an entry gives back.
+struct StoredBake {
+  std::vector<uint8_t> payload;
+  double made_seconds = 0;  // what making it took, when it was stored
+};
+
+// One folder of entries, "<kind>-<key>.bake". An entry holds its kind, its key, what making it took and a checksum over
+// everything; one that
 // does not agree with them (flipped bits, cut short) is reported on stderr, removed and counts as absent; one that
 // another version wrote is removed and counts as absent without a word. Nothing here ever fails a run: a folder that
 // cannot be written is one warning a process. What makes the folder larger than cache_limit_bytes() (cache_entries.h)
@@ -93,10 +100,12 @@ class BakeCache {
  public:
   explicit BakeCache(std::filesystem::path folder = bake_folder(), bool enabled = true);
 
-  // The payload stored under (kind, key), if there is a sound one. kind: letters, digits and '-'. key: hexadecimal.
-  std::optional<std::vector<uint8_t>> load(std::string_view kind, std::string_view key) const;
-  // Writes beside and renames. Returns the bytes on disk, 0 when it could not be written (a warning says why).
-  uint64_t store(std::string_view kind, std::string_view key, std::span<const uint8_t> payload) const;
+  // What is stored under (kind, key), if it is sound. kind: letters, digits and '-'. key: hexadecimal.
+  std::optional<StoredBake> load(std::string_view kind, std::string_view key) const;
+  // Writes beside and renames. made_seconds: what making the payload took. Returns the bytes on disk, 0 when it could
+  // not be written (a warning says why).
+  uint64_t store(std::string_view kind, std::string_view key, std::span<const uint8_t> payload,
+                 double made_seconds) const;
   // Bytes on disk of an entry, 0 when there is none.
   uint64_t disk_bytes(std::string_view kind, std::string_view key) const;
   std::filesystem::path path(std::string_view kind, std::string_view key) const;

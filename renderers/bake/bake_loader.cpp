@@ -19,6 +19,7 @@ BakeInfo bake_info_of(std::span<const BakeRecord> records) {
   Sha256 keys;
   for (const BakeRecord& r : records) {
     info.cached = info.cached && r.cached;
+    info.made_seconds += r.made_seconds;
     keys.text(r.cache_key);
   }
   info.cache_key = records.size() == 1 ? records[0].cache_key : keys.hex();
@@ -53,7 +54,7 @@ void warn_of_bake(const std::string& what, const std::string& text) {
   fmt::print(stderr, "crowdbench: warning: {}: {}\n", what, text);
 }
 
-std::optional<std::vector<uint8_t>> BakeLoader::stored(const std::string& key) const {
+std::optional<StoredBake> BakeLoader::stored(const std::string& key) const {
   if (policy_.rebake) return std::nullopt;
   return cache_.load(messages_.kind, key);
 }
@@ -77,7 +78,7 @@ BakeProgress bake_progress(const BakePolicy& policy, const std::string& what, co
   return bake_progress(policy, fmt::format("baking {} of {}", what, printable(character)));
 }
 
-void BakeLoader::take(const std::string& character, const std::string& key, bool cached, uint64_t texture_bytes) {
+void BakeLoader::take(const std::string& character, BakeRecord record, uint64_t texture_bytes) {
   if (texture_bytes > left_)
     throw Error(fmt::format("{} bake of {}", messages_.kind, character),
                 fmt::format("{:.0f} MiB of {} are more than what is left of the budget, {:.0f}",
@@ -85,7 +86,8 @@ void BakeLoader::take(const std::string& character, const std::string& key, bool
                             static_cast<double>(left_) / (1 << 20)),
                 messages_.advice);
   left_ -= texture_bytes;
-  records_.push_back({key, cached, cache_.enabled() ? cache_.disk_bytes(messages_.kind, key) : 0});
+  record.disk_bytes = cache_.enabled() ? cache_.disk_bytes(messages_.kind, record.cache_key) : 0;
+  records_.push_back(std::move(record));
 }
 
 }  // namespace crowdbench::renderers

@@ -1,5 +1,6 @@
 // The bakes of a cast: from the cache where they are there, else made and kept there, all within one budget.
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -19,8 +20,9 @@ struct BakeRecord {
   std::string cache_key;
   bool cached = false;      // it came from the cache
   uint64_t disk_bytes = 0;  // of the cache entry, 0 when not cached
+  double made_seconds = 0;  // what making it took, in this run or in the one that stored it
 };
-// BakeInfo but for the seconds and the facts.
+// BakeInfo but for the seconds of this run and the facts.
 BakeInfo bake_info_of(std::span<const BakeRecord> records);
 uint64_t disk_bytes_of(std::span<const BakeRecord> records);
 
@@ -57,13 +59,19 @@ class BakeLoader {
             const std::function<std::optional<Bake>(std::span<const uint8_t>)>& deserialise,
             const std::function<Bake(uint64_t budget, const BakeProgress& progress)>& make) {
     std::optional<Bake> bake;
-    if (const auto bytes = stored(key)) bake = deserialise(*bytes);
-    const bool cached = bake.has_value();
-    if (!bake) {
-      bake = make(left_, bake_progress(policy_, messages_.what, character));
-      cache_.store(messages_.kind, key, serialise(*bake));
+    BakeRecord record{.cache_key = key};
+    if (const auto kept = stored(key)) {
+      bake = deserialise(kept->payload);
+      record.made_seconds = kept->made_seconds;
     }
-    take(character, key, cached, bake->texture_bytes());
+    record.cached = bake.has_value();
+    if (!bake) {
+      const auto start = std::chrono::steady_clock::now();
+      bake = make(left_, bake_progress(policy_, messages_.what, character));
+      record.made_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      cache_.store(messages_.kind, key, serialise(*bake), record.made_seconds);
+    }
+    take(character, std::move(record), bake->texture_bytes());
     return std::move(*bake);
   }
   void warn(const std::string& text) const { warn_of_bake(messages_.what, text); }
@@ -71,8 +79,8 @@ class BakeLoader {
   const std::vector<BakeRecord>& records() const { return records_; }
 
  private:
-  std::optional<std::vector<uint8_t>> stored(const std::string& key) const;
-  void take(const std::string& character, const std::string& key, bool cached, uint64_t texture_bytes);
+  std::optional<StoredBake> stored(const std::string& key) const;
+  void take(const std::string& character, BakeRecord record, uint64_t texture_bytes);
 
   BakePolicy policy_;
   BakeMessages messages_;

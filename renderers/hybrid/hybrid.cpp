@@ -163,6 +163,7 @@ BakeInfo HybridRepresentation::bake_info() const {
   const BakeInfo b = far_->bake_info();
   BakeInfo info;
   info.seconds = a.seconds + b.seconds;
+  info.made_seconds = cold_seconds(a) + cold_seconds(b);
   const bool baked_a = !a.cache_key.empty();
   const bool baked_b = !b.cache_key.empty();
   info.cached = (baked_a || baked_b) && (!baked_a || a.cached) && (!baked_b || b.cached);

@@ -143,6 +143,7 @@ BakeInfo MeshLods::bake_info() const {
   for (size_t level = 1; level < levels_.size(); ++level) {
     const BakeInfo one = levels_[level]->bake_info();
     out.seconds += one.seconds;
+    out.made_seconds += one.made_seconds;
     out.cached = out.cached && one.cached;
     out.cache_key += (out.cache_key.empty() ? "" : "+") + one.cache_key;
     out.notes.insert(out.notes.end(), one.notes.begin(), one.notes.end());

@@ -99,6 +99,7 @@ struct Baked {
   double height = 0;         // metres at scale 1
   std::string key;
   bool cached = false;
+  double made_seconds = 0;
   uint64_t disk_bytes = 0;
   uint64_t nominal_bytes = 0;
   CaptureScore capture;
@@ -174,6 +175,7 @@ class Relief final : public Representation {
     Sha256 keys;
     for (const Baked& baked : baked_) {
       info.cached = info.cached && baked.cached;
+      info.made_seconds += baked.made_seconds;
       keys.text(baked.key);
       nominal += baked.nominal_bytes;
       for (const Tier& tier : baked.tiers) actual += tier.texture_bytes();
@@ -221,15 +223,20 @@ class Relief final : public Representation {
     const ReliefAllowance allowance{std::bit_floor(left / std::max<size_t>(characters_left, 1)), left};
     const std::string key = relief_key(character, bank, options_.bake, allowance);
     std::optional<ReliefTiers> bake;
+    double made_seconds = 0;
     if (!make.rebake)
-      if (const auto stored = cache.load("relief", key))
-        bake = deserialise_tiers(*stored, character.skeleton.joints.size(), options_.bake.cones);
+      if (const auto stored = cache.load("relief", key)) {
+        bake = deserialise_tiers(stored->payload, character.skeleton.joints.size(), options_.bake.cones);
+        made_seconds = stored->made_seconds;
+      }
     const bool cached = bake.has_value();
     if (cached) require_room(character, bake->models[0].texels(), options_.bake, allowance);
     if (!bake) {
+      const auto start = std::chrono::steady_clock::now();
       bake =
           bake_tiers(character, bank, options_.bake, allowance, bake_progress(make.policy(), "relief", character.name));
-      cache.store("relief", key, serialise(*bake));
+      made_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      cache.store("relief", key, serialise(*bake), made_seconds);
     }
     if (options_.bake.bend <= 0 && bake->capture.silhouette_error > kTornSilhouette)
       fmt::print(stderr,
@@ -245,6 +252,7 @@ class Relief final : public Representation {
     Baked& baked = baked_.emplace_back();
     baked.key = key;
     baked.cached = cached;
+    baked.made_seconds = made_seconds;
     baked.disk_bytes = cache.enabled() ? cache.disk_bytes("relief", key) : 0;
     baked.nominal_bytes = relief_nominal_bytes(character.skeleton.joints.size(), options_.bake.maps.map_size);
     baked.capture = bake->capture;

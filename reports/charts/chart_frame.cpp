@@ -31,12 +31,12 @@ Json config() {
             {"labelColor", kChartInk},
             {"titleColor", kChartInk},
             {"orient", "top"},
+            // Two legends one over the other: beside each other they are wider than a phone.
+            {"layout", {{"top", {{"direction", "vertical"}, {"anchor", "start"}, {"margin", 2}}}}},
             {"title", nullptr}}}};
 }
 
 }  // namespace
-
-double name_px(const std::string& name) { return 7.4 * static_cast<double>(name.size()); }
 
 Json chart_frame() { return {{"$schema", kSchema}, {"config", config()}}; }
 

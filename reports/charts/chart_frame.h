@@ -13,9 +13,5 @@ Json chart_frame();
 Json chart_frame(int height);
 
 inline constexpr const char* kChartInk = "#1f2933";
-// A condition in Vega's expressions: of a phone, where names beside lines do not fit.
-inline constexpr const char* kNarrowScreen = "windowSize()[0] < 600";
-// About what a name takes beside a line, pixels.
-double name_px(const std::string& name);
 
 }  // namespace crowdbench::reports

@@ -14,13 +14,14 @@
 namespace crowdbench::reports {
 namespace {
 
-// legend: the same in all layers of a chart; where they disagree, Vega-Lite warns and draws none.
-Json colour_of(const Scene& scene, bool legend) {
+// With a legend, the same in all layers of a chart: where they disagree, Vega-Lite warns and draws none. Names beside
+// lines would lie on other lines wherever one is long or the screen narrow.
+Json colour_of(const Scene& scene) {
   return {
       {"field", "representation"},
       {"type", "nominal"},
       {"scale", {{"domain", scene.representations}, {"range", representation_colours(scene.representations.size())}}},
-      {"legend", legend ? Json({{"title", nullptr}, {"symbolOpacity", 1}}) : Json(nullptr)}};
+      {"legend", {{"title", nullptr}, {"symbolOpacity", 1}}}};
 }
 
 // 1, 2, 5, 10, 20, 50, ... within a factor of the data.
@@ -57,12 +58,11 @@ std::vector<double> agent_ticks(const Scene& scene) {
   return ticks;
 }
 
-// With room on the right for the names at the lines' ends.
 Range agents_shown(const Scene& scene) {
   const std::vector<double> ticks = agent_ticks(scene);
   const double least = ticks.empty() ? 1 : ticks.front();
   const double greatest = ticks.empty() ? 10 : ticks.back();
-  return {least / 1.15, std::max(greatest * 2.2, least * 4)};
+  return {least / 1.15, greatest * 1.15};
 }
 
 Json agents_x(const Scene& scene) {
@@ -71,46 +71,6 @@ Json agents_x(const Scene& scene) {
           {"type", "quantitative"},
           {"scale", {{"type", "log"}, {"domain", {shown.least, shown.greatest}}, {"nice", false}}},
           {"axis", log_axis("agents", agent_ticks(scene))}};
-}
-
-// The name of each line at its end, instead of a legend; names that would overlap are moved apart. On a narrow screen,
-// and where one is long, above the line: beyond its end there is no room. There it ends with the line, or begins with
-// the end of a line that ends in the left half, before which there is none either.
-Json end_labels(const Scene& scene, std::vector<Json> ends, const Range& range, const char* y, double height) {
-  std::sort(ends.begin(), ends.end(),
-            [&](const Json& a, const Json& b) { return a.at(y).number() < b.at(y).number(); });
-  const double decades = std::log10(range.greatest / range.least);
-  const double gap = decades * 15.0 / height;  // 15 pixels in decades
-  double below = -INFINITY;
-  double longest = 0;
-  const Range shown = agents_shown(scene);
-  for (Json& end : ends) {
-    longest = std::max(longest, name_px(end.at("label").text()));
-    const double at = std::max(std::log10(end.at(y).number()), below + gap);
-    end["label_y"] = std::pow(10.0, at);
-    end["early"] = std::log(end.at("agents").number() / shown.least) < 0.5 * std::log(shown.greatest / shown.least);
-    below = at;
-  }
-  constexpr double kBeyond = 80;  // pixels that the axis leaves there
-  const std::string before = longest > kBeyond ? "true" : kNarrowScreen;
-  const auto names = [&](const char* which, const std::string& align) {
-    return Json{{"transform", Json::array({{{"filter", which}}})},
-                {"mark",
-                 {{"type", "text"},
-                  {"align", {{"expr", align}}},
-                  {"dx", {{"expr", fmt::format("{} ? 0 : 9", before)}}},
-                  {"dy", {{"expr", fmt::format("{} ? -9 : 0", before)}}},
-                  {"fontSize", 12},
-                  {"fontWeight", 600}}}};
-  };
-  return {{"data", {{"values", ends}}},
-          {"layer", Json::array({names("!datum.early", fmt::format("{} ? 'right' : 'left'", before)),
-                                 names("datum.early", "'left'")})},
-          {"encoding",
-           {{"x", {{"field", "agents"}, {"type", "quantitative"}}},
-            {"y", {{"field", "label_y"}, {"type", "quantitative"}}},
-            {"text", {{"field", "label"}}},
-            {"color", colour_of(scene, false)}}}};
 }
 
 Json tooltip(std::initializer_list<std::pair<const char*, const char*>> fields) {
@@ -133,7 +93,6 @@ std::string time_chart(const Scene& scene, double occupancy) {
   const std::string& metric = scene.run->headline;
   constexpr int kHeight = 330;
   Json values = Json::array();
-  std::vector<Json> ends;
   Range range;
   // One scale for every occupancy, so that the charts beside each other compare.
   for (const MeasurementRow* row : scene.rows)
@@ -142,7 +101,6 @@ std::string time_chart(const Scene& scene, double occupancy) {
       range.take(time_of(*row, metric)->high / 1e6);
     }
   for (const std::string& name : scene.representations) {
-    Json last;
     for (const uint32_t agents : scene.agents) {
       const MeasurementRow* row = scene.find(name, agents, occupancy);
       if (row == nullptr || !is_timed(*row) || !time_of(*row, metric) || agents == 0) continue;
@@ -164,9 +122,7 @@ std::string time_chart(const Scene& scene, double occupancy) {
       else
         point["speed"] = "\u2013";
       values.push_back(point);
-      last = {{"representation", name}, {"agents", agents}, {"ms", time.median / 1e6}, {"label", name}};
     }
-    if (!last.is_null()) ends.push_back(last);
   }
   if (values.empty()) return {};
   Json crossings = Json::array();
@@ -200,24 +156,19 @@ std::string time_chart(const Scene& scene, double occupancy) {
                              {"rounds", "timed frames"}});
   spec["data"] = {{"values", values}};
   spec["layer"] = Json::array(
-      {{{"mark", {{"type", "line"}, {"strokeWidth", 2.5}}},
-        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, false)}}}},
+      {{{"mark", {{"type", "area"}, {"opacity", 0.18}}},
+        {"encoding", {{"x", x}, {"y", interval_y}, {"y2", {{"field", "high"}}}, {"color", colour_of(scene)}}}},
+       {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene)}}}},
        {{"mark", {{"type", "rule"}, {"strokeWidth", 2}}},
-        {"encoding", {{"x", x}, {"y", interval_y}, {"y2", {{"field", "high"}}}, {"color", colour_of(scene, false)}}}},
+        {"encoding", {{"x", x}, {"y", interval_y}, {"y2", {{"field", "high"}}}, {"color", colour_of(scene)}}}},
        {{"mark", {{"type", "point"}, {"filled", true}, {"size", 70}, {"opacity", 1}}},
-        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, false)}}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene)}}}},
        {{"data", {{"values", crossings}}},
         {"mark", {{"type", "rule"}, {"strokeDash", {4, 4}}, {"color", "#7b8794"}}},
-        {"encoding", {{"x", {{"field", "agents"}, {"type", "quantitative"}}}}}},
-       {{"data", {{"values", crossings}}},
-        {"mark",
-         {{"type", "text"}, {"align", "left"}, {"dx", 5}, {"baseline", "top"}, {"fontSize", 11}, {"color", "#52606d"}}},
         {"encoding",
          {{"x", {{"field", "agents"}, {"type", "quantitative"}}},
-          {"y", {{"value", 2}}},
-          {"text", {{"field", "at"}}},
           {"tooltip", tooltip({{"pair", "crossing of"}, {"at", "at"}, {"beyond", "beyond it"}})}}}},
-       end_labels(scene, ends, {least, greatest}, "ms", kHeight),
        // Invisible and large, so that a tooltip is easily hit.
        {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
         {"encoding", {{"x", x}, {"y", y}, {"tooltip", tips}}}}});
@@ -228,13 +179,12 @@ std::string speed_chart(const Scene& scene) {
   const std::string& metric = scene.run->headline;
   constexpr int kHeight = 300;
   Json values = Json::array();
-  std::vector<Json> ends;
+  const std::vector<double> occupancies = shown_occupancies(scene);
   Range range;
   range.take(1);
   for (const std::string& name : scene.representations) {
     if (name == scene.reference) continue;
-    for (const double occupancy : scene.occupancies) {
-      Json last;
+    for (const double occupancy : occupancies) {
       const std::string covers = occupancy > 0 ? percent_text(occupancy) : "the scenario's view";
       for (const uint32_t agents : scene.agents) {
         const MeasurementRow* row = scene.find(name, agents, occupancy);
@@ -253,12 +203,7 @@ std::string speed_chart(const Scene& scene) {
                           {"times", fmt::format("{}\u00d7", factor_text(ratio->ratio))},
                           {"interval", fmt::format("{} to {}", factor_text(ratio->low), factor_text(ratio->high))},
                           {"pairs", ratio->pairs}});
-        last = {{"representation", name},
-                {"agents", agents},
-                {"ratio", ratio->ratio},
-                {"label", scene.occupancies.size() > 1 ? name + ", " + covers : name}};
       }
-      if (!last.is_null()) ends.push_back(last);
     }
   }
   if (values.empty()) return {};
@@ -272,39 +217,40 @@ std::string speed_chart(const Scene& scene) {
                   {"axis", log_axis("times as fast as " + scene.reference, nice_ticks(least, greatest))}};
   Json low = y;
   low["field"] = "low";
-  const Json dash = {{"field", "occupancy"}, {"type", "nominal"}, {"legend", nullptr}};
+  const Json dash = {
+      {"field", "occupancy"},
+      {"type", "nominal"},
+      {"sort", nullptr},
+      {"legend", occupancies.size() > 1 ? Json({{"title", nullptr}, {"symbolType", "stroke"}}) : Json(nullptr)}};
   spec["data"] = {{"values", values}};
-  spec["layer"] =
-      Json::array({{{"data", {{"values", Json::array({{{"ratio", 1}}})}}},
-                    {"mark", {{"type", "rule"}, {"strokeWidth", 1.5}, {"color", representation_colours(1)[0]}}},
-                    {"encoding", {{"y", y}}}},
-                   {{"mark", {{"type", "area"}, {"opacity", 0.18}}},
-                    {"encoding",
-                     {{"x", x},
-                      {"y", low},
-                      {"y2", {{"field", "high"}}},
-                      {"detail", {{"field", "series"}}},
-                      {"color", colour_of(scene, false)}}}},
-                   {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}}},
-                    {"encoding",
-                     {{"x", x},
-                      {"y", y},
-                      {"detail", {{"field", "series"}}},
-                      {"strokeDash", dash},
-                      {"color", colour_of(scene, false)}}}},
-                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}}},
-                    {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, false)}}}},
-                   end_labels(scene, ends, {least, greatest}, "ratio", kHeight),
-                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
-                    {"encoding",
-                     {{"x", x},
-                      {"y", y},
-                      {"tooltip", tooltip({{"representation", "representation"},
-                                           {"crowd", "agents"},
-                                           {"occupancy", "occupancy"},
-                                           {"times", "times as fast as the reference"},
-                                           {"interval", "95 % interval"},
-                                           {"pairs", "interleaved pairs"}})}}}}});
+  spec["layer"] = Json::array(
+      {{{"data", {{"values", Json::array({{{"ratio", 1}}})}}},
+        {"mark", {{"type", "rule"}, {"strokeWidth", 1.5}, {"color", representation_colours(1)[0]}}},
+        {"encoding", {{"y", y}}}},
+       {{"mark", {{"type", "area"}, {"opacity", 0.18}}},
+        {"encoding",
+         {{"x", x},
+          {"y", low},
+          {"y2", {{"field", "high"}}},
+          {"detail", {{"field", "series"}}},
+          {"color", colour_of(scene)}}}},
+       {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}}},
+        {"encoding",
+         {{"x", x}, {"y", y}, {"detail", {{"field", "series"}}}, {"strokeDash", dash}, {"color", colour_of(scene)}}}},
+       {{"mark", {{"type", "rule"}, {"strokeWidth", 1.5}}},
+        {"encoding", {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}, {"color", colour_of(scene)}}}},
+       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene)}}}},
+       {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
+        {"encoding",
+         {{"x", x},
+          {"y", y},
+          {"tooltip", tooltip({{"representation", "representation"},
+                               {"crowd", "agents"},
+                               {"occupancy", "occupancy"},
+                               {"times", "times as fast as the reference"},
+                               {"interval", "95 % interval"},
+                               {"pairs", "interleaved pairs"}})}}}}});
   return spec.dump();
 }
 
@@ -343,9 +289,9 @@ std::string score_chart(const Scene& scene, const ScoreDoc& score) {
   spec["data"] = {{"values", values}};
   spec["layer"] = Json::array(
       {{{"mark", {{"type", "area"}, {"opacity", 0.15}}},
-        {"encoding", {{"x", x}, {"y", least}, {"y2", {{"field", "greatest"}}}, {"color", colour_of(scene, true)}}}},
+        {"encoding", {{"x", x}, {"y", least}, {"y2", {{"field", "greatest"}}}, {"color", colour_of(scene)}}}},
        {{"mark", {{"type", "line"}, {"strokeWidth", 2.5}, {"point", {{"size", 60}, {"filled", true}}}}},
-        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene, true)}}}},
+        {"encoding", {{"x", x}, {"y", y}, {"color", colour_of(scene)}}}},
        {{"mark", {{"type", "point"}, {"filled", true}, {"size", 500}, {"opacity", 0}}},
         {"encoding",
          {{"x", x},

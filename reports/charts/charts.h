@@ -13,9 +13,10 @@ namespace crowdbench::reports {
 // that colour-blind readers can tell apart.
 std::vector<std::string> representation_colours(size_t count);
 
-// Time a frame against agents, log-log, one line a representation with the interval of each median, crossings marked.
+// Time a frame against agents, log-log, one line a representation with the band of each median's interval, crossings
+// marked.
 std::string time_chart(const Scene& scene, double occupancy);
-// How many times as fast as the reference, log-log, one line a representation and occupancy.
+// How many times as fast as the reference with its interval, log-log, one line a representation and shown occupancy.
 std::string speed_chart(const Scene& scene);
 // A score of single agents against their height in pixels; empty text when no agent has it.
 std::string score_chart(const Scene& scene, const ScoreDoc& score);

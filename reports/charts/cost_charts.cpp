@@ -109,6 +109,40 @@ std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& m
   return spec.dump();
 }
 
+std::string scatter_chart(const Scene& scene) {
+  Json values = Json::array();
+  for (const MeasurementRow* row : scene.rows) {
+    const auto& time = time_of(*row, scene.run->headline);
+    if (!is_timed(*row) || !time || row->key.agents == 0) continue;
+    values.push_back({{"representation", row->key.representation},
+                      {"agents", row->key.agents},
+                      {"ms", in_ms(time->median)},
+                      {"low", in_ms(time->low)},
+                      {"high", in_ms(time->high)},
+                      {"occupancy", occupancy_text(row->key.requested_occupancy)},
+                      {"median", time_text(time->median)}});
+  }
+  if (values.empty()) return {};
+  Json spec = chart_frame(300);
+  spec["data"] = {{"values", values}};
+  const Json x = axis_of("agents", "agents", true);
+  spec["layer"] =
+      Json::array({{{"mark", {{"type", "rule"}, {"strokeWidth", 1.5}}},
+                    {"encoding",
+                     {{"x", x},
+                      {"y", axis_of("low", "median, ms a frame", true)},
+                      {"y2", {{"field", "high"}}},
+                      {"color", colours(scene, "representation")}}}},
+                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 45}, {"opacity", 0.85}}},
+                    {"encoding",
+                     {{"x", x},
+                      {"y", axis_of("ms", "median, ms a frame", true)},
+                      {"color", colours(scene, "representation")},
+                      {"tooltip", Json::array({tip("representation", "representation"), tip("agents", "agents"),
+                                               tip("occupancy", "occupancy"), tip("median", "median a frame")})}}}}});
+  return spec.dump();
+}
+
 std::string cheapest_chart(const Scene& scene, const BreakEvenMap& map) {
   if (map.cells.empty()) return {};
   Json values = Json::array();

@@ -9,6 +9,9 @@
 
 namespace crowdbench::reports {
 
+// Every timed point's time against agents, log-log, with its interval: of scenes whose occupancies have one crowd each,
+// so that no curve is to be drawn.
+std::string scatter_chart(const Scene& scene);
 // Predicted against measured time of the points that a model was not fitted to, log-log, with the 15 % on either side.
 // Empty text where no model is.
 std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& models);

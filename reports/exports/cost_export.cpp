@@ -47,6 +47,8 @@ Json pair_json(const BreakEven& pair) {
   for (const BreakEvenPoint& point : pair.contour)
     out["contour"].push_back(
         {{"occupancy", point.occupancy},
+         {"from", point.from},
+         {"to", point.to},
          {"agents", number_or_null(point.agents)},
          {"low", number_or_null(point.low)},
          {"high", number_or_null(point.high)},

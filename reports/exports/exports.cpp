@@ -14,10 +14,13 @@
 #include "reports/exports/markdown_cell.h"
 #include "reports/exports/point_path.h"
 #include "reports/exports/scores_markdown.h"
+#include "reports/exports/side_markdown.h"
 #include "reports/model/answer.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
+#include "reports/model/side_by_side.h"
 #include "reports/model/sweep_settings.h"
+#include "reports/model/tuning_text.h"
 #include "store/columns.h"
 
 namespace crowdbench::reports {
@@ -185,22 +188,45 @@ std::string provenance(const RunRow& run) {
   return out + "\n";
 }
 
+// What `tune` found, before anything else.
+std::string tunings_markdown(const StoreContents& contents, const std::vector<ScoreDoc>& scores) {
+  std::string out;
+  for (const TuningRow& row : contents.tunings) {
+    const auto source = contents.sources.find(row.run);
+    out += fmt::format("# The tuned rule: {}{}\n\n", markdown_cell(row.character),
+                       source == contents.sources.end() ? "" : ", " + markdown_cell(source->second));
+    for (const std::string& sentence : tuning_sentences(row, scores)) out += markdown_cell(sentence) + "\n\n";
+    if (row.switches.empty()) continue;
+    out += "| from here on | instead of | pixels tall | metres | 95 % | hysteresis |\n|---|---|--:|--:|---|--:|\n";
+    for (const TunedSwitchRow& one : row.switches)
+      out += fmt::format("| {} | {} | {:.1f} | {:.1f} | {} | {:.1f} % |\n", markdown_cell(one.to),
+                         markdown_cell(one.from), one.height_px, one.depth, certainty_text(one), 100 * one.hysteresis);
+    out += "\n";
+    if (row.representation) out += fmt::format("Draws as `{}`\n\n", *row.representation);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string report_markdown(const StoreContents& contents, const std::string& source,
                             const std::vector<ScoreDoc>& scores) {
   const std::vector<Scene> scenes = scenes_of(contents, scores);
-  if (scenes.empty()) throw Error(source, "holds no measurement", "run `crowdbench bench --out` first");
-  std::string out;
+  if (scenes.empty() && contents.tunings.empty())
+    throw Error(source, "holds no measurement and no tuned rule", "run `crowdbench bench --out` or `tune --db` first");
+  const SweepSettings all_settings(contents);
+  std::string out = tunings_markdown(contents, scores) + side_markdown(side_by_side(scenes));
   const auto add = [&]<typename... Args>(fmt::format_string<Args...> format, Args&&... args) {
     fmt::format_to(std::back_inserter(out), format, std::forward<Args>(args)...);
   };
   for (const Scene& scene : scenes) {
     const RunRow& run = *scene.run;
     const std::string& metric = run.headline;
-    const std::string settings = settings_of_scene(contents, scene);
+    const std::string settings = all_settings.of_scene(scene);
     add("# {}, {} × {} pixels, scenario “{}”{}\n\n", markdown_cell(scene.character), scene.width, scene.height,
-        markdown_cell(run.scenario_name), settings.empty() ? "" : ", " + markdown_cell(settings));
+        markdown_cell(run.scenario_name),
+        (settings.empty() ? "" : ", " + markdown_cell(settings)) +
+            (scene.source.empty() ? "" : ", of " + markdown_cell(scene.source)));
     if (const auto notice = void_notice(scene)) add("**{}**\n\n", markdown_cell(*notice));
     for (const std::string& sentence : answer(scene)) add("{}\n\n", markdown_cell(sentence));
     if (run.software)

@@ -10,7 +10,8 @@
 namespace crowdbench::reports {
 
 // The report's tables in Markdown, without charts and pictures; then every score, every column of the largest crowds,
-// and of the run. Throws Error when the file holds no measurement.
+// and of the run. Throws Error when the file holds neither measurement nor tuned rule. Contents of several files
+// (store/joined.h) begin with what they have in common.
 // scores: what is known of scores, in the order in which they are shown.
 std::string report_markdown(const StoreContents& contents, const std::string& source,
                             const std::vector<ScoreDoc>& scores = {});

@@ -17,39 +17,57 @@ constexpr size_t kAgentSteps = 60;  // of a contour
 constexpr size_t kCellSteps = 13;   // of the map
 constexpr size_t kOccupancySteps = 7;
 
-// The ranges in which every one of some models was measured.
+// The crowds with which every one of some models was measured at an occupancy (0: the scenario's own view): from the
+// least to the most of what lies between their common points, whose convex hull it is over the logarithm of the agents
+// and the occupancy.
 struct Measured {
-  double least_agents = 1, most_agents = 0;  // none where the most is below the least
-  std::vector<double> occupancies;           // 0: the scenario's own view
+  double occupancy = 0, least_agents = 0, most_agents = 0;
 };
-Measured measured_range(const std::vector<const CostModel*>& models) {
-  Measured out;
-  out.most_agents = INFINITY;
-  double low = 0;
-  double high = INFINITY;
-  bool own_view = true;
-  for (const CostModel* model : models) {
-    double least = INFINITY, most = 0, lowest = INFINITY, highest = 0;
-    bool seen = false;
-    for (const CostPrediction& one : model->held_out) {
-      if (one.point.agents > 0) least = std::min<double>(least, one.point.agents);
-      most = std::max<double>(most, one.point.agents);
-      if (one.point.occupancy > 0) lowest = std::min(lowest, one.point.occupancy);
-      highest = std::max(highest, one.point.occupancy);
-      seen = seen || one.point.occupancy == 0;
-    }
-    out.least_agents = std::max(out.least_agents, least);
-    out.most_agents = std::min(out.most_agents, most);
-    low = std::max(low, lowest);
-    high = std::min(high, highest);
-    own_view = own_view && seen;
+
+using Place = std::pair<double, double>;  // occupancy and agents
+
+std::vector<Place> common_places(const std::vector<const CostModel*>& models) {
+  std::map<Place, size_t> count;
+  for (const CostModel* model : models)
+    for (const CostPrediction& one : model->held_out)
+      if (one.point.agents > 0) ++count[{one.point.occupancy, one.point.agents}];
+  std::vector<Place> out;
+  for (const auto& [place, times] : count)
+    if (times >= models.size()) out.push_back(place);
+  return out;
+}
+
+// Of the places' hull at an occupancy; those of the scenario's own view are no neighbours of the others. Ends of a
+// hull's section lie on lines between two of its points.
+Measured section_of(const std::vector<Place>& places, double occupancy) {
+  double least = INFINITY, most = 0;
+  const auto take = [&](double agents) {
+    least = std::min(least, agents);
+    most = std::max(most, agents);
+  };
+  for (const auto& [o, n] : places) {
+    if (o == occupancy) take(n);
+    if (occupancy == 0 || o == 0 || !(o < occupancy)) continue;
+    for (const auto& [p, m] : places)
+      if (p > occupancy) take(n * std::pow(m / n, (occupancy - o) / (p - o)));
   }
-  if (out.most_agents < out.least_agents) return out;
-  if (own_view) out.occupancies.push_back(0);
-  if (low == high) out.occupancies.push_back(low);
-  if (low < high)
+  return {occupancy, least, most};
+}
+
+std::vector<Measured> measured_ranges(const std::vector<const CostModel*>& models) {
+  const std::vector<Place> places = common_places(models);  // by ascending occupancy
+  if (places.empty()) return {};
+  std::vector<Measured> out;
+  if (places.front().first == 0) out.push_back(section_of(places, 0));
+  const auto low = std::find_if(places.begin(), places.end(), [](const Place& place) { return place.first > 0; });
+  if (low == places.end()) return out;
+  const double from = low->first;
+  const double to = places.back().first;
+  if (from == to) out.push_back(section_of(places, from));
+  if (from < to)
     for (size_t i = 0; i < kOccupancySteps; ++i)
-      out.occupancies.push_back(low + (high - low) * static_cast<double>(i) / (kOccupancySteps - 1));
+      out.push_back(section_of(
+          places, i + 1 == kOccupancySteps ? to : from + (to - from) * static_cast<double>(i) / (kOccupancySteps - 1)));
   return out;
 }
 
@@ -125,9 +143,12 @@ std::optional<double> first_at(const std::vector<double>& agents, const std::vec
 }
 
 BreakEvenPoint contour_point(const Scene& scene, const CostModel& first, const CostModel& second, const Spread& spread,
-                             const Measured& range, double occupancy) {
+                             const Measured& range) {
   BreakEvenPoint out;
+  const double occupancy = range.occupancy;
   out.occupancy = occupancy;
+  out.from = static_cast<uint32_t>(std::lround(range.least_agents));
+  out.to = static_cast<uint32_t>(std::lround(range.most_agents));
   const std::vector<double> agents = even_in_log(range.least_agents, range.most_agents, kAgentSteps);
   std::vector<double> logs;  // above 0: the second is cheaper
   for (const double n : agents)
@@ -149,6 +170,41 @@ BreakEvenPoint contour_point(const Scene& scene, const CostModel& first, const C
   return out;
 }
 
+using Spreads = std::vector<std::vector<Spread>>;  // of two models, by their places
+
+CheapestCell cheapest_cell(const Scene& scene, const std::vector<const CostModel*>& known, const Spreads& spreads,
+                           double agents, double occupancy) {
+  const auto time = [&](size_t k) { return time_at(scene, *known[k], agents, occupancy); };
+  size_t best = 0;
+  for (size_t k = 1; k < known.size(); ++k)
+    if (std::log(time(k) / time(best)) + spreads[k][best].bias < 0) best = k;
+  CheapestCell cell{agents, occupancy, known[best]->representation, {}};
+  for (size_t k = 0; k < known.size(); ++k) {
+    if (k == best) continue;
+    const Spread& spread = spreads[k][best];
+    if (!(std::log(time(k) / time(best)) + spread.bias > spread.half))
+      cell.not_told_apart.push_back(known[k]->representation);
+  }
+  return cell;
+}
+
+std::vector<CheapestCell> cheapest_cells(const Scene& scene, const std::vector<const CostModel*>& known,
+                                         const Spreads& spreads) {
+  const std::vector<Measured> ranges = measured_ranges(known);
+  double least = INFINITY, most = 0;
+  for (const Measured& range : ranges) {
+    least = std::min(least, range.least_agents);
+    most = std::max(most, range.most_agents);
+  }
+  std::vector<CheapestCell> out;
+  constexpr double kRounded = 0.5;  // of an agent, as the steps are
+  for (const Measured& range : ranges)
+    for (const double agents : whole(even_in_log(least, most, kCellSteps)))
+      if (agents >= range.least_agents - kRounded && agents <= range.most_agents + kRounded)
+        out.push_back(cheapest_cell(scene, known, spreads, agents, range.occupancy));
+  return out;
+}
+
 }  // namespace
 
 BreakEvenMap break_even_map(const Scene& scene) {
@@ -157,43 +213,23 @@ BreakEvenMap break_even_map(const Scene& scene) {
   std::vector<const CostModel*> known;
   for (const CostModel& model : map.models)
     if (model.absent.empty()) known.push_back(&model);
-  std::vector<std::vector<Spread>> spreads(known.size(), std::vector<Spread>(known.size()));
+  Spreads spreads(known.size(), std::vector<Spread>(known.size()));
   for (size_t i = 0; i < known.size(); ++i)
     for (size_t j = 0; j < known.size(); ++j)
       if (i != j) spreads[i][j] = spread_of(*known[i], *known[j]);
   for (size_t i = 0; i < known.size(); ++i)
     for (size_t j = i + 1; j < known.size(); ++j) {
       if (!std::isfinite(spreads[i][j].half)) continue;
-      const Measured range = measured_range({known[i], known[j]});
-      if (range.occupancies.empty()) continue;
       BreakEven pair;
       pair.first = known[i]->representation;
       pair.second = known[j]->representation;
       pair.ratio_bias = std::exp(spreads[i][j].bias);
       pair.ratio_factor = std::exp(spreads[i][j].half);
-      pair.from = static_cast<uint32_t>(range.least_agents);
-      pair.to = static_cast<uint32_t>(range.most_agents);
-      for (const double occupancy : range.occupancies)
-        pair.contour.push_back(contour_point(scene, *known[i], *known[j], spreads[i][j], range, occupancy));
-      map.pairs.push_back(std::move(pair));
+      for (const Measured& range : measured_ranges({known[i], known[j]}))
+        pair.contour.push_back(contour_point(scene, *known[i], *known[j], spreads[i][j], range));
+      if (!pair.contour.empty()) map.pairs.push_back(std::move(pair));
     }
-  if (known.size() < 2) return map;
-  const Measured range = measured_range(known);
-  for (const double occupancy : range.occupancies)
-    for (const double agents : whole(even_in_log(range.least_agents, range.most_agents, kCellSteps))) {
-      const auto time = [&](size_t k) { return time_at(scene, *known[k], agents, occupancy); };
-      size_t best = 0;
-      for (size_t k = 1; k < known.size(); ++k)
-        if (std::log(time(k) / time(best)) + spreads[k][best].bias < 0) best = k;
-      CheapestCell cell{agents, occupancy, known[best]->representation, {}};
-      for (size_t k = 0; k < known.size(); ++k) {
-        if (k == best) continue;
-        const Spread& spread = spreads[k][best];
-        if (!(std::log(time(k) / time(best)) + spread.bias > spread.half))
-          cell.not_told_apart.push_back(known[k]->representation);
-      }
-      map.cells.push_back(std::move(cell));
-    }
+  if (known.size() >= 2) map.cells = cheapest_cells(scene, known, spreads);
   return map;
 }
 
@@ -201,25 +237,24 @@ std::string break_even_text(const BreakEven& pair, const BreakEvenPoint& point) 
   const std::string at = point.occupancy > 0 ? " at " + percent_text(point.occupancy) + " occupancy"
                                              : std::string(" in the scenario's own view");
   const auto count = [](double agents) { return count_text(static_cast<uint64_t>(std::llround(agents))); };
-  const std::string from = count_text(pair.from);
-  const std::string to = agents_text(pair.to);
+  const std::string within = point.from == point.to ? "with " + agents_text(point.to)
+                                                    : "from " + count_text(point.from) + " to " + agents_text(point.to);
+  const std::string untold = fmt::format("{} and {} cannot be told apart {}{}", pair.first, pair.second, within, at);
   if (!point.agents) {
     const std::string& cheaper = point.cheaper_below.empty() ? point.cheaper_beyond : point.cheaper_below;
-    if (cheaper.empty() || (!point.cheaper_beyond.empty() && point.cheaper_beyond != cheaper))
-      return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, from, to, at);
+    if (cheaper.empty() || (!point.cheaper_beyond.empty() && point.cheaper_beyond != cheaper)) return untold;
     const bool everywhere = point.cheaper_below == point.cheaper_beyond;
-    return fmt::format("{} is cheaper than {} {}from {} to {}{}", cheaper,
+    return fmt::format("{} is cheaper than {} {}{}{}: no break-even there, and nothing is known beyond", cheaper,
                        cheaper == pair.first ? pair.second : pair.first,
-                       everywhere ? "" : "wherever they can be told apart ", from, to, at);
+                       everywhere ? "" : "wherever they can be told apart ", within, at);
   }
-  if (point.low_open && point.high_open)
-    return fmt::format("{} and {} cannot be told apart from {} to {}{}", pair.first, pair.second, from, to, at);
+  if (point.low_open && point.high_open) return untold;
   const std::string beyond = !point.cheaper_beyond.empty()       ? point.cheaper_beyond
                              : point.cheaper_below == pair.first ? pair.second
                                                                  : pair.first;
   return fmt::format("{} is the cheaper one from about {} agents on ({} to {}){}", beyond, count(*point.agents),
-                     point.low_open ? "fewer than " + count(*point.low) : count(*point.low),
-                     point.high_open ? "more than " + count(*point.high) : count(*point.high), at);
+                     count(*point.low) + (point.low_open ? ", the fewest timed," : ""),
+                     count(*point.high) + (point.high_open ? ", the most timed" : ""), at);
 }
 
 }  // namespace crowdbench::reports

@@ -3,8 +3,9 @@
 //
 // The models are of what is known before a frame is drawn (agents, covered pixels). How sure a ratio of two predictions
 // is comes from the ratios that both predict without having seen them: its 95 % prediction interval, of logarithms,
-// normal with an unknown deviation (Student's t). Nothing is said of a pair outside of what
-// both were measured at, nor on the map outside of what all were.
+// normal with an unknown deviation (Student's t). Nothing is said of a pair outside of what both were measured at, nor
+// on the map outside of what all were: beyond the convex hull of those points over the logarithm of the agents and the
+// occupancy, for which ranges of both by themselves would not do (a large crowd may be timed at one occupancy alone).
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -22,12 +23,12 @@ struct BreakEvenPoint {
   // does not change within what was measured.
   std::optional<double> agents, low, high;
   bool low_open = false, high_open = false;  // the band reaches the end of what was measured
+  uint32_t from = 0, to = 0;                 // agents between which both were measured at this occupancy
 };
 struct BreakEven {
   std::string first, second;
   double ratio_bias = 1;                // a measured ratio over the predicted one, in the geometric mean
   double ratio_factor = 1;              // a predicted ratio times the bias, times or over this: 95 % of measured ones
-  uint32_t from = 0, to = 0;            // agents with which both were measured
   std::vector<BreakEvenPoint> contour;  // by occupancy
 };
 struct CheapestCell {
@@ -42,7 +43,7 @@ struct BreakEvenMap {
 };
 BreakEvenMap break_even_map(const Scene& scene);
 
-// "flat is the cheaper one from about 120 agents on (80 to 190) at 15 % occupancy".
+// "flat is the cheaper one from about 120 agents on (80 to 190, the most timed) at 15 % occupancy".
 std::string break_even_text(const BreakEven& pair, const BreakEvenPoint& point);
 
 }  // namespace crowdbench::reports

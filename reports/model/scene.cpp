@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
@@ -17,22 +18,35 @@ void insert_sorted(std::vector<T>& values, const T& value) {
 
 }  // namespace
 
+void Scene::take(const MeasurementRow& row) {
+  const PointKey& key = row.key;
+  const auto [at, fresh] =
+      row_places_.try_emplace({key.representation, key.agents, key.requested_occupancy}, rows.size());
+  if (fresh)
+    rows.push_back(&row);
+  else
+    rows[at->second] = &row;
+  insert_sorted(occupancies, key.requested_occupancy);
+  insert_sorted(agents, key.agents);
+  if (std::find(representations.begin(), representations.end(), key.representation) == representations.end())
+    representations.push_back(key.representation);
+}
+
+void Scene::take(const RatioRow& row) {
+  ratios.push_back(&row);
+  const PointKey& of = row.of;
+  latest_ratios_[{{of.representation, of.agents, of.requested_occupancy}, row.kind, row.metric}] = &row;
+}
+
 const MeasurementRow* Scene::find(const std::string& representation, uint32_t agent_count, double occupancy) const {
-  for (const MeasurementRow* row : rows)
-    if (row->key.representation == representation && row->key.agents == agent_count &&
-        row->key.requested_occupancy == occupancy)
-      return row;
-  return nullptr;
+  const auto at = row_places_.find({representation, agent_count, occupancy});
+  return at == row_places_.end() ? nullptr : rows[at->second];
 }
 
 const RatioRow* Scene::ratio(const std::string& kind, const std::string& representation, uint32_t agent_count,
                              double occupancy, const std::string& metric) const {
-  // The latest, should a point have been measured again.
-  for (auto row = ratios.rbegin(); row != ratios.rend(); ++row)
-    if ((*row)->kind == kind && (*row)->of.representation == representation && (*row)->of.agents == agent_count &&
-        (*row)->of.requested_occupancy == occupancy && (*row)->metric == metric)
-      return *row;
-  return nullptr;
+  const auto at = latest_ratios_.find({{representation, agent_count, occupancy}, kind, metric});
+  return at == latest_ratios_.end() ? nullptr : at->second;
 }
 
 const PictureRow* Scene::picture(const ComparisonRow& comparison, const std::string& role) const {
@@ -60,67 +74,73 @@ std::vector<ScoreDoc> docs_of(const Scene& scene, const std::vector<ScoreDoc>& d
   return docs;
 }
 
-}  // namespace
+// Which rows are one scene.
+class SceneKeys {
+ public:
+  // File, scenario, revision, renderer and processor, character.
+  using Key = std::tuple<std::string, std::string, std::string, std::string, std::string>;
 
-std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<ScoreDoc>& scores) {
-  using SceneKey = std::tuple<std::string, std::string, std::string, std::string>;
-  std::map<int64_t, const RunRow*> runs;
-  for (const RunRow& run : contents.runs) runs[run.id] = &run;
-  const auto key_of_run = [&](int64_t id, const std::string& character) -> std::optional<SceneKey> {
-    const auto found = runs.find(id);
-    if (found == runs.end()) return std::nullopt;
-    const RunRow& run = *found->second;
-    return SceneKey{run.scenario_hash, run.revision, run.gl_renderer + run.gl_version, character};
-  };
-
-  std::vector<Scene> scenes;
-  std::map<std::tuple<SceneKey, int, int>, size_t> places;
-  std::map<std::pair<size_t, PointKey>, size_t> latest;  // scene and key -> place in its rows
-  for (const MeasurementRow& row : contents.measurements) {
-    const auto key = key_of_run(row.run, row.key.character);
-    if (!key) continue;
-    const auto [place, added] = places.try_emplace({*key, row.key.width, row.key.height}, scenes.size());
-    if (added) {
-      Scene& scene = scenes.emplace_back();
-      scene.character = row.key.character;
-      scene.width = row.key.width;
-      scene.height = row.key.height;
+  explicit SceneKeys(const StoreContents& contents) {
+    for (const RunRow& run : contents.runs) {
+      const auto source = contents.sources.find(run.id);
+      runs_[run.id] = {&run, source == contents.sources.end() ? "" : source->second, likeness_of(run)};
     }
-    Scene& scene = scenes[place->second];
-    scene.run = runs[row.run];
-    if (scene.reference.empty()) scene.reference = row.reference;
-    const auto [at, fresh] = latest.try_emplace({place->second, row.key}, scene.rows.size());
-    if (fresh)
-      scene.rows.push_back(&row);
-    else
-      scene.rows[at->second] = &row;
-    insert_sorted(scene.occupancies, row.key.requested_occupancy);
-    insert_sorted(scene.agents, row.key.agents);
-    auto& names = scene.representations;
-    if (std::find(names.begin(), names.end(), row.key.representation) == names.end())
-      names.push_back(row.key.representation);
+    struct Sizes {
+      std::set<uint32_t> agents;
+      std::set<double> occupancies;
+    };
+    std::map<Key, Sizes> sizes;
+    for (const MeasurementRow& row : contents.measurements)
+      if (const auto key = of(row.run, row.key.character)) {
+        sizes[*key].agents.insert(row.key.agents);
+        sizes[*key].occupancies.insert(row.key.requested_occupancy);
+      }
+    for (const auto& [key, size] : sizes)
+      if (size.agents.size() * size.occupancies.size() > kPairsInAScene) scattered_.insert(std::get<1>(key));
+    for (auto& [id, run] : runs_)
+      if (scattered_.contains(run.likeness)) run.likeness = run.row->scenario_hash;
   }
-  for (Scene& scene : scenes) {
-    auto& names = scene.representations;
-    std::stable_partition(names.begin(), names.end(), [&](const std::string& name) { return name == scene.reference; });
+
+  std::optional<Key> of(int64_t id, const std::string& character) const {
+    const auto found = runs_.find(id);
+    if (found == runs_.end()) return std::nullopt;
+    const RunRow& run = *found->second.row;
+    const std::string machine =
+        run.gl_renderer + run.gl_version + run.cpu_model.value_or("") + std::to_string(run.cpu_threads);
+    return Key{found->second.source, found->second.likeness, run.revision, machine, character};
   }
-  for (const RatioRow& row : contents.ratios) {
-    const auto key = key_of_run(row.run, row.of.character);
-    if (!key) continue;
-    const auto place = places.find({*key, row.of.width, row.of.height});
-    if (place != places.end()) scenes[place->second].ratios.push_back(&row);
+  const RunRow* run(int64_t id) const { return runs_.at(id).row; }
+
+ private:
+  struct Run {
+    const RunRow* row = nullptr;
+    std::string source, likeness;
+  };
+  // Texts that say neither are told apart by their hash alone.
+  static std::string likeness_of(const RunRow& run) {
+    std::string text = without_crowd_size(run.scenario);
+    return text == run.scenario ? run.scenario_hash : text;
   }
-  // Comparisons and pictures know their run and character, not the size of the timed picture.
+  std::map<int64_t, Run> runs_;
+  std::set<std::string> scattered_;
+};
+
+using ScenePlaces = std::map<std::tuple<SceneKeys::Key, int, int>, size_t>;  // and width, height
+
+// Comparisons and pictures know their run and character, not the size of the timed picture.
+void add_comparisons(const StoreContents& contents, const SceneKeys& keys, const ScenePlaces& places,
+                     std::vector<Scene>& scenes) {
+  std::map<SceneKeys::Key, size_t> first;
+  for (const auto& [place, index] : places) first.try_emplace(std::get<0>(place), index);
   std::map<int64_t, size_t> scene_of_comparison;
   for (const ComparisonRow& row : contents.comparisons) {
-    const auto key = key_of_run(row.run, row.character);
-    for (const auto& [place, index] : places)
-      if (key && std::get<0>(place) == *key) {
-        if (row.kind == "crowd") scenes[index].crowd_comparisons.push_back(&row);
-        if (row.kind == "agent") scenes[index].agent_comparisons.push_back(&row);
-        scene_of_comparison[row.id] = index;
-        break;
-      }
+    const auto key = keys.of(row.run, row.character);
+    const auto place = key ? first.find(*key) : first.end();
+    if (place == first.end()) continue;
+    Scene& scene = scenes[place->second];
+    if (row.kind == "crowd") scene.crowd_comparisons.push_back(&row);
+    if (row.kind == "agent") scene.agent_comparisons.push_back(&row);
+    scene_of_comparison[row.id] = place->second;
   }
   for (const PictureRow& row : contents.pictures) {
     if (row.comparison) {
@@ -128,12 +148,73 @@ std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<Sc
       if (place != scene_of_comparison.end()) scenes[place->second].pictures.push_back(&row);
       continue;
     }
-    for (Scene& scene : scenes)
-      if (scene.run->id == row.run) {
-        scene.pictures.push_back(&row);
-        break;
-      }
+    const auto scene =
+        std::find_if(scenes.begin(), scenes.end(), [&](const Scene& one) { return one.run->id == row.run; });
+    if (scene != scenes.end()) scene->pictures.push_back(&row);
   }
+}
+
+}  // namespace
+
+std::vector<double> shown_occupancies(const Scene& scene) {
+  if (scene.occupancies.size() <= kMostCurves) return scene.occupancies;
+  std::map<double, std::set<uint32_t>> crowds;
+  for (const MeasurementRow* row : scene.rows)
+    if (is_timed(*row)) crowds[row->key.requested_occupancy].insert(row->key.agents);
+  std::vector<double> with_curves;
+  for (const auto& [occupancy, agents] : crowds)
+    if (agents.size() > 1) with_curves.push_back(occupancy);
+  if (with_curves.size() <= kMostCurves) return with_curves;
+  std::vector<double> out;
+  for (size_t i = 0; i < kMostCurves; ++i) out.push_back(with_curves[i * (with_curves.size() - 1) / (kMostCurves - 1)]);
+  return out;
+}
+
+std::string without_crowd_size(const std::string& scenario) {
+  std::string out;
+  std::istringstream lines(scenario);
+  std::string table;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('[')) table = line;
+    if (table.empty() && line.starts_with("occupancy = ")) continue;
+    if (table == "[crowd]" && line.starts_with("agents = ")) continue;
+    out += line + "\n";
+  }
+  return out;
+}
+
+std::vector<Scene> scenes_of(const StoreContents& contents, const std::vector<ScoreDoc>& scores) {
+  const SceneKeys keys(contents);
+  std::vector<Scene> scenes;
+  ScenePlaces places;
+  for (const MeasurementRow& row : contents.measurements) {
+    const auto key = keys.of(row.run, row.key.character);
+    if (!key) continue;
+    const auto [place, added] = places.try_emplace({*key, row.key.width, row.key.height}, scenes.size());
+    if (added) {
+      Scene& scene = scenes.emplace_back();
+      scene.source = std::get<0>(*key);
+      scene.likeness = std::get<1>(*key);
+      scene.character = row.key.character;
+      scene.width = row.key.width;
+      scene.height = row.key.height;
+    }
+    Scene& scene = scenes[place->second];
+    scene.run = keys.run(row.run);
+    if (scene.reference.empty()) scene.reference = row.reference;
+    scene.take(row);
+  }
+  for (Scene& scene : scenes) {
+    auto& names = scene.representations;
+    std::stable_partition(names.begin(), names.end(), [&](const std::string& name) { return name == scene.reference; });
+  }
+  for (const RatioRow& row : contents.ratios) {
+    const auto key = keys.of(row.run, row.of.character);
+    if (!key) continue;
+    const auto place = places.find({*key, row.of.width, row.of.height});
+    if (place != places.end()) scenes[place->second].take(row);
+  }
+  add_comparisons(contents, keys, places, scenes);
   for (Scene& scene : scenes) scene.scores = docs_of(scene, scores);
   return scenes;
 }

@@ -4,13 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-namespace crowdbench::reports {
-namespace {
+#include "core/short_numbers.h"
 
-using Values = std::vector<std::pair<std::string, std::string>>;  // by axis, in the plan's order
+namespace crowdbench::reports {
 
 // A file's text may be anything.
-Values values_of(const SweepPointRow& row) {
+SweepSettings::Values SweepSettings::values_of(const SweepPointRow& row) {
   Values out;
   const auto settings = nlohmann::ordered_json::parse(row.settings, nullptr, false);
   if (!settings.is_object()) return out;
@@ -19,24 +18,35 @@ Values values_of(const SweepPointRow& row) {
   return out;
 }
 
-std::string text_of(const Values& values) {
+SweepSettings::SweepSettings(const StoreContents& contents) {
+  std::map<std::string, std::set<std::string>> all;
+  for (const SweepPointRow& row : contents.sweep_points) {
+    Values values = values_of(row);
+    for (const auto& [axis, value] : values) all[axis].insert(value);
+    if (row.measurement) by_measurement_[*row.measurement] = std::move(values);
+  }
+  for (const auto& [axis, texts] : all) texts_[axis] = short_numbers(texts);
+}
+
+std::string SweepSettings::text_of(const Values& values) const {
   std::string out;
-  for (const auto& [axis, value] : values) out += (out.empty() ? "" : ", ") + axis + " = " + value;
+  for (const auto& [axis, value] : values) {
+    const auto of = texts_.find(axis);
+    const bool known = of != texts_.end() && of->second.contains(value);
+    out += (out.empty() ? "" : ", ") + axis + " = " + (known ? of->second.at(value) : value);
+  }
   return out;
 }
 
-}  // namespace
+std::string SweepSettings::of_point(const SweepPointRow& row) const { return text_of(values_of(row)); }
 
-std::string settings_text(const SweepPointRow& row) { return text_of(values_of(row)); }
-
-std::string settings_of_scene(const StoreContents& contents, const Scene& scene) {
-  std::set<int64_t> measured;
-  for (const MeasurementRow* row : scene.rows) measured.insert(row->id);
+std::string SweepSettings::of_scene(const Scene& scene) const {
   Values common;
   bool first = true;
-  for (const SweepPointRow& row : contents.sweep_points) {
-    if (!row.measurement || !measured.contains(*row.measurement)) continue;
-    const Values values = values_of(row);
+  for (const MeasurementRow* row : scene.rows) {
+    const auto found = by_measurement_.find(row->id);
+    if (found == by_measurement_.end()) continue;
+    const Values& values = found->second;
     if (first) common = values;
     first = false;
     std::erase_if(common,
@@ -46,6 +56,7 @@ std::string settings_of_scene(const StoreContents& contents, const Scene& scene)
 }
 
 std::vector<UndrawnPoints> undrawn_points(const StoreContents& contents) {
+  const SweepSettings all(contents);
   std::vector<UndrawnPoints> out;
   for (const SweepPointRow& row : contents.sweep_points) {
     if (row.state == "done" || row.role == "aa") continue;
@@ -53,7 +64,7 @@ std::vector<UndrawnPoints> undrawn_points(const StoreContents& contents) {
       return one.state == row.state && one.reason == row.reason;
     });
     if (place == out.end()) place = out.insert(out.end(), {row.state, row.reason, 0, {}});
-    const std::string settings = settings_text(row);
+    const std::string settings = all.of_point(row);
     if (place->count++ < kUndrawnNamed)
       place->some.push_back(row.representation + (settings.empty() ? "" : ", " + settings));
   }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "reports/charts/charts.h"
+#include "reports/charts/cost_charts.h"
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
 #include "reports/page/blocks.h"
@@ -83,14 +84,24 @@ const char* short_title(const std::string& metric) {
   return "CPU time";
 }
 
+Rows fewer_curves(const Scene& scene, const std::vector<double>& shown) {
+  if (shown.size() == scene.occupancies.size()) return {};
+  return {
+      {{"shown", shown.empty() ? "None" : count_text(shown.size())}, {"all", count_text(scene.occupancies.size())}}};
+}
+
 }  // namespace
 
 Html cost_section(SceneOnPage& page) {
   const Scene& scene = page.scene;
   std::vector<Html> time_charts;
-  for (const double occupancy : scene.occupancies)
+  const std::vector<double> shown = shown_occupancies(scene);
+  for (const double occupancy : shown)
     if (const std::string chart = time_chart(scene, occupancy); !chart.empty())
       time_charts.push_back(page.chart(chart, occupancy_title(occupancy)));
+  if (time_charts.empty())
+    if (const std::string chart = scatter_chart(scene); !chart.empty())
+      time_charts.push_back(page.chart(chart, "Every occupancy"));
   std::vector<Html> speed_charts;
   if (const std::string chart = speed_chart(scene); !chart.empty())
     speed_charts.push_back(page.chart(chart, "Speed against " + scene.reference));
@@ -100,6 +111,7 @@ Html cost_section(SceneOnPage& page) {
   return fill_template(page_file("cost.html"), {{"metric", metric_title(scene.run->headline)},
                                                 {"heading", short_title(scene.run->headline)},
                                                 {"reference", scene.reference},
+                                                {"fewer", fewer_curves(scene, shown)},
                                                 {"frame_rates", !scene.run->software},
                                                 {"time_charts", html_rows(std::move(time_charts))},
                                                 {"speed_charts", html_rows(std::move(speed_charts))},

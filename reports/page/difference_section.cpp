@@ -121,7 +121,7 @@ Rows crowds(const SceneOnPage& page) {
                     {"occupancy", occupancy_text(comparison->requested_occupancy)},
                     {"cells", std::move(cells)}});
   }
-  return {{{"scores", titles(scores)}, {"rows", std::move(rows)}}};
+  return {{{"scores", titles(scores)}, {"rows", std::move(rows)}, {"stricter", !page.scene.agent_comparisons.empty()}}};
 }
 
 }  // namespace

@@ -27,8 +27,10 @@ std::vector<const MeasurementRow*> largest_rows(const Scene& scene) {
 std::string bytes_or_dash(const std::optional<uint64_t>& bytes) { return bytes ? bytes_text(*bytes) : "–"; }
 
 std::string bake_text(const MeasurementRow& row) {
-  if (!row.bake_seconds) return "–";
-  return fmt::format("{:.2f} s{}", *row.bake_seconds, row.bake_cached.value_or(false) ? ", from the cache" : "");
+  const std::string read =
+      row.bake_load_seconds ? fmt::format("read from the cache in {:.2f} s", *row.bake_load_seconds) : "";
+  if (!row.bake_seconds) return read.empty() ? "–" : "not known; " + read;  // files of schema 8 and before
+  return fmt::format("{:.2f} s{}", *row.bake_seconds, read.empty() ? "" : "; " + read);
 }
 
 }  // namespace

@@ -37,6 +37,18 @@ TemplateValues front_values(SceneOnPage& page, const ParetoFront& front) {
           {"entries", std::move(entries)}};
 }
 
+// Of the occupancies that curves are drawn of; where there are none, of the first.
+std::vector<ParetoFront> shown_fronts(const Scene& scene) {
+  std::vector<ParetoFront> all = pareto_fronts(scene);
+  const std::vector<double> shown = shown_occupancies(scene);
+  if (shown.empty() && !all.empty()) all.resize(1);
+  if (!shown.empty())
+    std::erase_if(all, [&](const ParetoFront& front) {
+      return std::find(shown.begin(), shown.end(), front.occupancy) == shown.end();
+    });
+  return all;
+}
+
 }  // namespace
 
 Html model_section(SceneOnPage& page) {
@@ -44,7 +56,7 @@ Html model_section(SceneOnPage& page) {
   if (scene.rows.empty()) return {};
   std::vector<CostModel> models;
   for (const std::string& name : scene.representations) models.push_back(cost_model(scene, name));
-  const std::vector<ParetoFront> found = pareto_fronts(scene);
+  const std::vector<ParetoFront> found = shown_fronts(scene);
   if (found.empty() &&
       std::none_of(models.begin(), models.end(), [](const CostModel& model) { return model.absent.empty(); }))
     return {};

@@ -74,6 +74,20 @@
       over.style.clipPath = "none";
       timer = setInterval(function () { over.classList.toggle("hide"); }, 500);
     });
+    var amplified = group.querySelector("[data-amplified]");
+    if (amplified) {
+      var more = document.createElement("button"), shown = false, difference = amplified.querySelector("img").cloneNode();
+      more.type = "button";
+      more.textContent = "difference × " + amplified.dataset.amplified;
+      difference.className = "over hide";
+      pair.firstChild.append(difference);
+      more.addEventListener("click", function () {
+        shown = !shown;
+        difference.classList.toggle("hide", !shown);
+        more.setAttribute("aria-pressed", String(shown));
+      });
+      pair.querySelector("button").after(more);
+    }
     cut();
     group.after(pair);
   });

@@ -26,8 +26,9 @@ Comparisons comparisons_of(const Scene& scene) {
 using Settings = std::map<int64_t, std::string>;  // by measurement
 Settings settings_of(const StoreContents& contents) {
   Settings out;
+  const SweepSettings all(contents);
   for (const SweepPointRow& row : contents.sweep_points)
-    if (std::string text = row.measurement ? settings_text(row) : ""; !text.empty())
+    if (std::string text = row.measurement ? all.of_point(row) : ""; !text.empty())
       out[*row.measurement] = std::move(text);
   return out;
 }

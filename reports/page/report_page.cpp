@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "reports/model/equal_levels.h"
+#include "reports/model/side_by_side.h"
 #include "reports/model/sweep_settings.h"
 #include "reports/page/blocks.h"
 #include "reports/page/distance_page.h"
@@ -16,6 +17,8 @@
 #include "reports/page/page_frame.h"
 #include "reports/page/points_section.h"
 #include "reports/page/sections.h"
+#include "reports/page/side_section.h"
+#include "reports/page/tuning_section.h"
 
 namespace crowdbench::reports {
 namespace {
@@ -39,21 +42,23 @@ std::string characters_of(const std::vector<Scene>& scenes, const std::vector<Sc
     for (const Scene& scene : *some) add(scene.character);
   for (const CurveRow& curve : contents.curves) add(curve.character);
   for (const PopRow& pop : contents.pops) add(pop.character);
+  for (const TuningRow& tuning : contents.tunings) add(tuning.character);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
 // several: the page tells of more scenes than this one, so that each needs a heading and an answer of its own.
-TemplateValues scene_values(const StoreContents& contents, const Scene& scene, const FloorTexts& floors, bool several,
-                            int& last_chart) {
+TemplateValues scene_values(const SweepSettings& all_settings, const Scene& scene, const FloorTexts& floors,
+                            bool several, int& last_chart) {
   Rows heading;
   std::vector<Html> sections;
   if (several) {
-    const std::string settings = settings_of_scene(contents, scene);
+    const std::string settings = all_settings.of_scene(scene);
     heading.push_back({{"character", scene.character},
                        {"width", scene.width},
                        {"height", scene.height},
                        {"scenario", scene.run->scenario_name},
-                       {"settings", settings.empty() ? "" : ", " + settings}});
+                       {"settings", (settings.empty() ? "" : ", " + settings) +
+                                        (scene.source.empty() ? "" : ", of " + scene.source)}});
     sections.push_back(answer_section(scene));
   }
   SceneOnPage page(scene, last_chart);
@@ -80,7 +85,8 @@ TemplateValues agent_values(const StoreContents& contents, const Scene& scene, i
           {"causes", causes_section(contents, scene.run->id)}};
 }
 
-TemplateValues run_values(const RunRow& run) {
+// source: the file that it is from, where there are several.
+TemplateValues run_values(const RunRow& run, const std::string& source) {
   Rows facts;
   const auto fact = [&](const char* title, std::string value) {
     facts.push_back({{"title", title}, {"value", std::move(value)}});
@@ -95,6 +101,7 @@ TemplateValues run_values(const RunRow& run) {
   fact("cost of reading the clocks", fmt::format("{:.2f} µs", run.timer_cost_ns / 1e3));
   fact("seed", std::to_string(run.seed));
   fact("scenario", fmt::format("{}, SHA-256 {}", run.scenario_name, run.scenario_hash));
+  if (!source.empty()) facts.insert(facts.begin(), {{"title", "file"}, {"value", source}});
   return {{"id", run.id}, {"started", run.started}, {"facts", std::move(facts)}, {"scenario", run.scenario}};
 }
 
@@ -120,7 +127,8 @@ TemplateValues distance_values(const StoreContents& contents, const RunRow& run,
           {"causes", causes_section(contents, run.id)}};
 }
 
-std::string title_of_untimed(const std::vector<Scene>& agents, bool curves) {
+std::string title_of_untimed(const StoreContents& contents, const std::vector<Scene>& agents, bool curves) {
+  if (!contents.tunings.empty()) return "Which representation from which distance on";
   if (curves) return "Difference over distance";
   return agents.empty() ? "Switches of agents, and how visible they are" : "Difference of single agents";
 }
@@ -164,8 +172,10 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
   const std::vector<Scene> scenes = scenes_of(contents, options.scores);
   const std::vector<Scene> agents = scenes_of_agents(contents, scenes, options.scores);
   const std::vector<const RunRow*> distances = runs_with_curves(contents);
-  if (contents.runs.empty() || (scenes.empty() && agents.empty() && distances.empty() && contents.pops.empty()))
-    throw Error(options.source, "holds no measurement, no curve, no single agent and no switch to make a page of",
+  if (contents.runs.empty() ||
+      (scenes.empty() && agents.empty() && distances.empty() && contents.pops.empty() && contents.tunings.empty()))
+    throw Error(options.source,
+                "holds no measurement, no curve, no single agent, no switch and no tuned rule to make a page of",
                 "run `crowdbench bench --out " + options.source + "` first, or another command with --db");
   const bool several = scenes.size() > 1;
   const RunRow& run = first_run(contents, scenes, distances, agents);
@@ -174,10 +184,12 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
   answers.push_back(findings_section(contents, options.pop_scores));
   std::erase_if(answers, [](const Html& answer) { return answer.text.empty(); });
   int last_chart = 0;
+  const SweepSettings all_settings(contents);
+  const Html sides = side_section(side_by_side(scenes), last_chart);
   Rows on_page;
   const size_t in_full = std::min(scenes.size(), kScenesInFull);
   for (size_t i = 0; i < in_full; ++i)
-    on_page.push_back(scene_values(contents, scenes[i], options.floors, several, last_chart));
+    on_page.push_back(scene_values(all_settings, scenes[i], options.floors, several, last_chart));
   Rows over_distance;
   for (const RunRow* each : distances) over_distance.push_back(distance_values(contents, *each, options, last_chart));
   Rows alone;
@@ -188,7 +200,10 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
       pops.push_back(std::move(section));
   Rows runs;
   const std::vector<const RunRow*> told = runs_in_full(contents, scenes);
-  for (const RunRow* each : told) runs.push_back(run_values(*each));
+  for (const RunRow* each : told) {
+    const auto source = contents.sources.find(each->id);
+    runs.push_back(run_values(*each, source == contents.sources.end() ? "" : source->second));
+  }
   Rows more;
   if (told.size() < contents.runs.size())
     more.push_back({{"count", contents.runs.size() - told.size()}, {"alike", runs_are_alike(contents.runs)}});
@@ -201,6 +216,8 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
        {"version", run.version},
        {"revision", run.revision},
        {"lead", lead_section(lead_of(contents, scenes, options.scores))},
+       {"tuning", tuning_section(contents, options.scores)},
+       {"sides", sides},
        {"answer", html_rows(std::move(answers))},
        {"software", std::any_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return scene.run->software; })},
        {"scenes", std::move(on_page)},
@@ -212,7 +229,7 @@ std::string report_page(const StoreContents& contents, const PageOptions& option
        {"timed", !scenes.empty()},
        {"runs", std::move(runs)},
        {"more_runs", std::move(more)}});
-  return page_frame(scenes.empty() ? title_of_untimed(agents, !distances.empty()) : title_of(scenes.front()),
+  return page_frame(scenes.empty() ? title_of_untimed(contents, agents, !distances.empty()) : title_of(scenes.front()),
                     std::move(content), options.source);
 }
 

@@ -19,7 +19,7 @@ struct PageOptions {
 // The page's bytes, UTF-8. Everything is inside: data, pictures (PNG as data URIs), the chart library. The page's own
 // content security policy forbids it to load anything. contents: read with pictures. Throws Error when the program was
 // built without the chart library, or when the file holds nothing that a page tells of: measurements, curves, single
-// agents, causes or switches.
+// agents, causes, switches or tuned rules. Contents of several files (store/joined.h) are set side by side.
 std::string report_page(const StoreContents& contents, const PageOptions& options = {});
 
 }  // namespace crowdbench::reports

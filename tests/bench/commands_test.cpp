@@ -664,6 +664,12 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          EXPECT_NE(text("s.csv").find("ssim"), std::string::npos);
          EXPECT_EQ(json::parse(text("r.json")).at("measurements").size(), 4U);
          EXPECT_GT(json::parse(text("g.json")).at("benchmarks").size(), 0U);
+         fs::copy_file(work_ / "r.sqlite", work_ / "again.sqlite");
+         const Outcome both = run("report r.sqlite again.sqlite --out both.html --markdown both.md");
+         EXPECT_EQ(both.status, 0) << both.text;
+         EXPECT_NE(text("both.md").find("again.sqlite: times as fast as mesh"), std::string::npos);
+         EXPECT_NE(text("both.html").find("The files beside each other"), std::string::npos);
+         EXPECT_EQ(run("report r.sqlite r.sqlite --out twice.html").status, 2) << "a file is named twice";
        }},
       {"pair",
        [&] {

@@ -73,22 +73,29 @@ Found simulate(size_t runs, const test::SimulatedMachine& machine) {
 }
 
 // Over 1,000 simulated runs of 24 rounds: false alarms within the 95 % binomial limits of the stated level, and a
-// slow-down of 3 % found in at least 95 % where frames scatter by 2 %. CROWDBENCH_LONG_FORM=1 prints a table.
-TEST(Control, FalseAlarmsAreAsStatedAndThreePercentIsFound) {
+// slow-down of 3 % found in at least 95 % where frames scatter by 2 %. CROWDBENCH_LONG_FORM=1 prints a table, of 10,000
+// too: enough to show that the rate lies below the level, which is what the verdict guarantees.
+TEST(Control, FalseAlarmsAreAtMostAsStatedAndThreePercentIsFound) {
   const bool long_form = std::getenv("CROWDBENCH_LONG_FORM") != nullptr;
   const size_t runs = long_form ? 10'000 : 1000;
   const CountLimits limits = binomial_limits(runs, kControlLevel);
   if (long_form)
-    std::cout << "| scatter of a frame | drift of a round | false alarms | 95 % limits of 5 % | 3 % slow-down found | "
-                 "detectable change, mean | found at it |\n|--:|--:|--:|--:|--:|--:|--:|\n";
+    std::cout << "| scatter of a frame | drift of a round | false alarms in 1,000 (95 % limits of 5 %) | in 10,000 "
+                 "(limits) | 3 % "
+                 "slow-down found | detectable change, mean | found at it |\n|--:|--:|--:|--:|--:|--:|--:|\n";
+  const CountLimits of_thousand = binomial_limits(1000, kControlLevel);
   for (const double noise : long_form ? std::vector{0.01, 0.02, 0.03, 0.05} : std::vector{0.02})
     for (const double drift : long_form ? std::vector{0.0, 0.05, 0.2} : std::vector{0.05}) {
       const Found found = simulate(runs, {.noise = noise, .drift = drift});
       const auto percent = [&](size_t count) { return 100 * static_cast<double>(count) / static_cast<double>(runs); };
-      if (long_form)
-        std::cout << "| " << 100 * noise << " % | " << 100 * drift << " % | " << percent(found.alarms) << " % | "
-                  << percent(limits.low) << " to " << percent(limits.high) << " % | " << percent(found.slow_downs)
-                  << " % | " << 100 * found.detectable << " % | " << percent(found.at_detectable) << " % |\n";
+      if (long_form) {
+        const size_t alarms = simulate(1000, {.noise = noise, .drift = drift}).alarms;
+        EXPECT_TRUE(alarms >= of_thousand.low && alarms <= of_thousand.high) << alarms;
+        std::cout << "| " << 100 * noise << " % | " << 100 * drift << " % | " << alarms << " (" << of_thousand.low
+                  << " to " << of_thousand.high << ") | " << found.alarms << " (" << limits.low << " to " << limits.high
+                  << ") | " << percent(found.slow_downs) << " % | " << 100 * found.detectable << " % | "
+                  << percent(found.at_detectable) << " % |\n";
+      }
       EXPECT_LE(found.alarms, limits.high) << noise << ' ' << drift;
       if (!long_form) {
         EXPECT_GE(found.alarms, limits.low) << noise << ' ' << drift;

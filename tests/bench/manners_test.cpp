@@ -297,6 +297,7 @@ TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
       {"regress a.sqlite b.sqlite --detect 0.5", "--detect: 0.5 % is not more than the least effect of 1 %"},
       {"regress a.sqlite b.sqlite --tolerance simm=1", "did you mean 'ssim'?"},
       {"export r.sqlite", "nothing to write"},
+      {"report a.sqlite b.sqlite --csv x.csv", "these forms have no place for a file's name"},
       {"popmap --fade 0", "--fade: '0' is not a whole number from 1 to 60"},
       {"pose mannequin --vertex -1", "--vertex: '-1' is not a whole number"},
       {"quality --representation mesh --reference meshes",

@@ -9,6 +9,7 @@
 
 #include "bench/commands/regress_output.h"
 #include "bench/experiments/build_runs.h"
+#include "bench/experiments/regress_times.h"
 #include "bench/timing/control.h"
 #include "bench/timing/timing.h"
 #include "core/error.h"
@@ -179,6 +180,38 @@ TEST(Regress, AControlThatDiffersRaisesTheLeastEffect) {
   const RegressReport report = regress(baseline, current, {}, metrics::scores());
   EXPECT_NEAR(point_of(report, "relief:boxes=2", 1000).least_effect, 0.06, 1e-9);
   EXPECT_NE(point_of(report, "relief:boxes=2", 1000).verdict, Verdict::worse);
+}
+
+// No test tells these changes apart from none; what is said of them is what their intervals carry.
+TEST(Regress, SameIsSaidOnlyWithinTheLeastEffect) {
+  const auto judged = [](Interval interval, double control = 0) {
+    TimePoint point;
+    point.unit = "runs";
+    point.interval = interval;
+    point.change = (interval.low + interval.high) / 2;
+    point.least_effect = std::max(0.01, control);
+    std::vector<TimePoint> points = {point};
+    judge_times(points, {});
+    return points[0];
+  };
+  EXPECT_EQ(judged({-0.008, 0.009}).verdict, Verdict::same);
+  const TimePoint wide = judged({-0.004, 0.013});
+  EXPECT_EQ(wide.verdict, Verdict::indistinct);
+  EXPECT_NE(wide.reason.find("a slow-down of 1 % is not excluded, one of 5 % is"), std::string::npos) << wide.reason;
+  EXPECT_EQ(judged({-0.02, 0.005}).verdict, Verdict::indistinct) << "it may be faster";
+  EXPECT_EQ(judged({-0.02, 0.06}).verdict, Verdict::unclear);
+  // A slow-down that controls cover up is not called the same, and passes nothing.
+  const TimePoint covered = judged({0.024, 0.038}, 0.035);
+  EXPECT_EQ(covered.verdict, Verdict::unclear);
+  EXPECT_NE(covered.reason.find("the controls of these runs (A/A) differ by 3.5 % without any change"),
+            std::string::npos)
+      << covered.reason;
+  RegressReport report;
+  report.times = {wide};
+  EXPECT_EQ(exit_status(report), 0);
+  EXPECT_NE(regress_text(report).find("not distinguishable"), std::string::npos);
+  report.times = {covered};
+  EXPECT_EQ(exit_status(report), 3);
 }
 
 // One of many runs whose control differs is chance; runs whose controls differ to one side are not.

@@ -280,6 +280,8 @@ TEST(SweepPlan, FaultsNameTheirLineAndTheNearestName) {
       {"[axes]\ncrowd.agent = [1]\n", "did you mean `crowd.agents`?"},
       {"[axes]\nagents = [1]\n", "did you mean `crowd.agents`?"},
       {"[axes]\nflat.texel = [64]\n", "p.toml:2: flat has no option 'texel'; did you mean `texels`?"},
+      {"[axes]\nseed = [1]\nflat.texels = [64, 32]\n",
+       "p.toml:3: `flat.texels` changes nothing: no point draws `flat`"},
       {"[axes]\nflat.texels = [\"64,views=9\"]\n", "which is not a value that an option takes"},
       {"[axes]\ncrowd.agents = 5\n", "p.toml:2: the axis `crowd.agents` is an integer; give a list"},
       {"[axes]\ncrowd.agents = []\n", "has 0 values"},

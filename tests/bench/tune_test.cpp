@@ -664,6 +664,33 @@ TEST(TuneReport, HoldsRulesOfThumbAgainstWhatWasMeasured) {
   EXPECT_NEAR(*pixels, 0.5, 0.01) << "the box's front is a little nearer than its middle";
 }
 
+// What no switch leads to is held beside its rules of thumb, too: with and without a plan.
+TEST(TuneReport, HoldsRulesOfThumbBesideWhatWasNotChosen) {
+  TuneReport report = made_up_report();
+  EXPECT_TRUE(unchosen_candidates(report, 0, report.result.together).empty()) << "the mesh has no rule of thumb";
+  report.result.together.switches.clear();
+  std::vector<UnchosenCandidate> left = unchosen_candidates(report, 0, report.result.together);
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].candidate, 1U);
+  EXPECT_EQ(left[0].kept_px, 24) << "12 at 60 pixels is more than 10";
+  ASSERT_EQ(left[0].rules.size(), 1U);
+  EXPECT_NEAR(left[0].rules[0].height_px, 20, 1e-9);
+  EXPECT_NE(unchosen_text(report, 0, left[0]).find("keeps the threshold by itself from 24.0 pixels"),
+            std::string::npos);
+  const Json out = tune_json(report);
+  EXPECT_EQ(out.at("not_chosen").elements().size(), 1U);
+  EXPECT_EQ(out.at("characters").elements()[0].at("tail_bounded").dump(), "false");
+  EXPECT_NE(tune_page_of(report).find("(the rule changes to it nowhere)"), std::string::npos);
+  EXPECT_NE(tune_page_of(report).find("Fewer than 72 views bound no tail"), std::string::npos);
+  report.result.together.plan.reset();
+  for (TuneError& error : report.result.subjects[0].errors[1]) error.allowed = false;
+  left = unchosen_candidates(report, 0, report.result.together);
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].kept_px, std::nullopt);
+  EXPECT_NE(unchosen_text(report, 0, left[0]).find("does not keep the threshold even at"), std::string::npos);
+  EXPECT_EQ(few_views_text(72), "");
+}
+
 TEST(TuneReport, SaysOfEveryLensWhetherTheRuleIsKeptAndLiesWithinItsInterval) {
   TuneReport report = made_up_report();
   TuneLensCheck check;

@@ -40,17 +40,18 @@ class BakeCacheTest : public ::testing::Test {
 TEST_F(BakeCacheTest, GivesBackWhatWasStored) {
   const BakeCache cache(folder_ / "sub");
   EXPECT_FALSE(cache.load("flat", "00ff"));
-  const uint64_t bytes = cache.store("flat", "00ff", payload_);
+  const uint64_t bytes = cache.store("flat", "00ff", payload_, 2.5);
   EXPECT_EQ(bytes, fs::file_size(cache.path("flat", "00ff")));
   EXPECT_EQ(cache.disk_bytes("flat", "00ff"), bytes);
-  EXPECT_EQ(cache.load("flat", "00ff"), payload_);
+  EXPECT_EQ(cache.load("flat", "00ff")->payload, payload_);
+  EXPECT_EQ(cache.load("flat", "00ff")->made_seconds, 2.5);
   EXPECT_FALSE(cache.load("flat", "00fe"));
   EXPECT_FALSE(cache.load("relief", "00ff"));
 }
 
 TEST_F(BakeCacheTest, EveryFlippedBitIsSeenAndTheEntryRemoved) {
   const BakeCache cache(folder_);
-  cache.store("flat", "00ff", payload_);
+  cache.store("flat", "00ff", payload_, 2.5);
   const fs::path file = cache.path("flat", "00ff");
   const std::vector<uint8_t> sound = read_file(file);
   for (size_t i = 0; i < sound.size(); ++i) {
@@ -64,7 +65,7 @@ TEST_F(BakeCacheTest, EveryFlippedBitIsSeenAndTheEntryRemoved) {
 
 TEST_F(BakeCacheTest, EveryTruncationAndAnyTailIsSeen) {
   const BakeCache cache(folder_);
-  cache.store("flat", "00ff", payload_);
+  cache.store("flat", "00ff", payload_, 2.5);
   const fs::path file = cache.path("flat", "00ff");
   const std::vector<uint8_t> sound = read_file(file);
   for (size_t n = 0; n < sound.size(); ++n) {
@@ -79,38 +80,38 @@ TEST_F(BakeCacheTest, EveryTruncationAndAnyTailIsSeen) {
 
 TEST_F(BakeCacheTest, AnEntryUnderAnothersNameIsRefused) {
   const BakeCache cache(folder_);
-  cache.store("flat", "00ff", payload_);
+  cache.store("flat", "00ff", payload_, 2.5);
   fs::copy_file(cache.path("flat", "00ff"), cache.path("flat", "00aa"));
   EXPECT_FALSE(cache.load("flat", "00aa"));
 }
 
 TEST_F(BakeCacheTest, AnotherVersionsEntryIsAbsentAndNotCalledDamaged) {
   const BakeCache cache(folder_);
-  cache.store("flat", "00ff", payload_);
+  cache.store("flat", "00ff", payload_, 2.5);
   const fs::path file = cache.path("flat", "00ff");
   std::vector<uint8_t> older = read_file(file);
-  ASSERT_EQ(std::string(older.begin(), older.begin() + 8), "CBBAKE2\n");
+  ASSERT_EQ(std::string(older.begin(), older.begin() + 8), "CBBAKE3\n");
   older[6] = '1';
   overwrite(file, older);
   ::testing::internal::CaptureStderr();
   EXPECT_FALSE(cache.load("flat", "00ff"));
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-  EXPECT_GT(cache.store("flat", "00ff", payload_), 0U);
-  EXPECT_EQ(cache.load("flat", "00ff"), payload_);
+  EXPECT_GT(cache.store("flat", "00ff", payload_, 2.5), 0U);
+  EXPECT_EQ(cache.load("flat", "00ff")->payload, payload_);
 }
 
 TEST_F(BakeCacheTest, AFolderThatCannotBeWrittenIsAWarning) {
   overwrite(folder_ / "file", {1});
   const BakeCache cache(folder_ / "file" / "below");  // a file where a folder should be: fails for root too
-  EXPECT_EQ(cache.store("flat", "00ff", payload_), 0U);
+  EXPECT_EQ(cache.store("flat", "00ff", payload_, 2.5), 0U);
   EXPECT_FALSE(cache.load("flat", "00ff"));
 }
 
 TEST_F(BakeCacheTest, SwitchedOffItNeitherReadsNorWrites) {
-  BakeCache(folder_).store("flat", "00ff", payload_);
+  BakeCache(folder_).store("flat", "00ff", payload_, 2.5);
   const BakeCache off(folder_, false);
   EXPECT_FALSE(off.load("flat", "00ff"));
-  EXPECT_EQ(off.store("flat", "00aa", payload_), 0U);
+  EXPECT_EQ(off.store("flat", "00aa", payload_, 2.5), 0U);
   EXPECT_FALSE(fs::exists(off.path("flat", "00aa")));
 }
 
@@ -141,7 +142,7 @@ class BakeCacheLimit : public BakeCacheTest {
   // Stores an entry of about `mib` MiB that was last used so many hours ago.
   void store(const std::string& key, size_t mib, int hours_ago) const {
     const BakeCache cache(folder_);
-    ASSERT_GT(cache.store("flat", key, std::vector<uint8_t>(mib << 20)), 0U);
+    ASSERT_GT(cache.store("flat", key, std::vector<uint8_t>(mib << 20), 2.5), 0U);
     fs::last_write_time(cache.path("flat", key), fs::file_time_type::clock::now() - std::chrono::hours(hours_ago));
   }
   std::vector<std::string> keys() const {
@@ -205,7 +206,7 @@ TEST_F(BakeCacheLimit, IsReadFromTheEnvironment) {
 
 TEST(BakeRecords, AreOneKeyAndCachedOnlyTogether) {
   EXPECT_FALSE(bake_info_of({}).cached);
-  const std::vector<BakeRecord> both = {{"a1", true, 10}, {"b2", false, 5}};
+  const std::vector<BakeRecord> both = {{"a1", true, 10, 3.5}, {"b2", false, 5, 1.25}};
   const std::span<const BakeRecord> one = std::span(both).first(1);
   EXPECT_TRUE(bake_info_of(one).cached);
   EXPECT_EQ(bake_info_of(one).cache_key, "a1");
@@ -213,6 +214,7 @@ TEST(BakeRecords, AreOneKeyAndCachedOnlyTogether) {
   EXPECT_EQ(bake_info_of(both).cache_key.size(), 64U) << "a hash over all of them";
   EXPECT_NE(bake_info_of(both).cache_key, bake_info_of(std::vector{both[1], both[0]}).cache_key);
   EXPECT_EQ(disk_bytes_of(both), 15U);
+  EXPECT_EQ(bake_info_of(both).made_seconds, 4.75) << "cold, wherever it came from";
   EXPECT_EQ(disk_bytes_of({}), 0U);
 }
 
@@ -264,6 +266,8 @@ TEST_F(BakeLoaderGl, MakesOnceAndReadsAfterwards) {
   EXPECT_EQ(made_, 2);
   EXPECT_TRUE(second[1].cached);
   EXPECT_EQ(second[1].cache_key, "0b");
+  EXPECT_GT(first[1].made_seconds, 0);
+  EXPECT_EQ(second[1].made_seconds, first[1].made_seconds) << "what making it took, not what reading it did";
   make_.rebake = true;
   load_both();
   EXPECT_EQ(made_, 4);

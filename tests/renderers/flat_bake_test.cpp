@@ -176,7 +176,7 @@ TEST_F(FlatGl, AStaleEntryIsMadeAnewAndAFolderThatCannotBeWrittenStopsNothing) {
   const Image8 picture = renderer.capture(frame, *first).colour;
   // Sound by its checksum, under the right key, but not what this version writes.
   const std::vector<uint8_t> other_format(100, 7);
-  ASSERT_GT(BakeCache(folder.bakes()).store("flat", first->bake_info().cache_key, other_format), 0U);
+  ASSERT_GT(BakeCache(folder.bakes()).store("flat", first->bake_info().cache_key, other_format, 2.5), 0U);
   const auto again = make(walker(), spec, {.use_cache = true});
   EXPECT_FALSE(again->bake_info().cached);
   EXPECT_EQ(renderer.capture(frame, *again).colour, picture);

@@ -229,14 +229,53 @@ TEST(BreakEven, SaysNothingBeyondWhatBothWereTimedWith) {
   ASSERT_EQ(scene.agents.back(), 200'000U);
   const BreakEvenMap map = break_even_map(scene);
   ASSERT_EQ(map.pairs.size(), 1U);
-  EXPECT_EQ(map.pairs[0].from, 5U);
-  EXPECT_EQ(map.pairs[0].to, 2000U);
+  for (const BreakEvenPoint& point : map.pairs[0].contour) {
+    EXPECT_EQ(point.from, 5U);
+    EXPECT_EQ(point.to, 2000U);
+  }
   EXPECT_EQ(map.pairs[0].contour.back().occupancy, 0.9);
   ASSERT_FALSE(map.cells.empty());
   for (const CheapestCell& cell : map.cells) EXPECT_LE(cell.agents, 2000);
-  EXPECT_EQ(break_even_text(map.pairs[0], {}),
+  EXPECT_EQ(break_even_text(map.pairs[0], {.from = 5, .to = 2000}),
             "mesh and flat cannot be told apart from 5 to 2,000 agents in the "
             "scenario's own view");
+}
+
+// The largest crowds were timed where little is covered alone: the ranges of agents and of occupancies make a box, one
+// corner of which nobody measured.
+TEST(BreakEven, SaysNothingOfACornerThatWasNotTimed) {
+  StoreContents contents = rows_of(0.02);
+  double most = 0, least_occupancy = 1;
+  for (const MeasurementRow& row : contents.measurements) {
+    most = std::max<double>(most, row.key.agents);
+    least_occupancy = std::min(least_occupancy, row.key.requested_occupancy);
+  }
+  std::erase_if(contents.measurements, [&](const MeasurementRow& row) {
+    return row.key.agents > 20 && row.key.requested_occupancy > least_occupancy;
+  });
+  uint32_t fewer = 0;
+  for (const MeasurementRow& row : contents.measurements)
+    if (row.key.requested_occupancy == 0.9) fewer = std::max(fewer, row.key.agents);
+  ASSERT_LT(fewer, most);
+  const BreakEvenMap map = break_even_map(scenes_of(contents)[0]);
+  ASSERT_EQ(map.pairs.size(), 1U);
+  const std::vector<BreakEvenPoint>& contour = map.pairs[0].contour;
+  EXPECT_EQ(contour.front().to, most);
+  EXPECT_EQ(contour.back().occupancy, 0.9);
+  EXPECT_EQ(contour.back().to, fewer);
+  for (size_t i = 1; i < contour.size(); ++i) EXPECT_LT(contour[i].to, contour[i - 1].to) << "straight in logarithms";
+  for (const BreakEvenPoint& point : contour)
+    for (const auto& end : {point.agents, point.low, point.high})
+      EXPECT_LE(end.value_or(0), point.to + 0.5) << point.occupancy;
+  for (const CheapestCell& cell : map.cells) EXPECT_LE(cell.agents, (cell.occupancy == 0.9 ? fewer : most) + 0.5);
+  const BreakEvenPoint ended{
+      .occupancy = 0.5, .cheaper_below = "mesh", .agents = 12.0, .low = 9.0, .high = 20.0, .high_open = true, .to = 20};
+  EXPECT_EQ(break_even_text(map.pairs[0], ended),
+            "flat is the cheaper one from about 12 agents on (9 to 20, the most timed) at 50 % occupancy");
+  const BreakEvenPoint none{.occupancy = 0.5, .cheaper_below = "mesh", .cheaper_beyond = "mesh", .from = 5, .to = 20};
+  EXPECT_EQ(break_even_text(map.pairs[0], none),
+            "mesh is cheaper than flat from 5 to 20 agents at 50 % occupancy: no break-even there, and nothing is "
+            "known beyond");
 }
 
 // 0.1 ms and 20 ns a pixel are 1.2 ms at 55,000 pixels: of 550 agents, where 100 cover 10,000 and 1,000 ten times that.

@@ -76,7 +76,7 @@ TEST(Lead, TellsTheCostOfTheCurvesOwnCharacter) {
   scene.reference = "mesh";
   scene.occupancies = {0.5};
   scene.agents = {100};
-  scene.ratios = {&ratio};
+  scene.take(ratio);
   const auto rows = [&] { return lead_of(contents, {scene}, {doc()}).rows; };
   ASSERT_EQ(rows().size(), 1U);
   EXPECT_EQ(rows()[0].character, "walker");
@@ -87,7 +87,7 @@ TEST(Lead, TellsTheCostOfTheCurvesOwnCharacter) {
   level.of.representation = "mesh:triangles=500";
   level.ratio = 3;
   scene.representations = {"mesh", "flat", "mesh:triangles=500"};
-  scene.ratios.push_back(&level);
+  scene.take(level);
   EXPECT_EQ(rows()[0].cost, "0.5 of mesh’s time (0.5 to 0.5), 100 agents; 1.5 of mesh:triangles=500’s");
 }
 

@@ -126,7 +126,7 @@ const char* const kFullMeasurement = R"({"id": 4, "run": 3, "representation": "f
   "gpu_ns_high": 33.5, "gpu_ns_p05": 34.5, "gpu_ns_p95": 35.5, "gpu_ns_p99": 36.5, "low_1_percent_fps": 333.25,
   "vertices_shaded": 1001, "primitives": 1002, "fragments": 1003, "samples_passed": 1004,
   "texture_bytes": 5368709120, "buffer_bytes": 2001, "upload_bytes_per_frame": 2002, "disk_bytes": 2003,
-  "shared_bytes": 2004, "bake_seconds": 1.25, "bake_cached": false})";
+  "shared_bytes": 2004, "bake_seconds": 1.25, "bake_load_seconds": 0.75, "bake_cached": false})";
 
 // Columns in this order, which spreadsheets and scripts of others have come to know.
 TEST(Exports, JsonHasEveryColumnUnderItsName) {

@@ -20,11 +20,28 @@ SweepPointRow point_of(const std::string& settings, const std::string& state = "
   return row;
 }
 
+std::string text_of_point(const SweepPointRow& row) {
+  StoreContents contents;
+  contents.sweep_points = {row};
+  return SweepSettings(contents).of_point(row);
+}
+
+// Samples have many digits, of which a reader needs those that tell them apart; the row keeps all.
+TEST(SweepSettings, SampledNumbersAreAsShortAsTellsThemApart) {
+  StoreContents contents;
+  contents.sweep_points = {point_of(R"({"fov":"43.217391304347828","crowd.agents":"40"})"),
+                           point_of(R"({"fov":"43.26","crowd.agents":"40"})")};
+  const SweepSettings all(contents);
+  EXPECT_EQ(all.of_point(contents.sweep_points[0]), "fov = 43.2, crowd.agents = 40");
+  EXPECT_EQ(all.of_point(contents.sweep_points[1]), "fov = 43.26, crowd.agents = 40");
+  EXPECT_EQ(all.of_point(point_of(R"({"fov":"7.12345678901"})")), "fov = 7.12345678901") << "none of theirs";
+}
+
 TEST(SweepSettings, AreReadInThePlansOrderWithoutWhatDraws) {
-  EXPECT_EQ(settings_text(point_of(R"({"seed":"1","crowd.agents":"40","representation":"flat"})")),
+  EXPECT_EQ(text_of_point(point_of(R"({"seed":"1","crowd.agents":"40","representation":"flat"})")),
             "seed = 1, crowd.agents = 40");
   for (const char* odd : {"", "{}", "[1]", "{\"a\":", "{\"a\":3}", "\xff"})
-    EXPECT_EQ(settings_text(point_of(odd)), "") << odd;
+    EXPECT_EQ(text_of_point(point_of(odd)), "") << odd;
 }
 
 // Of one scene, what its points share: an option that one of them alone has is not the scene's.
@@ -33,12 +50,12 @@ TEST(SweepSettings, OfASceneAreWhatItsPointsShare) {
   const std::vector<Scene> scenes = scenes_of(contents);
   ASSERT_FALSE(scenes.empty());
   ASSERT_GE(scenes[0].rows.size(), 2U);
-  EXPECT_EQ(settings_of_scene(contents, scenes[0]), "") << "no sweep made it";
+  EXPECT_EQ(SweepSettings(contents).of_scene(scenes[0]), "") << "no sweep made it";
   contents.sweep_points = {point_of(R"({"seed":"7","flat.texels":"32"})"), point_of(R"({"seed":"7"})"),
                            point_of(R"({"seed":"8"})")};
   contents.sweep_points[0].measurement = scenes[0].rows[0]->id;
   contents.sweep_points[1].measurement = scenes[0].rows[1]->id;
-  EXPECT_EQ(settings_of_scene(contents, scenes[0]), "seed = 7") << "the third point is of another scene";
+  EXPECT_EQ(SweepSettings(contents).of_scene(scenes[0]), "seed = 7") << "the third point is of another scene";
 }
 
 TEST(SweepSettings, PointsThatWereNotDrawnAreToldByReason) {

@@ -70,7 +70,7 @@ TEST(Columns, NoOtherTableHasSeveralBooleans) {
 TEST(Columns, EveryVectorOfTheContentsIsATable) {
   size_t tables = 0;
   for_each_table([&](const auto& table) { tables += table.rows != nullptr ? 1 : 0; });
-  EXPECT_EQ(tables, field_count<StoreContents>());
+  EXPECT_EQ(tables, field_count<StoreContents>() - 1) << "`sources` is of no file";
 }
 
 TEST(Columns, AreNamedOnceExplainedAndCarryTheirUnits) {

@@ -68,6 +68,7 @@ inline MeasurementRow full_measurement(int64_t run) {
   row.disk_bytes = 2003;
   row.shared_bytes = 2004;
   row.bake_seconds = 1.25;
+  row.bake_load_seconds = 0.75;
   row.bake_cached = false;
   row.samples = {{5, 6, 1000000, 3000000, 2000000, 77}, {7, 8, 1000001, 3000001, 2000001, 0}};
   return row;

@@ -4,7 +4,7 @@
 // and tests/data/store/schema-2.sqlite by the last of schema 2:
 //   crowdbench bench --representation flat:views=hemi-4 --agents 1,2 --rounds 10 --occupancy 0.15 --size 64x48
 //     --picture-agents 1 --device software --out schema-2.sqlite
-// and tests/data/store/schema-3.sqlite to schema-7.sqlite by the last of schema 3 to 7 with the same one.
+// and tests/data/store/schema-3.sqlite to schema-8.sqlite by the last of schema 3 to 8 with the same one.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
@@ -152,7 +152,7 @@ TEST_F(MigrationTest, ABroughtForwardFileHasTheSchemaOfANewOne) {
   const auto wanted = statements(fresh);
   EXPECT_TRUE(wanted.contains("run") && wanted.contains("measurement_key") && wanted.contains("results"));
   for (const char* older : {"schema-1.sqlite", "schema-2.sqlite", "schema-3.sqlite", "schema-4.sqlite",
-                            "schema-5.sqlite", "schema-6.sqlite", "schema-7.sqlite"}) {
+                            "schema-5.sqlite", "schema-6.sqlite", "schema-7.sqlite", "schema-8.sqlite"}) {
     take(older);
     { StoreWriter store(file_); }
     EXPECT_EQ(statements(file_), wanted) << older;
@@ -308,6 +308,24 @@ TEST_F(MigrationTest, SchemaSevenGainsWhatWasBegun) {
   ASSERT_EQ(after.participants.size(), 2U);
   EXPECT_TRUE(after.participants[0] == before.participants[0]);
   EXPECT_TRUE(after.participants[1] == who);
+}
+
+// Schema 8 had one time for making a bake and for reading it.
+TEST_F(MigrationTest, SchemaEightsTimesOfBakesAreOfMakingOrOfReading) {
+  take("schema-8.sqlite");
+  rows(file_, "UPDATE measurement SET bake_seconds = 3.5, bake_cached = 1 WHERE id = 1");
+  rows(file_, "UPDATE measurement SET bake_seconds = 4.5, bake_cached = 0 WHERE id = 2");
+  rows(file_, "UPDATE measurement SET bake_seconds = NULL, bake_cached = NULL WHERE id = 3");
+  const StoreContents before = read_store(file_, true);
+  EXPECT_EQ(before.measurements.at(0).bake_seconds, std::nullopt) << "what making it took was not kept";
+  EXPECT_EQ(before.measurements.at(0).bake_load_seconds, 3.5);
+  EXPECT_EQ(before.measurements.at(1).bake_seconds, 4.5);
+  EXPECT_EQ(before.measurements.at(1).bake_load_seconds, std::nullopt);
+  EXPECT_EQ(before.measurements.at(2).bake_seconds, std::nullopt);
+  EXPECT_EQ(before.measurements.at(2).bake_load_seconds, std::nullopt);
+  { StoreWriter store(file_); }
+  EXPECT_EQ(schema(file_), std::to_string(kStoreSchemaVersion));
+  expect_equal(read_store(file_, true), before);
 }
 
 TEST_F(MigrationTest, AnInventedProcessorBecomesAbsent) {

@@ -192,6 +192,7 @@ TEST_F(StoreTest, EveryFieldIsInTheColumnOfItsName) {
                                                                {"disk_bytes", "2003"},
                                                                {"shared_bytes", "2004"},
                                                                {"bake_seconds", "1.25"},
+                                                               {"bake_load_seconds", "0.75"},
                                                                {"bake_cached", "0"}}));
   EXPECT_EQ(record(file_, "sample WHERE measurement = 2 AND round = 5"), (Record{{"measurement", "2"},
                                                                                  {"round", "5"},
