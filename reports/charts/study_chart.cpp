@@ -176,9 +176,8 @@ std::string study_curves_chart(const StudyTask& task) {
     Json low = x;
     low["field"] = "low";
     // An axis over no number at all is none.
-    const bool any_interval = std::any_of(task.curves.begin(), task.curves.end(), [](const StudyCurve& c) {
-      return c.threshold && c.threshold_low && c.threshold_high;
-    });
+    const bool any_interval = std::any_of(task.curves.begin(), task.curves.end(),
+                                          [](const StudyCurve& c) { return c.threshold && c.threshold_low; });
     if (any_interval)
       layers.push_back({{"data", {{"values", thresholds}}},
                         {"mark", {{"type", "rule"}, {"strokeWidth", 4}, {"opacity", 0.45}}},
@@ -223,7 +222,7 @@ std::string study_rows_chart(const std::vector<StudyPoint>& rows, const std::str
   Json spec = chart_frame(names.row_height() * static_cast<int>(rows.size()) + 20);
   spec["data"] = {{"values", std::move(values)}};
   Json layers = Json::array();
-  if (std::any_of(rows.begin(), rows.end(), [](const StudyPoint& row) { return row.low && row.high; }))
+  if (std::any_of(rows.begin(), rows.end(), [](const StudyPoint& row) { return row.low.has_value(); }))
     layers.push_back({{"mark", {{"type", "rule"}, {"strokeWidth", 2}, {"color", "#0072b2"}, {"opacity", 0.6}}},
                       {"encoding", {{"y", names.axis()}, {"x", x("low")}, {"x2", {{"field", "high"}}}}}});
   layers.push_back({{"mark", {{"type", "point"}, {"filled", true}, {"size", 60}, {"opacity", 1}, {"color", "#0072b2"}}},

@@ -26,12 +26,20 @@ std::vector<TemplateValues> list_if_any(const std::vector<std::string>& texts) {
   return out;
 }
 
-// columns: their heads, which stand beside each cell where the table is too wide for the screen.
-std::vector<TemplateValues> cells_of(const std::vector<std::string>& texts, const std::vector<std::string>& columns,
-                                     size_t words) {
+std::vector<TemplateValues> heads_of(const StudyTable& table) {
   std::vector<TemplateValues> out;
-  for (size_t i = 0; i < texts.size(); ++i)
-    out.push_back({{"class", i < words ? "l" : "n"}, {"of", i < columns.size() ? columns[i] : ""}, {"text", texts[i]}});
+  for (size_t i = 0; i < table.columns.size(); ++i)
+    out.push_back({{"class", i < table.words ? "l" : "n"}, {"text", table.columns[i]}});
+  return out;
+}
+
+// Beside each cell stands its column's head, where the table is too wide for the screen.
+std::vector<TemplateValues> cells_of(const std::vector<std::string>& row, const StudyTable& table) {
+  std::vector<TemplateValues> out;
+  for (size_t i = 0; i < row.size(); ++i)
+    out.push_back({{"class", i < table.words ? "l" : "n"},
+                   {"of", i < table.columns.size() ? table.columns[i] : ""},
+                   {"text", row[i]}});
   return out;
 }
 
@@ -39,8 +47,8 @@ std::vector<TemplateValues> table_of(const StudyTable& table) {
   std::vector<TemplateValues> out;
   if (table.columns.empty()) return out;
   std::vector<TemplateValues> rows;
-  for (const auto& row : table.rows) rows.push_back({{"cells", cells_of(row, table.columns, table.words)}});
-  out.push_back({{"columns", cells_of(table.columns, {}, table.words)}, {"rows", std::move(rows)}});
+  for (const auto& row : table.rows) rows.push_back({{"cells", cells_of(row, table)}});
+  out.push_back({{"columns", heads_of(table)}, {"rows", std::move(rows)}});
   return out;
 }
 

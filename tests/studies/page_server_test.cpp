@@ -436,7 +436,9 @@ TEST_F(StudyServer, AnswersBecomeTablesThatAnalyzeReads) {
   ASSERT_EQ(table.rows.size(), 4U) << "training is left out";
   EXPECT_EQ(parsed.columns.back(), "state");
   EXPECT_EQ(parsed.rows[0].fields.back(), "started");
-  EXPECT_EQ(parsed.rows[0].fields[15], "flat, near") << parsed.columns[15];
+  const auto upper = std::find(parsed.columns.begin(), parsed.columns.end(), "upper") - parsed.columns.begin();
+  EXPECT_EQ(parsed.rows[0].fields.at(static_cast<size_t>(upper)), "flat, near");
+  EXPECT_EQ(table.rows[0].yes_first, false) << "the lower one was expected";
   EXPECT_EQ(table.conditions, (std::vector<std::string>{"switch_m=20", "switch_m=10"}));
   EXPECT_EQ(table.rows[0].level, 20.0);
   EXPECT_EQ(table.rows[0].rt_ms, 812.5);

@@ -400,8 +400,9 @@ TEST(Exports, HoldTheSameData) {
   EXPECT_EQ(description.at("variableMeasured").size(), 9U);
   const std::string script = file_named(files, "analysis.R");
   EXPECT_NE(script.find("glmer("), std::string::npos);
-  EXPECT_NE(script.find("cbind(2 * chosen, 2 * (decided - chosen)) ~ 1 + level + (1 | participant), 0, \"logit\", 25"),
-            std::string::npos)
+  EXPECT_NE(
+      script.find("cbind(2 * chosen, 2 * (decided - chosen)) ~ 1 + centred + (1 | participant), 0, \"logit\", 25"),
+      std::string::npos)
       << script.substr(script.size() - 400);
   EXPECT_NE(script.find("condition == \"a \\\"b\\\"\""), std::string::npos);
   EXPECT_EQ(parse_table(file_named(files, "estimates.csv"), "e").rows.size(), 2U);
