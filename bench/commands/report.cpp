@@ -5,6 +5,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
+#include "bench/commands/score_commands.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -18,6 +19,7 @@ namespace crowdbench::bench {
 namespace {
 
 struct ReportOptions {
+  metrics::ScoreTable table;
   std::string file;
   std::string out, markdown, csv, scores_csv, json, google_benchmark;
 };
@@ -30,7 +32,7 @@ int run_report(const ReportOptions& options) {
   const bool samples = !options.out.empty() || !options.json.empty() || !options.google_benchmark.empty();
   const StoreContents contents = read_store(options.file, samples, !options.out.empty());
   const std::string source = std::filesystem::path(options.file).filename().string();
-  const std::vector<reports::ScoreDoc> scores = score_docs(metrics::scores());
+  const std::vector<reports::ScoreDoc> scores = score_docs(options.table);
   const auto write = [](const std::string& path, const auto& make) {
     if (path.empty()) return;
     write_file(path, std::string_view(make()));
@@ -53,7 +55,9 @@ int run_report(const ReportOptions& options) {
 
 }  // namespace
 
-void add_report(Command& app, Run& run) {
+void add_report(Command& app, Run& run) { add_report(app, run, metrics::scores()); }
+
+void add_report(Command& app, Run& run, metrics::ScoreTable table) {
   Command* command = app.add_subcommand(
       "report", "Tell what a result file says: a page that opens offline, tables, other tools' forms");
   command->footer(
@@ -61,6 +65,7 @@ void add_report(Command& app, Run& run) {
       "--google-benchmark "
       "baseline.json --csv results.csv");
   auto options = std::make_shared<ReportOptions>();
+  options->table = table;
   command->add_option("FILE", options->file, "result file that `bench`, `demo` or a command with --db made")
       ->required()
       ->type_name("FILE.sqlite");
