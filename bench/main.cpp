@@ -22,12 +22,14 @@ namespace {
 
 using namespace crowdbench;
 
-// What the program said on stdout has arrived, or the status says that it has not.
-int flushed(int status) {
+// What the program said on stdout has arrived, or the status says that it has not. fault: of an earlier try to write
+// there, 0 for none.
+int flushed(int status, int fault) {
   errno = 0;
   std::cout.flush();
   const bool arrived = std::cout.good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   if (arrived) return status;
+  if (fault != 0) errno = fault;
   // A reader that has seen enough (`| head`) needs no message.
   if (errno != EPIPE)
     fmt::print(stderr, "crowdbench: standard output: cannot be written{}; free some space or choose another place\n",
@@ -35,7 +37,8 @@ int flushed(int status) {
   return 2;
 }
 
-int run_command(int argc, char** argv) {
+// stdout_fault: set to the error number where standard output could not be written.
+int run_command(int argc, char** argv, int& stdout_fault) {
   const bench::About about = {
       .name = "crowdbench",
       .description =
@@ -54,8 +57,11 @@ int run_command(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "crowdbench: out of memory; use fewer agents, smaller pictures or a smaller character\n");
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "crowdbench: the system refuses a thread or memory ({}); raise its limits (ulimit -u, -v)\n",
-               printable(error.what(), 500));
+    if (std::ferror(stdout) != 0)
+      stdout_fault = error.code().value();
+    else
+      fmt::print(stderr, "crowdbench: the system refuses a thread or memory ({}); raise its limits (ulimit -u, -v)\n",
+                 printable(error.what(), 500));
   } catch (const std::exception& error) {
     if (std::ferror(stdout) == 0) fmt::print(stderr, "crowdbench: {}\n", printable(error.what(), 500));
   }
@@ -77,5 +83,7 @@ int main(int argc, char** argv) {
   set_command_line(argc, argv);
   install_interrupt_handler();
   install_fatal_signal_line();
-  return flushed(run_command(argc, argv));
+  int stdout_fault = 0;
+  const int status = run_command(argc, argv, stdout_fault);
+  return flushed(status, stdout_fault);
 }

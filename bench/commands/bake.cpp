@@ -86,8 +86,9 @@ Json json_of(const ViewAudit& a) {
 
 void print(const ViewAudit& a) {
   const auto mib = [](uint64_t b) { return static_cast<double>(b) / (1 << 20); };
-  fmt::print("audit of the view sampling\n  grid          {}, {} views captured, {:.1f} MiB in tiles of {:.1f} mm\n",
-             a.grid, a.views, mib(a.bytes), a.texel_mm);
+  fmt::print(
+      "audit of the view sampling of {}\n  grid          {}, {} views captured, {:.1f} MiB in tiles of {:.1f} mm\n",
+      a.representation, a.grid, a.views, mib(a.bytes), a.texel_mm);
   fmt::print("  view step     {:.2f} degrees between neighbours, {:.2f} at most\n", a.step_deg_mean, a.step_deg_max);
   fmt::print("  view error    {:.2f} degrees from the nearest view, {:.2f} at most\n", a.error_deg_mean,
              a.error_deg_max);
@@ -116,9 +117,9 @@ void print(const ViewAudit& a) {
 // What a bake left: the representation and what was asked about it.
 struct Baked {
   std::unique_ptr<renderers::Representation> representation;
-  double seconds = 0;             // to make it, or to read it
-  uint64_t ticks = 0;             // that --required-by looked at
-  std::vector<ViewAudit> audits;  // one a character, with --audit
+  double seconds = 0;                          // to make it, or to read it
+  uint64_t ticks = 0;                          // that --required-by looked at
+  std::vector<std::vector<ViewAudit>> audits;  // by character, with --audit: of audited_specs()
 };
 
 scene::Scenario scenario_of(const BakeOptions& options, scene::KeyPlaces& places) {
@@ -152,8 +153,11 @@ Baked make_bake(const BakeOptions& options, const renderers::Spec& spec, const s
   baked.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.audit) {
     Progress progress("auditing the views", 0);
-    for (const auto& character : cast.characters)
-      baked.audits.push_back(audit_views(context, character, spec, make.bake_budget, make.use_cache));
+    for (const auto& character : cast.characters) {
+      std::vector<ViewAudit>& audits = baked.audits.emplace_back();
+      for (const renderers::Spec& audited : audited_specs(spec))
+        audits.push_back(audit_views(context, character, audited, make.bake_budget, make.use_cache));
+    }
   }
   return baked;
 }
@@ -202,7 +206,11 @@ void print_json(const BakeOptions& options, const renderers::Spec& spec, const s
   for (size_t c = 0; c < cast.characters.size(); ++c)
     out["characters"].push_back(
         {{"name", cast.characters[c]->name}, {"triangles", baked.representation->triangles(c)}});
-  for (size_t c = 0; c < baked.audits.size(); ++c) out["characters"][c]["audit"] = json_of(baked.audits[c]);
+  for (size_t c = 0; c < baked.audits.size(); ++c) {
+    Json& audit = out["characters"][c]["audit"];
+    for (const ViewAudit& one : baked.audits[c]) audit.push_back(json_of(one));
+    if (audit.size() == 1) audit = Json(audit[0]);
+  }
   fmt::print("{}\n", out.dump(2));
 }
 
@@ -233,7 +241,8 @@ void print_text(const BakeOptions& options, const renderers::Spec& spec, const s
       for (const auto& [name, value] : item.facts) fmt::print("  {} {:g}", name, value);
       fmt::print("\n");
     }
-  for (const ViewAudit& audit : baked.audits) print(audit);
+  for (const std::vector<ViewAudit>& audits : baked.audits)
+    for (const ViewAudit& audit : audits) print(audit);
 }
 
 int run_bake(const BakeOptions& options) {
@@ -285,7 +294,7 @@ void add_bake(Command& app, Run& run) {
   command->add_flag(
       "--audit", options->audit,
       "also state how coarse the stored views and frames are, what 6 degrees a step would take, and what\n"
-      "they were measured to cost in the picture, of a representation that stores views");
+      "they were measured to cost in the picture, of a representation that stores views or is made of one that does");
   command->add_flag("--force", options->force, "bake anew although it is in the cache");
   add_bake_options(*command, options->bake_budget_mib, &options->no_cache);
   add_device_option(*command, options->device);

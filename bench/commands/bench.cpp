@@ -8,6 +8,7 @@
 #include "bench/commands/level_output.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
+#include "bench/commands/score_commands.h"
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/bench_table.h"
 #include "bench/experiments/score_rows.h"
@@ -42,8 +43,8 @@ struct BenchOptions {
 
 // The rows of the file, the levels of detail that were drawn now, and the stages of the points that were solved for
 // now.
-std::string json_of(const StoreContents& contents, const BenchSummary& summary) {
-  Json all = Json::parse(reports::results_json(contents, score_docs(metrics::scores())));
+std::string json_of(const StoreContents& contents, const BenchSummary& summary, metrics::ScoreTable table) {
+  Json all = Json::parse(reports::results_json(contents, score_docs(table)));
   Json& levels = all["levels"] = Json::object();
   for (const DrawnLevels& drawn : summary.levels) levels[drawn.representation] = levels_json(drawn.levels);
   Json& stages = all["stages"] = Json::array();
@@ -125,7 +126,7 @@ int run_bench_command(const BenchOptions& options) {
   const std::string counts = fmt::format("{} measured, {} taken from the file; {}\n",
                                          counted(summary.measured, "point", "points"), summary.held, options.out);
   if (options.json) {
-    fmt::print("{}", json_of(contents, summary));
+    fmt::print("{}", json_of(contents, summary, request.table));
     for (const std::string& remark : summary.remarks) fmt::print(stderr, "{}\n", remark);
     fmt::print(stderr, "{}", counts);
     return summary.invalid == 0 ? 0 : 1;
@@ -141,7 +142,9 @@ int run_bench_command(const BenchOptions& options) {
 
 }  // namespace
 
-void add_bench(Command& app, Run& run) {
+void add_bench(Command& app, Run& run) { add_bench(app, run, metrics::scores()); }
+
+void add_bench(Command& app, Run& run, metrics::ScoreTable table) {
   Command* command = app.add_subcommand("bench", "Frame times against the number of agents, into a result file");
   command->footer(
       "All representations draw the same crowd from the same camera, in the same rounds. A curve ends with the first "
@@ -153,6 +156,7 @@ void add_bench(Command& app, Run& run) {
       "--budget-ms 500 --out results.sqlite");
   auto options = std::make_shared<BenchOptions>();
   BenchRequest& request = options->request;
+  request.table = table;
   add_scenario_argument(*command, options->scene.file);
   add_representation_option(*command, options->representations,
                             "drawn beside the mesh (all that are built in, and levels of the mesh)");

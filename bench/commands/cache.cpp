@@ -78,6 +78,12 @@ void clear_entries(const CacheOptions& options) {
     throw Error(folder.string(), fmt::format("{} of the bakes cannot be removed", left), "see who may write there");
 }
 
+Error unknown_action(const std::string& given) {
+  const std::string near = nearest_name(given, {"list", "clear"});
+  return Error("cache", fmt::format("'{}' is not something to do with the cache", printable(given, 60)),
+               near.empty() ? "list, or clear; see crowdbench cache --help" : fmt::format("did you mean '{}'?", near));
+}
+
 }  // namespace
 
 void add_cache(Command& app, Run& run) {
@@ -100,8 +106,7 @@ void add_cache(Command& app, Run& run) {
       else if (options->action == "clear")
         clear_entries(*options);
       else
-        throw Error("cache", fmt::format("'{}' is not something to do with the cache", options->action),
-                    "list, or clear; see crowdbench cache --help");
+        throw unknown_action(options->action);
       return 0;
     };
   });

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -205,6 +206,7 @@ Option* Option::output_folder() {
 
 Option* Option::delimiter(char separator) {
   option_->delimiter(separator);
+  separator_ = separator;
   return this;
 }
 
@@ -289,6 +291,32 @@ void Command::require_outputs_apart() const {
   }
 }
 
+std::string Command::empty_item(std::span<char* const> arguments) const {
+  for (const auto& command : commands_)
+    if (const std::string fault = command->empty_item(arguments); !fault.empty()) return fault;
+  if (!app_.parsed()) return "";
+  for (const auto& option : options_) {
+    if (option->separator_ == 0) continue;
+    const std::string name = option->option_->get_name();
+    for (size_t i = 0; i < arguments.size(); ++i) {
+      const std::string_view argument = arguments[i];
+      std::string_view list;
+      if (argument == name && i + 1 < arguments.size())
+        list = arguments[i + 1];
+      else if (argument.starts_with(name + "="))
+        list = argument.substr(name.size() + 1);
+      else
+        continue;
+      const char twice[] = {option->separator_, option->separator_, 0};
+      if (list.starts_with(option->separator_) || list.ends_with(option->separator_) ||
+          list.find(twice) != std::string_view::npos)
+        return fmt::format("{}: '{}' leaves a value out; see crowdbench {} --help", name,
+                           printable(std::string(list), 60), full_name(app_));
+    }
+  }
+  return "";
+}
+
 #define CROWDBENCH_OPTION_TYPE(...) \
   template Option* Command::add_option(const std::string&, __VA_ARGS__&, const std::string&)
 CROWDBENCH_OPTION_TYPE(std::string);
@@ -315,8 +343,17 @@ int run_command_line(int argc, char** argv, const About& about, const std::funct
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      const int status = app.exit(error, text, text);
+      fmt::print("{}", text.str());
+      return status;
+    }
     fmt::print(stderr, "{}: {}\n", about.name, usage_message(app, error));
+    return 2;
+  }
+  if (const std::string fault = program.empty_item({argv, static_cast<size_t>(argc)}); !fault.empty()) {
+    fmt::print(stderr, "{}: {}\n", about.name, fault);
     return 2;
   }
   program.require_outputs_apart();

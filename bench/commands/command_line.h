@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ class Option {
   friend class Command;
   CLI::Option* option_;
   bool output_ = false;  // output_file()
+  char separator_ = 0;   // delimiter()
 };
 
 // A program or one of its commands.
@@ -65,6 +67,9 @@ class Command {
   // Throws Error: a file to be written, of the command that was given, is one that it reads too, or that another option
   // writes.
   void require_outputs_apart() const;
+  // What is wrong where a list (delimiter()) of the command that was given has an item without text, as in "1,,3";
+  // empty: nothing. CLI11 leaves such items out. arguments: of the program, all.
+  std::string empty_item(std::span<char* const> arguments) const;
 
  private:
   CLI::App& app_;

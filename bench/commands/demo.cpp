@@ -8,6 +8,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
 #include "bench/commands/scene_options.h"
+#include "bench/commands/score_commands.h"
 #include "bench/experiments/bench_run.h"
 #include "bench/experiments/quality_rows.h"
 #include "bench/experiments/score_rows.h"
@@ -31,6 +32,7 @@ namespace crowdbench::bench {
 namespace {
 
 struct DemoOptions {
+  metrics::ScoreTable table;
   std::vector<std::string> characters;
   CharacterOptions character;  // for all of them
   std::string out = "crowdbench-demo";
@@ -116,6 +118,7 @@ void draw_heroes(gl::Context& context, const scene::Cast& cast, scene::Scenario 
 void judge_agents(gl::Context& context, const scene::Cast& cast, const DemoOptions& options, StoreWriter& store,
                   int64_t run) {
   QualitySetup setup;
+  setup.table = options.table;
   setup.character = cast.characters.front();
   setup.representations = {options.representation};
   const int clip = setup.character->placement.default_clip;
@@ -180,6 +183,7 @@ void remove_results(const std::filesystem::path& results) {
 BenchSummary time_crowds(gl::Context& context, const scene::Cast& cast, const TimingMethod& method, const RunRow& run,
                          const scene::Scenario& scenario, const DemoOptions& options, StoreWriter& store) {
   BenchRequest request;
+  request.table = options.table;
   request.scenario = scenario;
   request.representations = level_specs();
   request.representations.insert(request.representations.begin(), renderers::parse_spec(options.representation));
@@ -255,7 +259,7 @@ int run_demo(const DemoOptions& options) {
   const std::filesystem::path page = folder / "report.html";
   write_file(page, std::string_view(reports::report_page(
                        read_store(results),
-                       {results.filename().string(), score_docs(metrics::scores()), renderers::floors_by_name()})));
+                       {results.filename().string(), score_docs(options.table), renderers::floors_by_name()})));
   steps.end();
   fmt::print("{}\n", std::filesystem::absolute(page).lexically_normal().string());
   return status;
@@ -263,13 +267,16 @@ int run_demo(const DemoOptions& options) {
 
 }  // namespace
 
-void add_demo(Command& app, Run& run) {
+void add_demo(Command& app, Run& run) { add_demo(app, run, metrics::scores()); }
+
+void add_demo(Command& app, Run& run, metrics::ScoreTable table) {
   Command* command =
       app.add_subcommand("demo", "All of it in one go: pictures, times, differences, a clip and the report");
   command->footer(
       "Takes a few minutes on two cores without a GPU. Prints the path of the report last.\nExamples:\n  crowdbench "
       "demo\n  crowdbench demo --character robot.glb --out robot-demo");
   auto options = std::make_shared<DemoOptions>();
+  options->table = table;
   add_character_options(*command, options->characters, options->character);
   add_representation_option(*command, options->representation, "what is held against the mesh");
   command->add_option("--out", options->out, "folder for the report, the result file, pictures and clips")

@@ -4,6 +4,7 @@
 
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/score_commands.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -16,6 +17,7 @@ namespace crowdbench::bench {
 namespace {
 
 struct ExportOptions {
+  metrics::ScoreTable table;
   std::string file;
   std::string csv, scores_csv, json, google_benchmark, bencher, frame_log, markdown;
 };
@@ -27,7 +29,7 @@ int run_export(const ExportOptions& options) {
                 "name at least one of --csv, --scores-csv, --json-out, --google-benchmark, --bencher, --frame-log, "
                 "--markdown");
   const StoreContents contents = read_store(options.file, true, false);
-  const std::vector<reports::ScoreDoc> scores = score_docs(metrics::scores());
+  const std::vector<reports::ScoreDoc> scores = score_docs(options.table);
   const auto write = [](const std::string& path, const auto& make) {
     if (path.empty()) return;
     write_file(path, std::string_view(make()));
@@ -46,13 +48,16 @@ int run_export(const ExportOptions& options) {
 
 }  // namespace
 
-void add_export(Command& app, Run& run) {
+void add_export(Command& app, Run& run) { add_export(app, run, metrics::scores()); }
+
+void add_export(Command& app, Run& run, metrics::ScoreTable table) {
   Command* command = app.add_subcommand("export", "A result file in other tools' forms: tables, trackers, frame logs");
   command->footer(
       "Column names carry their units. Parquet is not among them: Debian 12 has no library that writes it; read the "
       "CSV with what\nwrites yours.\nExamples:\n  crowdbench export results.sqlite --csv results.csv --bencher "
       "bencher.json\n  crowdbench export results.sqlite --frame-log frames.csv");
   auto options = std::make_shared<ExportOptions>();
+  options->table = table;
   command->add_option("FILE", options->file, "result file")->required()->type_name("FILE.sqlite");
   const auto add = [&](const char* name, std::string& target, const char* meaning, const char* type) {
     command->add_option(name, target, meaning)->type_name(type)->output_file();

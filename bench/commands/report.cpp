@@ -8,6 +8,7 @@
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/options.h"
+#include "bench/commands/score_commands.h"
 #include "bench/experiments/score_rows.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -22,6 +23,7 @@ namespace crowdbench::bench {
 namespace {
 
 struct ReportOptions {
+  metrics::ScoreTable table;
   std::vector<std::string> files;
   std::string out, markdown, csv, scores_csv, json, google_benchmark;
 };
@@ -52,7 +54,7 @@ int run_report(const ReportOptions& options) {
     each.push_back({names[i], read_store(options.files[i], samples, !options.out.empty())});
   const StoreContents contents = joined(std::move(each));
   const std::string source = fmt::format("{}", fmt::join(names, ", "));
-  const std::vector<reports::ScoreDoc> scores = score_docs(metrics::scores());
+  const std::vector<reports::ScoreDoc> scores = score_docs(options.table);
   const auto write = [](const std::string& path, const auto& make) {
     if (path.empty()) return;
     write_file(path, std::string_view(make()));
@@ -75,7 +77,9 @@ int run_report(const ReportOptions& options) {
 
 }  // namespace
 
-void add_report(Command& app, Run& run) {
+void add_report(Command& app, Run& run) { add_report(app, run, metrics::scores()); }
+
+void add_report(Command& app, Run& run, metrics::ScoreTable table) {
   Command* command = app.add_subcommand(
       "report", "Tell what a result file says: a page that opens offline, tables, other tools' forms");
   command->footer(
@@ -83,6 +87,7 @@ void add_report(Command& app, Run& run) {
       "--google-benchmark "
       "baseline.json --csv results.csv\n  crowdbench report before.sqlite after.sqlite --out both.html");
   auto options = std::make_shared<ReportOptions>();
+  options->table = table;
   command
       ->add_option("FILE", options->files,
                    "result file that `bench`, `demo`, `sweep` or a command with --db made; several are set beside each "

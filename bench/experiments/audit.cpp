@@ -76,6 +76,15 @@ std::optional<double> AuditError::mean(std::string_view name) const {
   return std::nullopt;
 }
 
+std::vector<renderers::Spec> audited_specs(const renderers::Spec& spec) {
+  std::vector<renderers::Spec> out;
+  for (const renderers::Spec& component : spec.components)
+    for (const renderers::Spec& one : audited_specs(component))
+      if (renderers::representation_type(one.name).view_sampling != nullptr) out.push_back(one);
+  if (out.empty()) out.push_back(spec);
+  return out;
+}
+
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                       const renderers::Spec& spec, uint64_t bake_budget, bool use_cache) {
   const auto sample = renderers::representation_type(spec.name).view_sampling;

@@ -55,6 +55,10 @@ struct ViewAudit {
   double orbit_flicker = 0;
 };
 
+// What of a spec can be audited: itself, or those of its components, at any depth, that store views, in their order;
+// the spec itself where none does.
+std::vector<renderers::Spec> audited_specs(const renderers::Spec& spec);
+
 // Throws Error where the type stores no views, naming those that do, and what baking throws. The views are baked (or
 // read from the cache).
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,

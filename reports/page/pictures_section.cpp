@@ -87,6 +87,7 @@ Html pictures_section(const SceneOnPage& page) {
                      {"occupancy", occupancy_title(comparison->requested_occupancy)},
                      {"figures", html_rows(std::move(figures))}});
   }
+  if (heroes.empty() && comparisons.empty()) return {};
   std::vector<TemplateValues> hero_block;
   if (!heroes.empty()) hero_block.push_back({{"figures", html_rows(std::move(heroes))}});
   return fill_template(page_file("pictures.html"), {{"heroes", std::move(hero_block)},

@@ -22,6 +22,7 @@
 #include "reports/exports/scores_markdown.h"
 #include "reports/model/scores.h"
 #include "reports/page/report_page.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scratch_folder.h"
 
 namespace crowdbench::bench {
@@ -211,6 +212,45 @@ TEST(AddedScoreGl, IsInDistance) {
     if (row.at("state") == "counted") {
       EXPECT_EQ(row.at("scores").at("mesh").at("first_red"), row.at("visible_px")) << "by agent: its pixels";
     }
+}
+
+// What `report` and `export` write of a result file, in every form that has scores.
+void expect_in_what_is_told_of(const std::filesystem::path& results, const support::ScratchFolder& folder) {
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  (void)output_of(add_report,
+                  {"report", results.string(), "--out", path("report.html"), "--markdown", path("report.md"),
+                   "--scores-csv", path("report.csv"), "--json-out", path("report.json")});
+  (void)output_of(add_export,
+                  {"export", results.string(), "--scores-csv", path("export.csv"), "--json-out", path("export.json"),
+                   "--markdown", path("export.md"), "--bencher", path("bencher.json")});
+  for (const char* page : {"report.html", "report.md", "export.md"})
+    EXPECT_TRUE(contains(read_text(folder / page), "Red of the first pixel, tens")) << page;
+  for (const char* rows : {"report.csv", "export.csv"})
+    EXPECT_TRUE(contains(read_text(folder / rows), "first_red")) << rows;
+  EXPECT_TRUE(contains(read_text(folder / "bencher.json"), "first_red"));
+  for (const char* rows : {"report.json", "export.json"})
+    EXPECT_EQ(json::parse(read_text(folder / rows)).at("comparisons").at(0).at("scores").count("first_red"), 1U)
+        << rows;
+}
+
+TEST(AddedScoreGl, IsInBenchReportAndExport) {
+  const support::ScratchFolder folder;
+  const std::string results = (folder / "results.sqlite").string();
+  const json out =
+      json::parse(output_of(add_bench, {"bench", "--representation", "mesh:triangles=100", "--character",
+                                        "mannequin:triangles=500", "--agents", "5", "--occupancy", "0.15", "--size",
+                                        "96x72", "--rounds", "10", "--no-floors", "--json", "--out", results}));
+  EXPECT_EQ(out.at("comparisons").at(0).at("scores").count("first_red"), 1U);
+  expect_in_what_is_told_of(results, folder);
+}
+
+TEST(AddedScoreGl, IsInDemo) {
+  CROWDBENCH_SKIP_SANITIZED("AddedScoreGl.IsInBenchReportAndExport");
+  const support::ScratchFolder folder;
+  (void)output_of(add_demo, {"demo", "--tiny", "--no-clip", "--representation", "mesh:triangles=100", "--character",
+                             "mannequin:triangles=500", "--out", (folder / "demo").string()});
+  EXPECT_TRUE(contains(read_text(folder / "demo/report.html"), "Red of the first pixel, tens"));
+  expect_in_what_is_told_of(folder / "demo/results.sqlite", folder);
 }
 
 TEST(AddedScore, IsInRowsReportAndExports) {

@@ -76,6 +76,21 @@ TEST_F(AuditGl, MovingCornersAreAsGoodBetweenFrames) {
   EXPECT_GT(a.orbit_flicker, 0);
 }
 
+// Of what is made of others, those are audited that store views.
+TEST(ViewAuditSpecs, AreTheComponentsThatStoreViews) {
+  const auto texts = [](const std::string& spec) {
+    std::vector<std::string> out;
+    for (const renderers::Spec& one : audited_specs(renderers::parse_spec(spec))) out.push_back(one.text());
+    return out;
+  };
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(texts("flat:texels=64"), Texts{"flat:texels=64"});
+  EXPECT_EQ(texts("mesh"), Texts{"mesh"}) << "refused by itself";
+  EXPECT_EQ(texts("hybrid(mesh,(flat:texels=64),distance=9)"), Texts{"flat:texels=64"});
+  EXPECT_EQ(texts("hybrid(flat,polypostor,distance=9)"), (Texts{"flat", "polypostor"}));
+  EXPECT_EQ(texts("hybrid(mesh,surfel,distance=9)"), Texts{"hybrid(mesh,surfel,distance=9)"});
+}
+
 // Every type is audited or refused by what it says of itself; a refusal names those that can be.
 TEST_F(AuditGl, OnlyTypesThatStoreViewsAreAudited) {
   size_t refused = 0;

@@ -150,6 +150,7 @@ TEST_F(CommandsGl, EachDoesWhatItIsFor) {
          const Outcome wrong = run("cache empty");
          EXPECT_EQ(wrong.status, 2);
          EXPECT_NE(wrong.text.find("'empty' is not something to do with the cache"), std::string::npos);
+         EXPECT_NE(run("cache clea").text.find("did you mean 'clear'?"), std::string::npos);
        }},
       {"render",
        [&] {

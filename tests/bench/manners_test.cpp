@@ -249,8 +249,14 @@ TEST_F(MannersGl, OutputThatCannotBeWrittenIsStatusTwoInEveryCommand) {
           << read_text(work_ / "err.txt");
     }
   }
-  EXPECT_EQ(run("--help >/dev/full; exit $?; true", false).status, 2);
-  EXPECT_EQ(run("--version >/dev/full; exit $?; true", false).status, 2);
+  for (const char* told : {"--help", "--version", "render --help", "schema"}) {
+    const Outcome outcome = run(std::string(told) + " 2>&1 >/dev/full; exit $?; true", false);
+    EXPECT_EQ(outcome.status, 2) << told;
+    EXPECT_EQ(outcome.text,
+              "crowdbench: standard output: cannot be written: No space left on device; free some space or choose "
+              "another place\n")
+        << told;
+  }
 }
 
 // ---- what was wrong
@@ -277,6 +283,8 @@ TEST_F(Manners, WhatIsWrongIsSaidWithItsValueItsRangeAndTheNearestName) {
       {"info --json=5", "--json: takes no value"},
       {"render --agents -1", "--agents: '-1' is not a whole number from 0 to 1000000"},
       {"render --agents 5x", "--agents: '5x' is not a whole number from 0 to 1000000"},
+      {"bench --agents 1,,3", "--agents: '1,,3' leaves a value out; see crowdbench bench --help"},
+      {"bench --occupancy=0.5,", "--occupancy: '0.5,' leaves a value out"},
       {"bench --agents 10,0", "--agents: '0' is not a whole number from 1 to 1000000"},
       {"render --seed -5", "--seed: '-5' is not a whole number from 0 to 18446744073709551615"},
       {"bench --seed -5", "--seed: '-5' is not a whole number from 0 to 18446744073709551615"},

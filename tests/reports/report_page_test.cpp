@@ -48,6 +48,14 @@ class ReportPage : public testing::Test {
   std::string page_;
 };
 
+TEST_F(ReportPage, HasNoHeadingOfPicturesWithoutPictures) {
+  const std::string heading = "<h2>The same crowd, the same view</h2>";
+  EXPECT_NE(page_.find(heading), std::string::npos);
+  StoreContents contents = made_up_contents();
+  contents.pictures.clear();
+  EXPECT_EQ(report_page(contents, {"made-up.sqlite", made_up_scores()}).find(heading), std::string::npos);
+}
+
 TEST_F(ReportPage, LoadsNothingFromOutside) {
   const std::string text = markup();
   const std::regex attribute(R"rx((src|href|srcset|poster|data|action|content)\s*=\s*"([^"]*)")rx");
