@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "core/error.h"
@@ -17,6 +18,7 @@
 #include "scene/pose/body.h"
 #include "scene/pose/facing.h"
 #include "scene/pose/hidden.h"
+#include "scene/pose/human_bones.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/stance.h"
 #include "scene/pose/stand.h"
@@ -318,6 +320,23 @@ void orient(Character& character, const NormaliseOptions& options) {
   if (rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) add_turning_node(character, rotation);
 }
 
+// Says what to do where the rest pose lies as it does in a file whose Z axis points up: the head beside the feet, along
+// +Z.
+void hint_at_up_axis(Character& character) {
+  const std::map<Bone, int> bones = find_human_bones(character.skeleton, bone_candidates(character.skeleton));
+  const auto head = bones.find({BonePart::head});
+  const auto left = bones.find({BonePart::foot, BoneSide::left});
+  const auto right = bones.find({BonePart::foot, BoneSide::right});
+  if (head == bones.end() || left == bones.end() || right == bones.end()) return;
+  const std::vector<glm::dmat4> nodes = node_matrices(character, -1, 0.0);
+  const auto at = [&](const auto& bone) { return glm::dvec3(nodes[static_cast<size_t>(bone->second)][3]); };
+  const glm::dvec3 rise = at(head) - 0.5 * (at(left) + at(right));
+  if (rise.z <= 2 * std::max(std::abs(rise.x), std::abs(rise.y))) return;
+  character.warnings.push_back(
+      "the head lies beside the feet, along +Z; if Z points up in the file, up = \"z\" (--up-axis z) makes the "
+      "character stand");
+}
+
 // The clip by which the character may be seen to face -Z: the default one where it goes that way, else, unless that one
 // goes along +Z, the first that is called a walk or a run and does; -1: none. What is called backward goes backward.
 int clip_along_minus_z(const Character& character) {
@@ -378,6 +397,7 @@ int require_clip_or_none(const Character& character, const std::string& name_or_
 
 void normalise(Character& character, const NormaliseOptions& options) {
   assert(!character.mesh.positions.empty());
+  if (options.up == UpAxis::y) hint_at_up_axis(character);
   orient(character, options);
   const std::vector<uint32_t> unseen = never_shown(character);
   auto bind = skin_positions(character.mesh, joint_matrices(character, -1, 0.0));

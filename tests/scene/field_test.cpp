@@ -611,6 +611,26 @@ TEST(Facing, TurnDegAndUpTurnTheCharacter) {
   EXPECT_NEAR(skin_positions(z.mesh, model_matrices(z, -1, 0))[2].y, 1.75, 1e-6);
 }
 
+TEST(Facing, WhoLiesIsToldOfTheUpAxis) {
+  const auto told = [](std::vector<double> head, UpAxis up) {
+    Builder b = bending_card();
+    b.doc["nodes"][1]["name"] = "hips";
+    b.doc["nodes"][1]["children"] = {2, 3, 4, 5};
+    b.doc["nodes"].push_back({{"name", "head"}, {"translation", head}});
+    b.doc["nodes"].push_back({{"name", "foot_l"}, {"translation", {0.1, 0, 0}}});
+    b.doc["nodes"].push_back({{"name", "foot_r"}, {"translation", {-0.1, 0, 0}}});
+    b.doc["skins"][0]["joints"] = {1, 2, 3, 4, 5};
+    b.doc["skins"][0].erase("inverseBindMatrices");
+    LoadOptions options;
+    options.normalise.up = up;
+    return warned(load(b, options), "--up-axis z");
+  };
+  EXPECT_TRUE(told({0, 0.2, 1.6}, UpAxis::y));
+  EXPECT_FALSE(told({0, 1.6, 0.2}, UpAxis::y)) << "stands";
+  EXPECT_FALSE(told({0, 0.2, -1.6}, UpAxis::y)) << "up = z would stand it on its head";
+  EXPECT_FALSE(told({0, 0.2, 1.6}, UpAxis::z)) << "said already";
+}
+
 TEST(Facing, AWalkAlongMinusZThatTheToesPointToIsTurned) {
   const Character turned = walker({0, -1}, false, -0.3F);
   EXPECT_NEAR(turned.motion[0].direction.y, 1.0, 1e-6);
