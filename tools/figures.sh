@@ -190,6 +190,7 @@ TEXT
     speed flat flat:quad=square 1000
     speed flat flat:floor=1 1000
     speed relief mesh 100
+    speed relief:bend=rigid mesh 100
     speed relief mesh 1000
     speed relief relief:search=linear,steps=16+7,proxy=box 1000
     speed polypostor mesh 1000

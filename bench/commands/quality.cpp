@@ -439,7 +439,8 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
     command->add_option(name, list, text)->type_name("LIST")->capture_default_str();
   };
   add_list("--height-px", options->heights,
-           "rows that the figure covers in its clip's first pose, seen level, 4 to 4096");
+           "rows that the figure spans in its clip's first pose, seen level, 4 to 4096; of tips thinner than\n"
+           "a pixel the samples of a picture may miss some");
   add_list("--azimuth-deg", options->azimuths, "0 = from the front, 90 = from the character's left");
   add_list("--elevation-deg", options->elevations, "0 = level, 90 = from straight above");
   add_clip_option(*command, options->clip);

@@ -237,7 +237,7 @@ TEST(AddedScoreGl, IsInBenchReportAndExport) {
   const support::ScratchFolder folder;
   const std::string results = (folder / "results.sqlite").string();
   const json out =
-      json::parse(output_of(add_bench, {"bench", "--representation", "mesh:triangles=100", "--character",
+      json::parse(output_of(add_bench, {"bench", "--representation", "mesh:triangles=400", "--character",
                                         "mannequin:triangles=500", "--agents", "5", "--occupancy", "0.15", "--size",
                                         "96x72", "--rounds", "10", "--no-floors", "--json", "--out", results}));
   EXPECT_EQ(out.at("comparisons").at(0).at("scores").count("first_red"), 1U);
@@ -247,7 +247,7 @@ TEST(AddedScoreGl, IsInBenchReportAndExport) {
 TEST(AddedScoreGl, IsInDemo) {
   CROWDBENCH_SKIP_SANITIZED("AddedScoreGl.IsInBenchReportAndExport");
   const support::ScratchFolder folder;
-  (void)output_of(add_demo, {"demo", "--tiny", "--no-clip", "--representation", "mesh:triangles=100", "--character",
+  (void)output_of(add_demo, {"demo", "--tiny", "--no-clip", "--representation", "mesh:triangles=400", "--character",
                              "mannequin:triangles=500", "--out", (folder / "demo").string()});
   EXPECT_TRUE(contains(read_text(folder / "demo/report.html"), "Red of the first pixel, tens"));
   expect_in_what_is_told_of(folder / "demo/results.sqlite", folder);

@@ -413,6 +413,34 @@ TEST(RootMotion, AFallIsNoTravel) {
   EXPECT_EQ(load(b).motion[0].root_displacement, glm::dvec3(0.0));
 }
 
+// A body of one metre and a foot below it, which go 0.5 and `foot` metres along Z in a second. The foot has a twentieth
+// of the mass.
+Character over_a_foot(float foot) {
+  Builder b = walking_card();
+  const int positions =
+      b.accessor<float>({-0.3F, 0.5F, 0, 0.3F, 0.5F, 0, 0, 1.8F, 0, -0.2F, 0, 0, 0.2F, 0, 0, 0, 0.1F, 0}, "VEC3");
+  attributes(b) = {{"POSITION", positions}};
+  attributes(b)["JOINTS_0"] =
+      b.accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  attributes(b)["WEIGHTS_0"] =
+      b.accessor<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  primitive(b)["indices"] = b.accessor<uint16_t>({0, 1, 2, 3, 4, 5}, "SCALAR");
+  primitive(b).erase("material");
+  b.doc["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "body"}}, {{"name", "foot"}}};
+  b.doc["skins"] = {{{"joints", {1, 2}}}};
+  move(b, 0, 1, "translation", {0, 1}, {0, 0, 0, 0, 0, 0.5F});
+  move(b, 0, 2, "translation", {0, 1}, {0, 0, 0, 0, 0, foot});
+  return load(b);
+}
+
+// Nearly all of the figure goes 0.5 m and ends as it began; whether it travels is for its feet to say.
+TEST(RootMotion, WhoTravelsTakesTheFeetAlong) {
+  EXPECT_EQ(over_a_foot(0).motion[0].root_displacement, glm::dvec3(0.0)) << "leans over";
+  EXPECT_EQ(over_a_foot(0.1F).motion[0].root_displacement, glm::dvec3(0.0));
+  for (const float foot : {0.2F, 0.5F})
+    EXPECT_NEAR(over_a_foot(foot).motion[0].root_displacement.z, 0.951 * 0.5 + 0.049 * foot, 0.001) << foot;
+}
+
 // --- agents go where their clip goes, and their feet stay where they are set down
 
 // A walker whose left foot (x < 0) stands on the ground for the first half of the cycle and the right one for the
@@ -583,6 +611,26 @@ TEST(Facing, TurnDegAndUpTurnTheCharacter) {
   EXPECT_NEAR(skin_positions(z.mesh, model_matrices(z, -1, 0))[2].y, 1.75, 1e-6);
 }
 
+TEST(Facing, WhoLiesIsToldOfTheUpAxis) {
+  const auto told = [](std::vector<double> head, UpAxis up) {
+    Builder b = bending_card();
+    b.doc["nodes"][1]["name"] = "hips";
+    b.doc["nodes"][1]["children"] = {2, 3, 4, 5};
+    b.doc["nodes"].push_back({{"name", "head"}, {"translation", head}});
+    b.doc["nodes"].push_back({{"name", "foot_l"}, {"translation", {0.1, 0, 0}}});
+    b.doc["nodes"].push_back({{"name", "foot_r"}, {"translation", {-0.1, 0, 0}}});
+    b.doc["skins"][0]["joints"] = {1, 2, 3, 4, 5};
+    b.doc["skins"][0].erase("inverseBindMatrices");
+    LoadOptions options;
+    options.normalise.up = up;
+    return warned(load(b, options), "--up-axis z");
+  };
+  EXPECT_TRUE(told({0, 0.2, 1.6}, UpAxis::y));
+  EXPECT_FALSE(told({0, 1.6, 0.2}, UpAxis::y)) << "stands";
+  EXPECT_FALSE(told({0, 0.2, -1.6}, UpAxis::y)) << "up = z would stand it on its head";
+  EXPECT_FALSE(told({0, 0.2, 1.6}, UpAxis::z)) << "said already";
+}
+
 TEST(Facing, AWalkAlongMinusZThatTheToesPointToIsTurned) {
   const Character turned = walker({0, -1}, false, -0.3F);
   EXPECT_NEAR(turned.motion[0].direction.y, 1.0, 1e-6);
@@ -656,6 +704,43 @@ TEST(Height, IsThatOfTheClipInUse) {
   EXPECT_EQ(load(b, options).placement.upright_clip, 1);
   options.normalise.clips = {"run"};  // whoever plays it is to blame, not the file
   EXPECT_EQ(load(b, options).placement.upright_clip, 0);
+}
+
+// Who sits on the floor with a blade in hand that reaches below it is drawn as tall as standing, and does not stand.
+TEST(Height, OfWhoSitsIsThatOfTheClipThatStands) {
+  Builder b = walking_card();
+  const int positions = b.accessor<float>({-0.2F, -0.9F, 0, 0.2F, -0.9F, 0, 0.2F, 0,    0, -0.2F, 0,    0,  // legs
+                                           -0.2F, 0.9F,  0, 0.2F, 0.9F,  0, 0.2F, 1.8F, 0, -0.2F, 1.8F, 0,  // trunk
+                                           0.5F,  0,     0, 0.6F, 0,     0, 0.6F, 1,    0},                 // blade
+                                          "VEC3");
+  attributes(b) = {{"POSITION", positions}};
+  std::vector<uint8_t> joints;
+  std::vector<float> weights;
+  for (int v = 0; v < 11; ++v) {
+    joints.insert(joints.end(), {static_cast<uint8_t>(v < 8 ? v / 4 : 3), 0, 0, 0});
+    weights.insert(weights.end(), {1, 0, 0, 0});
+  }
+  attributes(b)["JOINTS_0"] = b.accessor<uint8_t>(joints, "VEC4");
+  attributes(b)["WEIGHTS_0"] = b.accessor<float>(weights, "VEC4");
+  primitive(b)["indices"] = b.accessor<uint16_t>({0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7, 8, 9, 10}, "SCALAR");
+  primitive(b).erase("material");
+  b.doc["nodes"] = {{{"mesh", 0}, {"skin", 0}},
+                    {{"name", "legs"}, {"translation", {0, 0.9, 0}}},
+                    {{"name", "hips"}, {"children", {1, 3}}},
+                    {{"name", "hand_l"}, {"children", {4}}},
+                    {{"name", "blade"}}};
+  b.doc["skins"] = {{{"joints", {1, 2, 3, 4}}}};
+  b.doc["scenes"][0]["nodes"] = {0, 2};
+  move(b, 0, 1, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, 0, 1});
+  b.doc["animations"].push_back(
+      {{"name", "sit"}, {"samplers", nlohmann::json::array()}, {"channels", nlohmann::json::array()}});
+  const auto h = static_cast<float>(std::sqrt(0.5));
+  move(b, 1, 1, "rotation", {0, 1}, {h, 0, 0, h, h, 0, 0, h});
+  LoadOptions options;
+  options.normalise.clips = {"sit"};
+  const Character c = load(b, options);
+  EXPECT_NEAR(posed_height(c, 1), posed_height(c, 0), 1e-6) << "the blade fills the place of the legs";
+  EXPECT_EQ(c.placement.upright_clip, 0);
 }
 
 // --- the ground
