@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/float_traps.h"
+
 namespace crowdbench {
 
 void parallel_for(size_t count, unsigned threads, const std::function<void(size_t)>& work,
@@ -19,7 +21,10 @@ void parallel_for(size_t count, unsigned threads, const std::function<void(size_
   const auto run = [&](bool reports) {
     for (size_t i = next++; i < count; i = next++) {
       try {
-        work(i);
+        {
+          const FloatTraps traps;
+          work(i);
+        }
         ++done;
         if (reports && advanced) advanced(done);
       } catch (...) {
