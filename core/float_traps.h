@@ -1,6 +1,6 @@
 // Floating-point faults that end the program: an invalid operation (0/0, inf - inf, the root of a negative number, a
-// value that no integer holds) and a division of a number by zero. What sanitizer builds run of the bakes' and the
-// statistics' work on the CPU is trapped; a NaN that was given is carried on, as no operation makes it.
+// value that no integer holds) and a division of a number by zero. Tests of core, truth and metrics, and the bakes that
+// are fuzzed, run under them in sanitizer builds; a NaN that was given is carried on, as no operation makes it.
 //
 // Per thread; threads begin as their maker is. A driver's code is never run under them: vertex stages divide as they
 // like.

@@ -7,8 +7,6 @@
 #include <thread>
 #include <vector>
 
-#include "core/float_traps.h"
-
 namespace crowdbench {
 
 void parallel_for(size_t count, unsigned threads, const std::function<void(size_t)>& work,
@@ -21,10 +19,7 @@ void parallel_for(size_t count, unsigned threads, const std::function<void(size_
   const auto run = [&](bool reports) {
     for (size_t i = next++; i < count; i = next++) {
       try {
-        {
-          const FloatTraps traps;
-          work(i);
-        }
+        work(i);
         ++done;
         if (reports && advanced) advanced(done);
       } catch (...) {

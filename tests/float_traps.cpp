@@ -1,5 +1,4 @@
-// Tests that draw nothing run under FloatTraps. Those that draw do not: drivers divide as they like, and our work items
-// (parallel_for) are trapped there too.
+// Tests that draw nothing run under FloatTraps. Those that draw do not: drivers divide as they like.
 #include "core/float_traps.h"
 
 #include <gtest/gtest.h>

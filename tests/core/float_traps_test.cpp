@@ -14,10 +14,13 @@ namespace {
 volatile double zero = 0;
 volatile double infinite = std::numeric_limits<double>::infinity();
 
-// Each run as the only item of a parallel_for, in a process that it ends.
+// Each run by a thread of parallel_for, which begins as its maker is, in a process that it ends.
 TEST(FloatTrapsDeathTest, InvalidOperationsAndDivisionsByZeroEndWork) {
   if (!float_traps_work()) GTEST_SKIP() << "this build does not trap: only sanitizer builds do";
-  const auto work = [](auto fault) { parallel_for(1, 1, [&](size_t) { zero = fault(); }); };
+  const auto work = [](auto fault) {
+    const FloatTraps traps;
+    parallel_for(4, 2, [&](size_t) { zero = fault(); });
+  };
   EXPECT_DEATH(work([] { return 1 / zero; }), "");
   EXPECT_DEATH(work([] { return zero / zero; }), "");
   EXPECT_DEATH(work([] { return infinite - infinite; }), "");
