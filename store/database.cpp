@@ -122,6 +122,14 @@ Value Statement::read(ColumnType type) {
     const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement, at));
     return std::string(bytes, static_cast<size_t>(sqlite3_column_bytes(statement, at)));
   };
+  // SQLite takes any text for a number, most for 0.
+  const bool number = type == ColumnType::boolean || type == ColumnType::integer || type == ColumnType::real;
+  const int kind = sqlite3_column_type(statement, at);
+  if (number && kind != SQLITE_INTEGER && kind != SQLITE_FLOAT)
+    throw Error(
+        where_,
+        fmt::format("'{}' in column {} is not a number", printable(text(), 60), sqlite3_column_name(statement, at)),
+        "the file is damaged");
   switch (type) {
     case ColumnType::boolean: return sqlite3_column_int(statement, at) != 0;
     case ColumnType::integer: return int64_t{sqlite3_column_int64(statement, at)};

@@ -6,6 +6,7 @@
 
 #include "bench/stability/odd_characters.h"
 #include "bench/stability/surface.h"
+#include "core/error.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -56,11 +57,31 @@ Found draw_all(Fixture& fixture) {
   return worst;
 }
 
+// One of the large ones: drawn, or refused by a budget that a user may raise.
+Found draw_large(Fixture& fixture, const char* name) {
+  const auto& all = large_characters();
+  const auto large = std::find_if(all.begin(), all.end(), [&](const OddCharacter& odd) { return odd.name == name; });
+  try {
+    return draw_odd(fixture, *large);
+  } catch (const Error& error) {
+    const std::string line = error.what();
+    if (line.find("budget") == std::string::npos) throw;
+    Found found;
+    found.measured = 0;
+    found.note = "refused: " + line;
+    return found;
+  }
+}
+
 // kSurfaceBound, and what was changed after it was seen.
 constexpr const char* kOddBound =
     "no pixel without a finite colour and depth; outlines to two pixels and two texels of the mesh's: the pixel that a "
     "rasteriser may round away and the texel that a map's outline ends in, on both sides. The needle was made 16 mm "
     "thick, two pixels, after one of 8 mm had been missed between pixels";
+
+constexpr const char* kLargeBound =
+    "no pixel without a finite colour and depth; outlines to two pixels and two texels of the mesh's: the pixel that a "
+    "rasteriser may round away and the texel that a map's outline ends in, on both sides";
 
 }  // namespace
 
@@ -73,6 +94,20 @@ void add_character_cases(std::vector<StabilityCase>& cases) {
                    .bound_from = kOddBound,
                    .bound_seen = true,
                    .measure = draw_all});
+  const auto add_large = [&](std::string_view name, std::string_view asked, Found (*measure)(Fixture&)) {
+    cases.push_back({.name = name,
+                     .group = "characters",
+                     .asked = asked,
+                     .unit = "wrong pixels",
+                     .bound_from = kLargeBound,
+                     .full = true,
+                     .small = false,
+                     .measure = measure});
+  };
+  add_large("characters_300k", "a character of 300,312 triangles: drawn, or refused by a budget that is named",
+            [](Fixture& fixture) { return draw_large(fixture, "triangles_300k"); });
+  add_large("characters_5000_boxes", "a character of 5,000 boxes on as many joints: likewise",
+            [](Fixture& fixture) { return draw_large(fixture, "boxes_5000"); });
 }
 
 }  // namespace crowdbench::bench

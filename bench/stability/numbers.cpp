@@ -1,17 +1,27 @@
 // Numbers that are none, infinite or hardly there, at every door: refused by name, or taken and finite.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/stability/fixture.h"
 #include "bench/stability/odd_gltf.h"
+#include "bench/sweep/plan.h"
 #include "core/error.h"
 #include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_keys.h"
+#include "store/store.h"
+#include "studies/analysis/answers.h"
+#include "studies/analysis/table.h"
+#include "studies/plan/plan.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -149,6 +159,174 @@ Found gltf_door(Fixture&) {
   return doors.end();
 }
 
+// `text` with each of its numbers in turn replaced: where it begins, and what stands there then. Strings, comments and
+// names are left alone.
+struct Replaced {
+  std::string text, line, value;
+};
+std::vector<Replaced> with_no_numbers(const std::string& text) {
+  std::vector<Replaced> out;
+  bool quoted = false;
+  bool comment = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\n') comment = false;
+    if (text[i] == '#' && !quoted) comment = true;
+    if (text[i] == '"' && !comment) quoted = !quoted;
+    const bool begins = std::isdigit(static_cast<unsigned char>(text[i])) != 0 && i > 0 &&
+                        std::string_view(" [,=").find(text[i - 1]) != std::string_view::npos;
+    if (quoted || comment || !begins) continue;
+    const size_t end = text.find_first_not_of("0123456789.", i);
+    const size_t line = text.rfind('\n', i) + 1;
+    for (const char* value : kNoNumbers)
+      out.push_back(
+          {text.substr(0, i) + value + text.substr(end), text.substr(line, text.find('\n', i) - line), value});
+    i = end - 1;
+  }
+  return out;
+}
+
+template <typename Parse>
+void count_plan(Doors& doors, const std::string& plan, const Parse& parse) {
+  const std::string as_it_is = refusal_of([&] { parse(plan); });
+  doors.count(as_it_is.empty(), "the plan as it is", "taken", as_it_is);
+  for (const Replaced& with : with_no_numbers(plan)) {
+    const std::string refusal = refusal_of([&] { parse(with.text); });
+    doors.count(refusal.find("plan.toml:") == 0, fmt::format("{} in `{}`", with.value, with.line),
+                "refused, by the plan's line", refusal.empty() ? "taken" : refusal);
+  }
+}
+
+Found plan_doors(Fixture&) {
+  Doors doors;
+  count_plan(doors, R"(
+[scenario]
+width = 640
+[axes]
+crowd.agents = { from = 10, to = 2000, scale = "log" }
+occupancy = [0.15, 0.9]
+camera.fov_y_deg = { from = 20, to = 80, steps = 3 }
+representation = ["mesh", "flat"]
+flat.texels = [64, 128]
+[points]
+sample = { method = "halton", count = 4, seed = 1 }
+repetitions = 1
+[measure]
+rounds = 24
+time_limit_s = 10
+bake_budget_mib = 512
+together = 16
+[[table]]
+rows = "occupancy"
+value = "agents_at_ms"
+at = 33.3
+)",
+             [](const std::string& text) { sweep::parse_plan(text, "plan.toml", "."); });
+  count_plan(doors, R"(
+name = "doors"
+title = "Two crowds"
+[question]
+ask = "better"
+task = "forced-choice"
+[scenario]
+width = 640
+supersample = 3
+crowd.agents = 60
+camera.eye = [0.0, 5.0, 22.0]
+[conditions]
+reference = "mesh"
+test = "flat"
+[factors]
+height_px = [24, 48]
+[stimulus]
+seconds = 8
+seeds = "independent"
+crowds = 6
+largest_px = 120
+[method]
+repeats = 2
+blocks = 2
+[catch]
+identical = 2
+broken = 4
+[participants]
+planned = 36
+[exclude]
+catch_least = 0.75
+[analysis]
+margin = 0.1
+alpha = 0.05
+power = 0.8
+)",
+             [](const std::string& text) { studies::parse_study_plan(text, "plan.toml", "."); });
+  return doors.end();
+}
+
+// Tables of answers: every column that holds a number, with one trial beside it that is as it should be.
+Found answer_door(Fixture&) {
+  Doors doors;
+  const auto read = [](const std::string& column, const std::string& value) {
+    const bool counted = column == "yes" || column == "total";
+    std::string header = counted ? "participant,yes,total" : "participant,answer";
+    std::string row = counted ? (column == "yes" ? "p1," + value + ",9" : "p1,3," + value) : "p1,yes";
+    if (!counted) {
+      header += "," + column;
+      row += "," + value;
+    }
+    const studies::Table table = studies::parse_table(header + "\n" + row + "\n", "answers.csv");
+    studies::Answers answers;
+    studies::add_answers(answers, table, studies::columns_by_name(table));
+  };
+  for (const std::string column : {"level", "rt", "hidden", "frames_dropped", "pixels_per_degree",
+                                   "pixels_per_degree_se", "css_px_per_clip_px", "yes", "total"}) {
+    for (const char* value : kNoNumbers) {
+      const std::string refusal = refusal_of([&] { read(column, value); });
+      const bool named = refusal.find("answers.csv:2") == 0 && refusal.find(column) != std::string::npos;
+      doors.count(named, fmt::format("{} = {}", column, value), "refused, by line and column",
+                  refusal.empty() ? "taken" : refusal);
+    }
+    const std::string refusal = refusal_of([&] { read(column, "9"); });
+    doors.count(refusal.empty(), column + " = 9", "taken", refusal);
+  }
+  for (const char* value : {"5e-324", "1e-310", "-1e-320"}) {
+    const std::string refusal = refusal_of([&] { read("level", value); });
+    doors.count(refusal.find("answers.csv:2") == 0, fmt::format("level = {}", value), "refused: levels begin at 1e-15",
+                refusal.empty() ? "taken" : refusal);
+  }
+  return doors.end();
+}
+
+// A result file keeps what is infinite, and what is no number as absent: SQL knows none.
+Found store_door(Fixture&) {
+  Doors doors;
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / fmt::format("crowdbench-doors-{}.sqlite", getpid());
+  std::filesystem::remove(file);
+  const std::vector<double> given = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+                                     std::numeric_limits<double>::denorm_min(),
+                                     std::numeric_limits<double>::quiet_NaN()};
+  {
+    StoreWriter writer(file);
+    RunRow run;
+    run.command = "stability";
+    run.headline = "cpu";
+    StabilityCaseRow row;
+    row.run = writer.write(run);
+    row.name = row.group = "numbers";
+    for (const double value : given) {
+      row.measured = value;
+      writer.write(row);
+    }
+  }
+  const StoreContents read = read_store(file);
+  std::filesystem::remove(file);
+  for (size_t i = 0; i < given.size(); ++i) {
+    const std::optional<double> back = i < read.stability_cases.size() ? read.stability_cases[i].measured : -1.0;
+    doors.count(std::isnan(given[i]) ? !back : back == given[i], fmt::format("{}", given[i]),
+                std::isnan(given[i]) ? "absent" : "kept", back ? fmt::format("{}", *back) : "absent");
+  }
+  return doors.end();
+}
+
 }  // namespace
 
 void add_number_cases(std::vector<StabilityCase>& cases) {
@@ -169,6 +347,10 @@ void add_number_cases(std::vector<StabilityCase>& cases) {
       "a glTF with weights that sum to 0, 0.1 and 2, are negative, NaN or infinite; with joints and indices out of "
       "range; places and times that are not numbers; no normals, no skin",
       true, gltf_door);
+  add("numbers_plans", "every number of a sweep's plan and of a study's as nan, inf and 1e400", true, plan_doors);
+  add("numbers_answers", "every number of a table of answers likewise, and levels below the least normal double", true,
+      answer_door);
+  add("numbers_store", "a result file given infinity, the least subnormal and NaN: kept, and absent", true, store_door);
 }
 
 }  // namespace crowdbench::bench

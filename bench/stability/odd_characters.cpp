@@ -1,5 +1,6 @@
 #include "bench/stability/odd_characters.h"
 
+#include <cmath>
 #include <memory>
 
 #include "scene/pose/normalise.h"
@@ -151,7 +152,54 @@ scene::Character many_joints() {
 scene::Character tiny() { return one_box("scale_1e-3", kLow * 1e-3F, kHigh * 1e-3F).finish(); }
 scene::Character huge() { return one_box("scale_1e3", kLow * 1e3F, kHigh * 1e3F).finish(); }
 
+// A ball, upper half on a joint of its own.
+scene::Character many_triangles() {
+  constexpr int kAround = 388;
+  constexpr int kUp = 388;  // 2 x 388 x 387 triangles
+  Boxes boxes("triangles_300k");
+  const uint16_t lower = boxes.joint(-1, {}, {});
+  const uint16_t upper = boxes.joint(0, {0, 0.5, 0}, {0, 0.5, 0});
+  const auto at = [](int i, int j) {
+    constexpr double kPi = 3.14159265358979323846;
+    const double azimuth = 2 * kPi * (i % kAround) / kAround;
+    const double up = kPi * j / kUp;
+    return glm::vec3(0.5 *
+                     glm::dvec3(std::sin(azimuth) * std::sin(up), 1 - std::cos(up), std::cos(azimuth) * std::sin(up)));
+  };
+  for (int j = 0; j < kUp; ++j)
+    for (int i = 0; i < kAround; ++i) {
+      const uint16_t joint = 2 * j < kUp ? lower : upper;
+      if (j + 1 < kUp) boxes.triangle(at(i, j), at(i + 1, j + 1), at(i, j + 1), joint);
+      if (j > 0) boxes.triangle(at(i, j), at(i + 1, j), at(i + 1, j + 1), joint);
+    }
+  return boxes.finish();
+}
+
+// A wall of 50 x 100, each brick on a joint of its own.
+scene::Character many_boxes() {
+  constexpr int kAcross = 50;
+  constexpr int kUp = 100;
+  constexpr double kSide = 0.02;
+  Boxes boxes("boxes_5000");
+  boxes.joint(-1, {}, {});
+  for (int y = 0; y < kUp; ++y)
+    for (int x = 0; x < kAcross; ++x) {
+      const glm::dvec3 low((x - kAcross / 2) * kSide, y * kSide, -0.1);
+      const uint16_t joint = x + y == 0 ? uint16_t{0} : boxes.joint(0, low, low);
+      boxes.box(glm::vec3(low), glm::vec3(low + glm::dvec3(kSide, kSide, 0.2)), joint);
+    }
+  return boxes.finish();
+}
+
 }  // namespace
+
+const std::vector<OddCharacter>& large_characters() {
+  static const std::vector<OddCharacter> all = {
+      {"triangles_300k", "a ball of 300,312 triangles on two joints", many_triangles},
+      {"boxes_5000", "a wall of 5,000 bricks on as many joints", many_boxes},
+  };
+  return all;
+}
 
 const std::vector<OddCharacter>& odd_characters() {
   static const std::vector<OddCharacter> all = {

@@ -15,6 +15,8 @@ struct OddCharacter {
 // One triangle, a joint without triangles, triangles without area, a needle, a sheet, a joint scaled to nothing, a
 // mirrored one, 255 joints, and scales of 1e-3 and 1e3. About one unit large, about the origin; one clip or none.
 const std::vector<OddCharacter>& odd_characters();
+// Likewise, and large: some take seconds to bake.
+const std::vector<OddCharacter>& large_characters();
 
 // A cast of it alone, with the bank of its first clip or of its bind pose.
 scene::Cast odd_cast(const OddCharacter& odd);

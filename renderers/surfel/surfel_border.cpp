@@ -102,6 +102,7 @@ float fit_reach(std::span<const SheetPlace> surfels, std::span<const float> reac
   const SurfaceGrid grid(places, radius);
   for (size_t i = 0; i < surfels.size(); ++i)
     grid.near(surfels[i].place.position, [&](uint32_t k) {
+      if (reaches[i] <= 0) return;  // no factor makes it reach anything
       if (k >= on.size() && beside[k - on.size()].primitive != surfels[i].primitive) return;
       const float d = disc_distance(surfels[i].place, places[k]);
       if (d <= radius) from[k] = std::min(from[k], d / reaches[i]);

@@ -9,7 +9,8 @@ namespace {
 
 struct CellHash {
   size_t operator()(const glm::i64vec3& c) const {
-    return static_cast<size_t>(c.x * 73856093 ^ c.y * 19349663 ^ c.z * 83492791);
+    const glm::u64vec3 u(c);  // whose products wrap
+    return static_cast<size_t>(u.x * 73856093 ^ u.y * 19349663 ^ u.z * 83492791);
   }
 };
 

@@ -118,6 +118,16 @@ TEST(Stability, StepsAreHeldToWhatEdgesAllow) {
   EXPECT_EQ(enlarged(b, 3, 2).width, 17 * 16);
 }
 
+TEST(Stability, LargeCharactersAreAsLargeAsTheySay) {
+  CROWDBENCH_SKIP_SANITIZED("Stability.OddCharactersAndFilesAreWhatTheySay");
+  const auto& all = large_characters();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].make().triangles(), 300'312U);
+  const scene::Character wall = all[1].make();
+  EXPECT_EQ(wall.triangles(), 12U * 5000);
+  EXPECT_EQ(wall.skeleton.joints.size(), 5000U);
+}
+
 TEST(Stability, OddCharactersAndFilesAreWhatTheySay) {
   std::set<std::string_view> names;
   for (const OddCharacter& odd : odd_characters()) {

@@ -77,7 +77,7 @@ const std::map<std::string, Doors>& inner_doors() {
         {"timing", {"stage"}},
         {"experiments", {"stage", "timing"}},
         {"sweep", {"stage", "timing", "experiments"}},
-        {"stability", {"stage"}},
+        {"stability", {"stage", "sweep"}},
         {"commands", {"stage", "timing", "experiments", "sweep", "stability"}}}},
       {"reports", {{"model", {}}, {"charts", {"model"}}, {"exports", {"model"}}, {"page", {"model", "charts"}}}},
   };

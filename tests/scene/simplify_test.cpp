@@ -205,6 +205,7 @@ TEST(Weld, TakesTogetherWhatIsNearInEveryPose) {
   Poses two = one;
   two.push_back({{0, 0, 0}, {1, 0, 0}, {0, 0.5F, 0}, {0, 0, 0}, {1, 0, 0}});
   EXPECT_EQ(weld(two, 1e-6F), (std::vector<uint32_t>{0, 1, 2, 0, 4})) << "the third goes its own way";
+  EXPECT_EQ(weld(one, 0), (std::vector<uint32_t>{0, 1, 2, 3, 4})) << "cells of no size, farther than integers count";
 }
 
 TEST(SurfaceDistance, IsThatOfParallelSquaresAndOfASpike) {

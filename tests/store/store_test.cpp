@@ -549,6 +549,22 @@ TEST_F(StoreTest, RefusesADamagedFile) {
   EXPECT_NE(error_of([&] { read_store(file_, true); }), "");
 }
 
+// SQLite keeps any text in a column of numbers, and gives 0 for it.
+TEST_F(StoreTest, RefusesATextThatStandsForANumber) {
+  {
+    StoreWriter store(file_);
+    store.write(a_run());
+  }
+  for (const char* text : {"nan", "inf", "fast"}) {
+    sql(file_, std::string("UPDATE run SET timer_cost_ns = '") + text + "'");
+    const std::string message = error_of([&] { read_store(file_); });
+    EXPECT_NE(message.find(std::string("'") + text + "' in column timer_cost_ns is not a number"), std::string::npos)
+        << message;
+  }
+  sql(file_, "UPDATE run SET timer_cost_ns = 1e400");
+  EXPECT_EQ(read_store(file_).runs.at(0).timer_cost_ns, std::numeric_limits<double>::infinity());
+}
+
 TEST_F(StoreTest, SaysThatAnotherWriterHoldsTheFile) {
   StoreWriter first(file_);
   first.begin();
