@@ -53,6 +53,7 @@ struct QualityOptions {
   int rows = 480;
   bool exact_pose = false;
   bool flicker = false;
+  bool orbit = false;
   bool no_cache = false;
   bool causes = false;
   bool json = false;
@@ -115,13 +116,15 @@ void write_maps(const std::filesystem::path& folder, const std::string& name, co
   }
 }
 
-// One view through the times, in their order: representation, height, elevation, azimuth.
+// One view through the times, in their order: representation, height, elevation, azimuth. Of an orbit one time through
+// the azimuths: the time in place of the azimuth.
 using FilmKey = std::tuple<size_t, double, double, double>;
 using Films = std::map<FilmKey, metrics::ClipScores>;
 
 void add_to_films(Films& films, const QualityRow& row, const QualityPictures& pictures, metrics::ScoreTable table,
-                  const metrics::ChosenDisplay& display) {
-  const FilmKey key(row.index, row.view.height_px, row.view.elevation_deg, row.view.azimuth_deg);
+                  bool orbit, const metrics::ChosenDisplay& display) {
+  const FilmKey key(row.index, row.view.height_px, row.view.elevation_deg,
+                    orbit ? row.view.time : row.view.azimuth_deg);
   const metrics::Mask either =
       metrics::union_of(metrics::mask_of(pictures.reference.ids), metrics::mask_of(pictures.test.ids));
   metrics::ScoreInput frame{buffers_of(pictures.reference), buffers_of(pictures.test)};
@@ -136,6 +139,8 @@ struct Asked {
   scene::CharacterEntry entry;
   std::string clip;
   size_t times = 0;
+  size_t azimuths = 0;
+  bool orbit = false;  // azimuths as successive frames, not times
 };
 
 // What dominates a representation's error, over its views.
@@ -223,11 +228,13 @@ Asked read_options(const QualityOptions& options, metrics::ScoreTable table) {
   const std::vector<double> times =
       options.times.empty() ? std::vector<double>{start} : parse_numbers(options.times, "--time", -1e6, 1e6);
   asked.times = times.size();
+  asked.orbit = options.orbit;
   std::vector<double> azimuths;
   for (const double a : parse_numbers(options.azimuths, "--azimuth-deg", -3600, 3600))
     if (std::none_of(azimuths.begin(), azimuths.end(),
                      [&](double b) { return std::abs(std::remainder(a - b, 360.0)) < 1e-9; }))
       azimuths.push_back(a);
+  asked.azimuths = azimuths.size();
   for (const double time : times)
     for (const double height : parse_numbers(options.heights, "--height-px", 4, 4096))
       for (const double elevation : parse_numbers(options.elevations, "--elevation-deg", -90, 90))
@@ -280,13 +287,13 @@ Json all_causes_json(const std::vector<QualityRow>& rows, const Asked& asked) {
 // A list for each score over time, under its name.
 void put_films(Json& out, const Films& films, const Asked& asked) {
   for (const auto& [key, film] : films) {
-    const auto& [index, height, elevation, azimuth] = key;
+    const auto& [index, height, elevation, held] = key;
     for (const auto& [score, result] : film.finish()) {
       const std::string name(score->name);
       out[name].push_back({{"representation", asked.setup.representations[index]},
                            {"height_px", height},
                            {"elevation_deg", elevation},
-                           {"azimuth_deg", azimuth},
+                           {asked.orbit ? "time" : "azimuth_deg", held},
                            {"frames", film.frames()},
                            {name, score_json(result)}});
       if (!result.value) out[name].back()["reason"] = result.reason;
@@ -346,9 +353,10 @@ void print_cause_words(const std::vector<QualityRow>& rows, const Asked& asked) 
 
 void print_films(const Films& films, const Asked& asked) {
   for (const auto& [key, film] : films) {
-    const auto& [index, height, elevation, azimuth] = key;
+    const auto& [index, height, elevation, held] = key;
     for (const auto& [score, result] : film.finish())
-      fmt::print("{:>7g} {:>7g} {:>7g} | {} {}{}{}, {}\n", height, azimuth, elevation, score->title,
+      fmt::print("{:>7g} {:>7} {:>7g} | {} {}{}{}, {}\n", height,
+                 asked.orbit ? std::string("all") : fmt::format("{:g}", held), elevation, score->title,
                  metrics::value_text(*score, result.value), score->unit.empty() ? "" : " ", score->unit,
                  asked.setup.representations[index]);
   }
@@ -372,7 +380,8 @@ void print_text(const std::vector<QualityRow>& rows, const Films& films, const A
   print_cause_words(rows, asked);
   fmt::print("display {}\n", display_line(asked.setup.display));
   if (films.empty()) return;
-  fmt::print("\nover {} times as successive frames, over the silhouettes\n", asked.times);
+  fmt::print("\nover {} {} as successive frames, over the silhouettes\n", asked.orbit ? asked.azimuths : asked.times,
+             asked.orbit ? "azimuths" : "times");
   print_films(films, asked);
 }
 
@@ -388,7 +397,8 @@ int run_quality(const QualityOptions& options, metrics::ScoreTable table) {
   {
     Progress progress("quality", asked.setup.views.size() * asked.setup.representations.size());
     rows = compute_quality(context, asked.setup, [&](const QualityRow& row, const QualityPictures& pictures) {
-      if (options.flicker) add_to_films(films, row, pictures, table, asked.setup.display);
+      if (options.flicker || options.orbit)
+        add_to_films(films, row, pictures, table, options.orbit, asked.setup.display);
       if (!options.maps.empty()) write_maps(options.maps, stem(names[row.index], row.view), row, pictures);
       if (results) results->add(row, pictures);
       progress.advance();
@@ -429,6 +439,7 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
       "Examples:\n"
       "  crowdbench quality --representation flat\n"
       "  crowdbench quality --representation flat --height-px 30,60,120 --azimuth-deg 0:315:45 --elevation-deg 0,30\n"
+      "  crowdbench quality --representation flat --azimuth-deg 0:60:1 --elevation-deg 12 --time 0.2 --orbit\n"
       "  crowdbench quality --representation flat:views=hemi-12 --clip walk --time 0.25 --maps maps --json\n"
       "  crowdbench quality --representation mesh --reference truth --supersample 3");
   auto options = std::make_shared<QualityOptions>();
@@ -458,8 +469,15 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
       ->type_name("N")
       ->capture_default_str()
       ->whole_number(16, 8192);
-  command->add_flag("--flicker", options->flicker,
-                    "also the scores over time of each view, with the times as successive frames (three at least)");
+  auto* flicker =
+      command->add_flag("--flicker", options->flicker,
+                        "also the scores over time of each view, with the times as successive frames (three at least)");
+  command
+      ->add_flag(
+          "--orbit", options->orbit,
+          "also the scores over time of each time, with the azimuths as successive frames: what a change of the\n"
+          "stored view shows to an eye that goes round the figure")
+      ->excludes(flicker);
   command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
   command->add_flag(
       "--causes", options->causes,

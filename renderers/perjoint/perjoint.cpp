@@ -314,7 +314,7 @@ PerJointOptions perjoint_options(const Spec& spec) {
 
 const RepresentationType perjoint_type = {
     .name = "perjoint",
-    .summary = "per-joint impostors: a flat picture a joint and view, moved as the joint is, lit at run time",
+    .summary = "per-joint impostors: a picture a joint and view, moved as the joint is, lit at run time",
     .options = {joint_views_option(),
                 {"texels", "16..1024", "128", "texels across the sphere round the rest pose"},
                 {"least", "0..20", "0.6", "percent of the surface: a joint that moves less goes with the one above it"},

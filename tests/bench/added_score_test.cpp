@@ -168,6 +168,16 @@ TEST(AddedScoreGl, IsInQuality) {
   EXPECT_EQ(out.at("first_red").at(0).at("frames"), 3);
   EXPECT_TRUE(std::filesystem::exists(folder / "mesh_h40_a0_e0_t0.1_first_red_map.png"));
   EXPECT_TRUE(contains(output_of(add_quality, arguments), "1st red"));
+  // The same over an orbit: four azimuths at each of three times.
+  std::vector<std::string> round = arguments;
+  std::replace(round.begin(), round.end(), std::string("--flicker"), std::string("--orbit"));
+  round.insert(round.end(), {"--azimuth-deg", "0:3:1"});
+  EXPECT_TRUE(contains(output_of(add_quality, round), "over 4 azimuths as successive frames"));
+  round.emplace_back("--json");
+  const json orbit = json::parse(output_of(add_quality, round));
+  ASSERT_EQ(orbit.at("first_red").size(), 3U);
+  EXPECT_EQ(orbit.at("first_red").at(1).at("time"), 0.2);
+  EXPECT_EQ(orbit.at("first_red").at(1).at("frames"), 4);
 }
 
 TEST(AddedScoreGl, IsInPopMaps) {
