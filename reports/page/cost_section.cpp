@@ -86,8 +86,12 @@ const char* short_title(const std::string& metric) {
 
 Rows fewer_curves(const Scene& scene, const std::vector<double>& shown) {
   if (shown.size() == scene.occupancies.size()) return {};
+  const std::string all = count_text(scene.occupancies.size());
   return {
-      {{"shown", shown.empty() ? "None" : count_text(shown.size())}, {"all", count_text(scene.occupancies.size())}}};
+      {{"text", shown.empty() ? "Each of the " + all + " occupancies was timed with one crowd: points, and no curves."
+                              : fmt::format("Curves are of {} of {} occupancies with several crowds, from end to "
+                                            "end; the tables have all.",
+                                            shown.size(), all)}}};
 }
 
 }  // namespace
