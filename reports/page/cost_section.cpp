@@ -5,6 +5,7 @@
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
 #include "reports/page/blocks.h"
+#include "reports/page/folded.h"
 #include "reports/page/page_files.h"
 #include "reports/page/sections.h"
 
@@ -110,8 +111,15 @@ Html cost_section(SceneOnPage& page) {
   if (const std::string chart = speed_chart(scene); !chart.empty())
     speed_charts.push_back(page.chart(chart, "Speed against " + scene.reference));
   Rows tables;
-  for (const double occupancy : scene.occupancies)
-    tables.push_back({{"occupancy", occupancy_title(occupancy)}, {"rows", table_rows(page, occupancy)}});
+  for (const double occupancy : scene.occupancies) {
+    Rows rows = table_rows(page, occupancy);
+    auto folded = folded_rows(rows.size());
+    const bool unfold = !folded.empty();
+    tables.push_back({{"occupancy", occupancy_title(occupancy)},
+                      {"folded", std::move(folded)},
+                      {"unfold", unfold},
+                      {"rows", std::move(rows)}});
+  }
   return fill_template(page_file("cost.html"), {{"metric", metric_title(scene.run->headline)},
                                                 {"heading", short_title(scene.run->headline)},
                                                 {"reference", scene.reference},
