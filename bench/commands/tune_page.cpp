@@ -239,8 +239,8 @@ void add_rules(const TuneReport& report, reports::TunePage& page) {
       page.rules.push_back(rule_of(report, candidate_name(report, one.change.to), rule, one.height_px));
   for (const UnchosenCandidate& one : unchosen_candidates(report, 0, report.result.together))
     for (const PredictedSwitch& rule : one.rules)
-      page.rules.push_back(rule_of(report, candidate_name(report, one.candidate) + " (the rule changes to it nowhere)",
-                                   rule, one.kept_px.value_or(0)));
+      page.rules.push_back(
+          rule_of(report, candidate_name(report, one.candidate) + " (not in the rule)", rule, one.kept_px.value_or(0)));
 }
 
 void add_engines(const TuneReport& report, reports::TunePage& page) {

@@ -39,11 +39,12 @@ std::string predicted_text(const TuneReport& report, const PredictedSwitch& one)
   std::string text = fmt::format("{} would switch at {:.1f} pixels ({:.1f} m)", one.rule, one.height_px, one.depth_m);
   if (one.beyond) return text + ", beyond the heights that were measured";
   if (one.error->values.empty()) return text + ", where it has no score";
-  return text +
-         fmt::format(": there 95 % of the figures have {} {:.{}f} or {}, {:g} was asked for: {}; {:.2f} us an agent",
-                     score.title, one.error->promised, score.digits,
-                     score.direction == metrics::Direction::higher_is_better ? "more" : "less",
-                     report.request.error.value, one.error->allowed ? "enough" : "NOT enough", 1e-3 * one.cost_ns);
+  return text + fmt::format(": there {} have {} {:.{}f} or {}, {:g} was asked for: {}; {:.2f} us an agent",
+                            one.error->values.size() < kTailValues ? "all figures drawn" : "95 % of the figures",
+                            score.title, one.error->promised, score.digits,
+                            score.direction == metrics::Direction::higher_is_better ? "more" : "less",
+                            report.request.error.value, one.error->allowed ? "enough" : "NOT enough",
+                            1e-3 * one.cost_ns);
 }
 
 std::string unchosen_text(const TuneReport& report, size_t subject, const UnchosenCandidate& one) {

@@ -10,6 +10,7 @@
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
 #include "reports/model/scores.h"
+#include "reports/model/shown.h"
 
 namespace crowdbench::reports {
 namespace {
@@ -53,7 +54,7 @@ struct Range {
 
 std::vector<double> agent_ticks(const Scene& scene) {
   std::vector<double> ticks;
-  for (const uint32_t agents : scene.agents)
+  for (const uint32_t agents : shown_agents(scene))
     if (agents > 0) ticks.push_back(agents);
   return ticks;
 }
@@ -101,7 +102,7 @@ std::string time_chart(const Scene& scene, double occupancy) {
       range.take(time_of(*row, metric)->high / 1e6);
     }
   for (const std::string& name : scene.representations) {
-    for (const uint32_t agents : scene.agents) {
+    for (const uint32_t agents : shown_agents(scene)) {
       const MeasurementRow* row = scene.find(name, agents, occupancy);
       if (row == nullptr || !is_timed(*row) || !time_of(*row, metric) || agents == 0) continue;
       const TimeSummary& time = *time_of(*row, metric);
@@ -186,7 +187,7 @@ std::string speed_chart(const Scene& scene) {
     if (name == scene.reference) continue;
     for (const double occupancy : occupancies) {
       const std::string covers = occupancy > 0 ? percent_text(occupancy) : "the scenario's view";
-      for (const uint32_t agents : scene.agents) {
+      for (const uint32_t agents : shown_agents(scene)) {
         const MeasurementRow* row = scene.find(name, agents, occupancy);
         const RatioRow* ratio = scene.ratio("speed", name, agents, occupancy, metric);
         if (row == nullptr || ratio == nullptr || !is_timed(*row) || agents == 0) continue;

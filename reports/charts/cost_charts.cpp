@@ -111,7 +111,10 @@ std::string prediction_chart(const Scene& scene, const std::vector<CostModel>& m
 
 std::string scatter_chart(const Scene& scene) {
   Json values = Json::array();
-  for (const MeasurementRow* row : scene.rows) {
+  constexpr size_t kMostPoints = 1000;
+  const size_t step = 1 + scene.rows.size() / kMostPoints;
+  for (size_t i = 0; i < scene.rows.size(); i += step) {
+    const MeasurementRow* row = scene.rows[i];
     const auto& time = time_of(*row, scene.run->headline);
     if (!is_timed(*row) || !time || row->key.agents == 0) continue;
     values.push_back({{"representation", row->key.representation},

@@ -5,6 +5,7 @@
 #include "reports/model/crossovers.h"
 #include "reports/model/number_text.h"
 #include "reports/page/blocks.h"
+#include "reports/page/folded.h"
 #include "reports/page/page_files.h"
 #include "reports/page/sections.h"
 
@@ -86,8 +87,12 @@ const char* short_title(const std::string& metric) {
 
 Rows fewer_curves(const Scene& scene, const std::vector<double>& shown) {
   if (shown.size() == scene.occupancies.size()) return {};
+  const std::string all = count_text(scene.occupancies.size());
   return {
-      {{"shown", shown.empty() ? "None" : count_text(shown.size())}, {"all", count_text(scene.occupancies.size())}}};
+      {{"text", shown.empty() ? "Each of the " + all + " occupancies was timed with one crowd: points, and no curves."
+                              : fmt::format("Curves are of {} of {} occupancies with several crowds, from end to "
+                                            "end; the tables have all.",
+                                            shown.size(), all)}}};
 }
 
 }  // namespace
@@ -106,8 +111,15 @@ Html cost_section(SceneOnPage& page) {
   if (const std::string chart = speed_chart(scene); !chart.empty())
     speed_charts.push_back(page.chart(chart, "Speed against " + scene.reference));
   Rows tables;
-  for (const double occupancy : scene.occupancies)
-    tables.push_back({{"occupancy", occupancy_title(occupancy)}, {"rows", table_rows(page, occupancy)}});
+  for (const double occupancy : scene.occupancies) {
+    Rows rows = table_rows(page, occupancy);
+    auto folded = folded_rows(rows.size());
+    const bool unfold = !folded.empty();
+    tables.push_back({{"occupancy", occupancy_title(occupancy)},
+                      {"folded", std::move(folded)},
+                      {"unfold", unfold},
+                      {"rows", std::move(rows)}});
+  }
   return fill_template(page_file("cost.html"), {{"metric", metric_title(scene.run->headline)},
                                                 {"heading", short_title(scene.run->headline)},
                                                 {"reference", scene.reference},

@@ -9,6 +9,7 @@
 #include "reports/model/scores.h"
 #include "reports/page/blocks.h"
 #include "reports/page/escape.h"
+#include "reports/page/folded.h"
 #include "reports/page/page_files.h"
 #include "reports/page/sections.h"
 
@@ -121,7 +122,13 @@ Rows crowds(const SceneOnPage& page) {
                     {"occupancy", occupancy_text(comparison->requested_occupancy)},
                     {"cells", std::move(cells)}});
   }
-  return {{{"scores", titles(scores)}, {"rows", std::move(rows)}, {"stricter", !page.scene.agent_comparisons.empty()}}};
+  auto folded = folded_rows(rows.size());
+  const bool unfold = !folded.empty();
+  return {{{"scores", titles(scores)},
+           {"folded", std::move(folded)},
+           {"unfold", unfold},
+           {"rows", std::move(rows)},
+           {"stricter", !page.scene.agent_comparisons.empty()}}};
 }
 
 }  // namespace

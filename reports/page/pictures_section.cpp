@@ -20,11 +20,12 @@ Html figure(const PictureRow& picture, Html caption) {
   return figure_block(picture.width, picture.height, picture.png, picture.caption, std::move(caption));
 }
 
-// Whether no larger crowd of the same representation and occupancy was compared.
+// Whether no larger crowd of the same representation and occupancy is shown.
 bool is_largest(const Scene& scene, const ComparisonRow& comparison) {
   return std::none_of(scene.crowd_comparisons.begin(), scene.crowd_comparisons.end(), [&](const ComparisonRow* other) {
     return other->representation == comparison.representation &&
-           other->requested_occupancy == comparison.requested_occupancy && other->agents > comparison.agents;
+           other->requested_occupancy == comparison.requested_occupancy && other->agents > comparison.agents &&
+           scene.picture(*other, "test") != nullptr;
   });
 }
 

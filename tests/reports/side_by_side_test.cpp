@@ -11,6 +11,7 @@
 #include "reports/exports/cost_export.h"
 #include "reports/exports/exports.h"
 #include "reports/exports/side_markdown.h"
+#include "reports/model/shown.h"
 #include "reports/model/tuning_text.h"
 #include "reports/page/libraries.h"
 #include "reports/page/report_page.h"
@@ -103,6 +104,20 @@ TEST(SweptScene, SamplesAreDrawnAsPoints) {
   ASSERT_GT(scenes[0].occupancies.size(), kMostCurves);
   EXPECT_TRUE(shown_occupancies(scenes[0]).empty());
   EXPECT_FALSE(scatter_chart(scenes[0]).empty());
+}
+
+TEST(SweptScene, OfVeryManyCrowdsCurvesKeepBothEnds) {
+  StoreContents contents = made_up_contents();
+  const MeasurementRow row = contents.measurements.front();
+  for (uint32_t agents = 2000; agents < 2500; ++agents) {
+    contents.measurements.push_back(row);
+    contents.measurements.back().id = 10'000 + agents;
+    contents.measurements.back().key.agents = agents;
+  }
+  const std::vector<uint32_t> shown = shown_agents(scenes_of(contents)[0]);
+  EXPECT_EQ(shown.size(), kMostOnACurve);
+  EXPECT_EQ(shown.front(), 1U);
+  EXPECT_EQ(shown.back(), 2499U);
 }
 
 TEST(SideBySide, OfOneFileIsNothing) {
