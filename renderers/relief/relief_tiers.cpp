@@ -23,7 +23,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 19;
+constexpr uint32_t kBakeVersion = 20;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -44,7 +44,7 @@ constexpr double kWholePixels = 50;
 constexpr double kFewer = 0.75;
 constexpr double kCutTexel = 0.5;  // of a whole box's largest texel, what cut skin makes do with
 // Texels that cut skin may take nearby, of those that rigid boxes of the same character would.
-constexpr double kMore = 2.1;
+constexpr double kMore = 1.85;
 constexpr double kSkirt = 1.5;  // texels of a box's neighbours that it captures too
 
 // "bind" or "CLIP@PHASE".
@@ -398,7 +398,7 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
     bake.loose = cells.loose;
     const double most = kMore * static_cast<double>(relief_texels(character, what));
     what.pieces = std::move(cells.pieces);
-    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces, 1.2)) continue;
+    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces, 1.1)) continue;
   }
   size_t texels = relief_texels(character, what);
   while (options.part_auto && what.longest > 0 &&
