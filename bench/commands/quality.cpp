@@ -187,6 +187,20 @@ class Results {
   int64_t run_ = 0;
 };
 
+// With an exact pose every view has a bake of its own moment, which is its only stored frame.
+void say_what_exact_poses_hide(const std::vector<renderers::Spec>& specs) {
+  for (const renderers::Spec& spec : specs) {
+    for (const auto& [key, value] : spec.options)
+      if (key.starts_with("frames"))
+        fmt::print(
+            stderr,
+            "crowdbench: note: {}: {}={} shows nothing with --exact-pose, where the exact time is the one stored "
+            "frame; leave --exact-pose out\n",
+            printable(spec.name), key, printable(value));
+    say_what_exact_poses_hide(spec.components);
+  }
+}
+
 Asked read_options(const QualityOptions& options, metrics::ScoreTable table) {
   if (options.flicker && options.exact_pose)
     throw Error("--flicker", "an exact pose has no frames between which it could jump", "leave --exact-pose out");
@@ -200,8 +214,9 @@ Asked read_options(const QualityOptions& options, metrics::ScoreTable table) {
   QualitySetup& setup = asked.setup;
   setup.truth = options.reference == kTruthName;
   // A text that cannot be read is refused before anything is drawn.
-  for (const renderers::Spec& spec : parse_representations(options.representations))
-    setup.representations.push_back(spec.text());
+  const std::vector<renderers::Spec> specs = parse_representations(options.representations);
+  if (options.exact_pose) say_what_exact_poses_hide(specs);
+  for (const renderers::Spec& spec : specs) setup.representations.push_back(spec.text());
   setup.debug = options.debug;
   setup.display = display_of_option(options.display);
   scene::CharacterEntry entry = options.character.entry();
@@ -478,7 +493,8 @@ void add_quality(Command& app, Run& run, metrics::ScoreTable table) {
           "also the scores over time of each time, with the azimuths as successive frames: what a change of the\n"
           "stored view shows to an eye that goes round the figure")
       ->excludes(flicker);
-  command->add_flag("--exact-pose", options->exact_pose, "the representation too is given the exact time");
+  command->add_flag("--exact-pose", options->exact_pose,
+                    "the representation too is given the exact time, as its only stored frame");
   command->add_flag(
       "--causes", options->causes,
       "the squared error by cause (`schema --results` says how: stored frame, stored view, order, silhouette,\n"

@@ -223,11 +223,11 @@ struct DrawOptions {
   int slices_at(size_t level) const { return slices == 0 ? 0 : std::max(slices >> level, 1); }
 };
 
-void check_limits(const gl::Context& context, const FlatBake& bake, const std::string& character,
+void check_limits(const gl::Context& context, const FlatBake& bake, const std::string& what_bake,
                   const DrawOptions& draw) {
   const gl::Limits& limits = context.limits();
   const auto refuse = [&](const std::string& what) {
-    throw Error(fmt::format("flat bake of {}", character), what, "lower texels, frames or views, or use fewer clips");
+    throw Error(what_bake, what, "lower texels, frames or views, or use fewer clips");
   };
   uint64_t corners = 0;
   for (const FlatLevel& level : bake.levels) {
@@ -269,13 +269,13 @@ class FlatRepresentation : public Representation {
       options.compressed = false;
     }
     BakeLoader loader(make.policy(),
-                      {"flat", "flat impostors", "tiles",
+                      {"flat", options.drawn_by + " impostors", "tiles",
                        "lower texels, frames or views, use fewer clips or characters, or raise --bake-budget"});
     for (size_t c = 0; c < make.cast.characters.size(); ++c) {
       const auto& character = make.cast.characters[c];
       const auto& bank = make.cast.banks[c];
       if (bank->clips().size() > CB_FLAT_CLIPS)
-        throw Error(fmt::format("flat bake of {}", character->name),
+        throw Error(fmt::format("{} bake of {}", options.drawn_by, character->name),
                     fmt::format("{} clips; {} is the most", bank->clips().size(), CB_FLAT_CLIPS), "use fewer clips");
       if (make.required_by) {
         options.needed.clear();
@@ -291,7 +291,7 @@ class FlatRepresentation : public Representation {
           character->name, key, deserialise_flat, [&](uint64_t left, const BakeProgress& progress) {
             return bake_flat(context_, character, bank, options, left, progress);
           });
-      check_limits(context_, bake, character->name, draw_);
+      check_limits(context_, bake, fmt::format("{} bake of {}", options.drawn_by, character->name), draw_);
       characters_.push_back(upload(context_, bake, options.grid, draw_.layers, draw_.slices > 0));
     }
     records_ = loader.records();

@@ -544,7 +544,7 @@ FlatBake bake_flat(gl::Context& context, const std::shared_ptr<const scene::Char
   }
   if (needed > budget) {
     const auto mib = [](uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
-    throw Error(fmt::format("flat bake of {}", character->name),
+    throw Error(fmt::format("{} bake of {}", options.drawn_by, character->name),
                 fmt::format("{} clip{}, {} frames, {} views and {} texels need {:.0f} MiB, the budget is {:.0f}",
                             plan.frames.clips.size(), plan.frames.clips.size() == 1 ? "" : "s", plan.frames.size(),
                             options.grid.size(), options.texels, mib(needed), mib(budget)),

@@ -20,6 +20,7 @@
 namespace crowdbench::renderers {
 
 struct FlatBakeOptions {
+  std::string drawn_by = "flat";  // the representation, as errors and progress name it; no part of the bake
   ViewGrid grid;
   FrameCount frames;
   int texels = 128;         // across the enclosing sphere: the texel size is its diameter over this

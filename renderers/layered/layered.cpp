@@ -11,6 +11,7 @@ namespace {
 FlatBakeOptions bake_options(const Spec& spec) {
   const OptionReader reader(layered_type, spec);
   FlatBakeOptions options;
+  options.drawn_by = layered_type.name;
   options.grid = read_view_grid(reader);
   options.frames = read_frame_count(reader);
   options.texels = static_cast<int>(reader.integer("texels", 16, 1024));

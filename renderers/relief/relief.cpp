@@ -34,8 +34,6 @@ constexpr double kPart = 0.27;  // of the height: one of 128 texels is then at m
 
 // Of the silhouette, what rigid boxes may miss over the clips (CaptureScore) before it is said.
 constexpr double kTornSilhouette = 0.01;
-// Of the skin's area, what may be in boxes that do not follow it before it is said.
-constexpr double kLooseSkin = 0.05;
 
 struct Options {
   ReliefTierOptions bake;
@@ -238,17 +236,7 @@ class Relief final : public Representation {
       made_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       cache.store("relief", key, serialise(*bake), made_seconds);
     }
-    if (options_.bake.bend <= 0 && bake->capture.silhouette_error > kTornSilhouette)
-      fmt::print(stderr,
-                 "crowdbench: warning: relief: rigid boxes miss {:.1f} % of the silhouette of {} over its clips, more "
-                 "than {:.0f} %; bend=1 follows its skin\n",
-                 100 * bake->capture.silhouette_error, printable(character.name), 100 * kTornSilhouette);
-    if (bake->loose > kLooseSkin)
-      fmt::print(stderr,
-                 "crowdbench: warning: relief: {:.0f} % of the skin of {} deviate from their boxes by more than {:g} "
-                 "pixels of a figure {:g} tall, more than {:.0f} %; cells={} holds more of it\n",
-                 100 * bake->loose, printable(character.name), options_.bake.bend, kBendPixels, 100 * kLooseSkin,
-                 std::min(2 * options_.bake.cells, 1024));
+    warn_of_misses(character, *bake);
     Baked& baked = baked_.emplace_back();
     baked.key = key;
     baked.cached = cached;
@@ -262,13 +250,33 @@ class Relief final : public Representation {
     baked.pixels = bake->tier_pixels;
     for (const ReliefBox& box : bake->models[0].boxes)
       baked.texel = std::max(baked.texel, std::max({box.size.x, box.size.y, box.size.z}) / box.texels);
-    baked.full_texels = 3 * bake->models[0].texels();
+    baked.full_texels = bake->models[0].depth_maps() * bake->models[0].texels();
     baked.items = items_of(character, bake->models[0]);
     for (size_t i = 0; i < bake->models.size(); ++i) {
       baked.tiers.push_back(upload(character, *bake, i));
       const Tier& tier = baked.tiers.back();
       left -= std::min(left, tier.texture_bytes());
     }
+  }
+
+  // What the boxes miss of the skin in the character's own clips, where it is more than was asked for.
+  void warn_of_misses(const scene::Character& character, const ReliefTiers& bake) const {
+    const ReliefTierOptions& asked = options_.bake;
+    if (asked.bend <= 0 && bake.capture.silhouette_error > kTornSilhouette)
+      fmt::print(stderr,
+                 "crowdbench: warning: relief: rigid boxes miss {:.1f} % of the silhouette of {} over its clips, more "
+                 "than {:.0f} %; {} follows its skin\n",
+                 100 * bake.capture.silhouette_error, printable(character.name), 100 * kTornSilhouette,
+                 asked.maps.cube ? "projection=box" : "bend=1");
+    const double deviation = bake.deviation / relief_height(character) * kBendPixels;
+    if (asked.bend <= 0 || deviation <= asked.bend) return;
+    const bool more_cells = asked.cells < 1024 && bake.models[0].boxes.size() >= static_cast<size_t>(asked.cells);
+    fmt::print(
+        stderr,
+        "crowdbench: warning: relief: the boxes of {} leave its skin by up to {:.1f} pixels of a figure {:g} tall "
+        "in its clips ({:.1f} % of it by more than bend={:g}); {} holds more of it\n",
+        printable(character.name), deviation, kBendPixels, 100 * bake.loose, asked.bend,
+        more_cells ? fmt::format("cells={}", std::min(2 * asked.cells, 1024)) : "another pose (capture=bind)");
   }
 
   // Every joint, with all boxes that stand along its axes; those without triangles have none. A triangle counts in
@@ -284,8 +292,9 @@ class Relief final : public Representation {
       facts[1].second += model.triangles_of_box[i];
       facts[2].second = std::max({facts[2].second, box.size.x, box.size.y, box.size.z});
       // Its place in the pictures, levels and all: 3 n x 1.5 n of the depth picture.
-      const uint64_t bytes = ReliefModel::box_texels(box) * 9 / 4 *
-                             (2 * (depth_texel_bytes(options_.bake) + colour_texel_bytes(model.emission_peak)) + 1);
+      const uint64_t bytes =
+          ReliefModel::box_texels(box) * 9 / 4 *
+          (2 * (depth_texel_bytes(options_.bake) + colour_texel_bytes(model.emission_peak)) + (model.cube ? 0 : 1));
       facts[3].second += static_cast<double>(bytes);
       facts[4].second += 1;
     }
@@ -310,8 +319,8 @@ class Relief final : public Representation {
     });
     tier.carve = index == 0 || model.patches;
     tier.corners = tier.carve ? 8 : 4;
-    tier.depth =
-        gl::Texture::make_2d(context_, options_.bake.depth_bits == 8 ? GL_RG8 : GL_RG16, plan.width, plan.height);
+    tier.depth = gl::Texture::make_2d(context_, options_.bake.depth_bits == 8 ? GL_RG8 : GL_RG16,
+                                      model.cube ? 2 * plan.width : plan.width, plan.height);
     tier.depth.write(0, 0, GL_RG, GL_UNSIGNED_SHORT, atlas.depth.data());
     if (!bake.cones.empty()) {
       tier.cones = gl::Texture::make_2d(context_, GL_RGBA8, plan.width, plan.height);
@@ -329,8 +338,10 @@ class Relief final : public Representation {
         if (*filtered) glTextureParameteri(filtered->name(), which, GL_LINEAR);
     tier.normal = gl::Texture::make_2d(context_, GL_RGBA8, 2 * plan.width, plan.height);
     tier.normal.write(0, 0, GL_RGBA, GL_UNSIGNED_BYTE, atlas.normal.data());
-    tier.bounds = gl::Texture::make_2d(context_, GL_RG8, plan.width / 2, plan.height / 2);
-    tier.bounds.write(0, 0, GL_RG, GL_UNSIGNED_BYTE, atlas.bounds.data());
+    if (!atlas.bounds.empty()) {
+      tier.bounds = gl::Texture::make_2d(context_, GL_RG8, plan.width / 2, plan.height / 2);
+      tier.bounds.write(0, 0, GL_RG, GL_UNSIGNED_BYTE, atlas.bounds.data());
+    }
 
     std::vector<BoxRecord> records;
     std::vector<glm::vec4> points;
@@ -387,6 +398,7 @@ class Relief final : public Representation {
     }
     if (tier.carve && !options_.floor) all.emplace_back("CARVE", "");
     if (!options_.floor) all.emplace_back("ATTRIBUTE", "");
+    if (options_.bake.maps.cube) all.emplace_back("CUBE", "");
     if (options_.debug > 0) all.emplace_back("DEBUG", std::to_string(options_.debug));
     if (options_.floor) all.emplace_back("RELIEF_FLOOR", "");
     return all;
@@ -439,7 +451,7 @@ class Relief final : public Representation {
       tier.depth.bind(RELIEF_TEXTURE_DEPTH);
       tier.colour.bind(RELIEF_TEXTURE_COLOUR);
       tier.normal.bind(RELIEF_TEXTURE_NORMAL);
-      tier.bounds.bind(RELIEF_TEXTURE_BOUNDS);
+      if (tier.bounds) tier.bounds.bind(RELIEF_TEXTURE_BOUNDS);
       if (tier.cones) tier.cones.bind(RELIEF_TEXTURE_CONES);
       tier.vertices.bind();
       if (options_.hull) {
@@ -490,8 +502,15 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   options.hull = read.choice("proxy", {"hull", "box"}) == 0;
   options.bake.merge = read.text("merge") == "auto" ? (options.hull ? 0.25 : 0.0) : read.number("merge", 0.0, 16.0);
   options.bake.cells = static_cast<int>(read.integer("cells", 16, 1024));
-  options.bake.bend = read.text("bend") == "rigid" ? 0.0 : read.number("bend", 0.05, 64.0);
-  options.bake.part_auto = read.text("part") == "auto" && options.bake.merge > 0;
+  options.bake.maps.cube = read.choice("projection", {"box", "cube"}) == 1;
+  const std::string bend = read.text("bend");
+  options.bake.bend = bend == "auto"    ? (options.bake.maps.cube ? 0.0 : 1.0)
+                      : bend == "rigid" ? 0.0
+                                        : read.number("bend", 0.05, 64.0);
+  if (options.bake.maps.cube && (options.bake.bend > 0 || options.search != RELIEF_SEARCH_ADAPTIVE))
+    throw Error("relief: projection", "cube has stiff boxes and a search of its own",
+                "leave bend and search as they are, or take projection=box");
+  options.bake.part_auto = read.text("part") == "auto" && options.bake.merge > 0 && !options.bake.maps.cube;
   options.bake.part = options.bake.part_auto        ? kPart
                       : read.text("part") == "auto" ? 0.0
                                                     : read.number("part", 0.0, 4.0);
@@ -526,15 +545,16 @@ const RepresentationType relief_type = {
          {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
          {"merge", "auto|0..16", "auto",
           "pixels that joints sharing a box may deviate; auto: 0.25 with proxy=hull, else 0"},
-         {"bend", "rigid|0.05..64", "1",
+         {"bend", "auto|rigid|0.05..64", "auto",
           "pixels, of a character 240 tall, that skin may deviate from boxes that bend with it before it is cut into "
-          "more; rigid: one stiff box a joint, as the source has them"},
+          "more; rigid: one stiff box a joint, as the source has them; auto: 1, or rigid with projection=cube"},
+         {"projection", "box|cube", "box",
+          "what a box's faces see: box, along its axes; cube, from its middle outward, as a cube map, where each place "
+          "of the skin belongs to one face"},
          {"cells", "16..1024", "256", "boxes that skin may be cut into, at most"},
          {"part", "auto|0..4", "auto",
           "longest box, in heights of the character: longer ones are captured in parts; 0: whole; auto: 0.27 "
-          "with merge "
-          "(more "
-          "where the bake budget asks for it), else 0"},
+          "with merge (more where the bake budget asks for it), else and with projection=cube 0"},
          {"debug", "none|boxes|steps|hit-face|misses", "none",
           "shows how the picture comes about instead of the picture"}},
     .make = make_relief,

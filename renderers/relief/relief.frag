@@ -18,7 +18,7 @@
 #include "renderers/shaders/output.glsl"
 
 // Boxes of the farther tiers: the search and the choice of face in fewer operations.
-#if SEARCH == RELIEF_SEARCH_ADAPTIVE && !defined(CARVE)
+#if SEARCH == RELIEF_SEARCH_ADAPTIVE && !defined(CARVE) && !defined(CUBE)
 #define PLAIN
 #endif
 #include "renderers/relief/relief_map.glsl"
@@ -41,7 +41,9 @@ layout(location = RELIEF_LOCATION_PEAK) uniform float emission_peak;
 #endif
 layout(std430, binding = RELIEF_STORAGE_POSED) readonly restrict buffer Posed { PosedBox posed[]; };
 
-#if SEARCH == RELIEF_SEARCH_LINEAR
+#ifdef CUBE
+#include "renderers/relief/relief_cube.glsl"
+#elif SEARCH == RELIEF_SEARCH_LINEAR
 #include "renderers/relief/relief_linear.glsl"
 #elif SEARCH == RELIEF_SEARCH_CONE
 #include "renderers/relief/relief_cone.glsl"
@@ -90,7 +92,12 @@ vec2 colour_place(Map map, Face face, vec3 point) {
   vec2 low = vec2(ivec2(map.left * 2 + (2 * face.axis + face.side) * map.texels +
                             (level == 0 ? 0 : map.texels - (map.texels >> (level - 1))),
                         int(v_identity.w) + (level == 0 ? 0 : map.texels)));
+#ifdef CUBE
+  vec3 place = along_axis(2.0 * point - 1.0, face.axis);
+  place.xy = 0.5 * place.xy / max(abs(place.z), 1e-6) + 0.5;
+#else
   vec3 place = along_axis(point, face.axis);
+#endif
   return (low + clamp(place.xy * float(size), 0.5, float(size) - 0.5)) / vec2(textureSize(colour_map, 0));
 }
 

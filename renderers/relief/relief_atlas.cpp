@@ -19,10 +19,12 @@ namespace {
 // One level of one box's maps.
 struct Level {
   size_t n = 0;
-  std::vector<uint16_t> depth;    // [axis][v][u][2]
+  std::vector<uint16_t> depth;    // [axis][v][u][2]; of a cube [axis][side][v][u][2], and so `filled`
   std::vector<uint8_t> normal;    // [axis][side][v][u][4]
   std::vector<uint8_t> emission;  // the same; empty where nothing glows
   std::vector<uint32_t> filled;   // [axis][v][u]: of the texels of level 0 that lie under each, how many are covered
+  size_t maps() const { return depth.size() / (2 * n * n); }  // of depths
+  size_t sides() const { return 6 / maps(); }                 // faces that have one in common
 };
 
 double linear_of(uint8_t code) {
@@ -37,7 +39,7 @@ double linear_of(uint8_t code) {
 // Colours (or emission) of covered texels, carried into empty ones beside them, twice.
 void spread_colours(const Level& level, std::vector<uint8_t>& colours) {
   const auto n = static_cast<long>(level.n);
-  for (size_t map = 0; map < 3; ++map) {
+  for (size_t map = 0; map < level.maps(); ++map) {
     const auto at = [&](long u, long v) { return static_cast<size_t>(v * n + u); };
     std::vector<uint8_t> known(level.n * level.n);
     for (size_t i = 0; i < known.size(); ++i) {
@@ -49,8 +51,8 @@ void spread_colours(const Level& level, std::vector<uint8_t>& colours) {
       for (long v = 0; v < n; ++v) {
         for (long u = 0; u < n; ++u) {
           if (before[at(u, v)] != 0) continue;
-          for (size_t side = 0; side < 2; ++side) {
-            uint8_t* face = colours.data() + (map * 2 + side) * known.size() * 4;
+          for (size_t side = 0; side < level.sides(); ++side) {
+            uint8_t* face = colours.data() + (map * level.sides() + side) * known.size() * 4;
             std::array<int, 4> sum{};
             int count = 0;
             for (long y = std::max(0L, v - 1); y <= std::min(n - 1, v + 1); ++y) {
@@ -237,10 +239,10 @@ std::vector<uint8_t> covered_texels(const Halves& map) {
   return covered;
 }
 
-// Of each of the texels of three halved maps, how much lies under it.
+// Of each of the texels of halved maps, how much lies under it.
 std::vector<uint32_t> filled_of(const Level& from) {
   const size_t n = from.n / 2;
-  std::vector<uint32_t> filled(3 * n * n);
+  std::vector<uint32_t> filled(from.maps() * n * n);
   for (size_t i = 0; i < from.filled.size(); ++i) {
     const size_t row = i / from.n;  // of all maps
     filled[row / 2 * n + i % from.n / 2] += from.filled[i];
@@ -253,11 +255,11 @@ Level halved(const Level& from, uint32_t full) {
   Level to;
   const size_t n = to.n = from.n / 2;
   to.filled = filled_of(from);
-  to.depth.resize(3 * n * n * 2);
+  to.depth.resize(from.maps() * n * n * 2);
   to.normal.resize(6 * n * n * 4);
   if (!from.emission.empty()) to.emission.resize(to.normal.size());
   std::vector<std::array<uint16_t, 2>> reach(n * n);  // least and greatest of each texel's children
-  for (size_t map = 0; map < 3; ++map) {
+  for (size_t map = 0; map < from.maps(); ++map) {
     Halves halves{n, {}, to.filled.data() + map * n * n, full};
     for (size_t at = 0; at < n * n; ++at) halves.children.push_back(children_of(from, map, at % n, at / n));
     const std::vector<uint8_t> covered = covered_texels(halves);
@@ -269,7 +271,8 @@ Level halved(const Level& from, uint32_t full) {
       uint16_t* d = to.depth.data() + (map * n * n + at) * 2;
       d[0] = covered[at] != 0 ? mean(children.depth_sums[0]) : 65535;
       d[1] = covered[at] != 0 ? mean(children.depth_sums[1]) : 0;
-      for (size_t side = 0; side < 2 && covered[at] != 0; ++side) halve_face(from, children, map * 2 + side, at, to);
+      for (size_t side = 0; side < from.sides() && covered[at] != 0; ++side)
+        halve_face(from, children, map * from.sides() + side, at, to);
     }
     meet_again(reach, n, to.depth.data() + map * n * n * 2);
   }
@@ -323,12 +326,14 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
   const auto width = static_cast<size_t>(plan.width);
   const auto height = static_cast<size_t>(plan.height);
   Atlas atlas;
-  atlas.depth.assign(width * height * 2, 0);
+  const size_t maps = model.depth_maps();
+  const size_t depth_width = width * maps / 3;
+  atlas.depth.assign(depth_width * height * 2, 0);
   for (size_t i = 0; i < atlas.depth.size(); i += 2) atlas.depth[i] = 65535;
   atlas.colour.assign(2 * width * height * 4, 0);
   atlas.normal.assign(2 * width * height * 4, 0);
   if (!model.emission.empty()) atlas.emission.assign(2 * width * height * 4, 0);
-  atlas.bounds.assign(width / 2 * (height / 2) * 2, 0);
+  if (!model.cube) atlas.bounds.assign(width / 2 * (height / 2) * 2, 0);
   for (size_t i = 0; i < atlas.bounds.size(); i += 2) atlas.bounds[i] = 255;
   for (size_t i = 0; i < model.boxes.size(); ++i) {
     const ReliefBox& box = model.boxes[i];
@@ -337,7 +342,7 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
       const auto begin = all.begin() + static_cast<std::ptrdiff_t>(box.first * per_texel);
       return std::vector(begin, begin + static_cast<std::ptrdiff_t>(n * n * per_texel));
     };
-    Level level{n, slice(model.depth, 6), slice(model.normal, 24), {}, std::vector<uint32_t>(3 * n * n)};
+    Level level{n, slice(model.depth, 2 * maps), slice(model.normal, 24), {}, std::vector<uint32_t>(maps * n * n)};
     for (size_t t = 0; t < level.filled.size(); ++t)
       level.filled[t] = level.depth[2 * t] <= level.depth[2 * t + 1] ? 1 : 0;
     if (!model.emission.empty()) level.emission = slice(model.emission, 24);
@@ -352,10 +357,11 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
       const size_t aside = l == 0 ? 0 : n - (n >> (l - 1));
       const size_t top = plan.top[i] + (l == 0 ? 0 : n);
       for (size_t v = 0; v < level.n; ++v) {
-        for (size_t map = 0; map < 3; ++map)
-          std::copy_n(level.depth.begin() + static_cast<std::ptrdiff_t>((map * level.n + v) * level.n * 2), level.n * 2,
-                      atlas.depth.begin() +
-                          static_cast<std::ptrdiff_t>(((top + v) * width + plan.left[i] + map * n + aside) * 2));
+        for (size_t map = 0; map < maps; ++map)
+          std::copy_n(
+              level.depth.begin() + static_cast<std::ptrdiff_t>((map * level.n + v) * level.n * 2), level.n * 2,
+              atlas.depth.begin() + static_cast<std::ptrdiff_t>(
+                                        ((top + v) * depth_width + plan.left[i] * maps / 3 + map * n + aside) * 2));
         for (size_t face = 0; face < 6; ++face) {
           const auto from = static_cast<std::ptrdiff_t>((face * level.n + v) * level.n * 4);
           const auto to =
@@ -365,7 +371,7 @@ Atlas fill_atlas(const ReliefModel& model, const AtlasPlan& plan) {
           std::copy_n(level.normal.begin() + from, level.n * 4, atlas.normal.begin() + to);
         }
       }
-      for (size_t map = 0; map < 3; ++map) {
+      for (size_t map = 0; map < 3 && !model.cube; ++map) {
         const std::vector<uint8_t> bounds = bounds_of(model.extent.data() + (box.first * 3 + map * n * n) * 2, n, l);
         const size_t m = n >> (l + 1);
         for (size_t v = 0; v < m; ++v)

@@ -12,8 +12,9 @@ namespace crowdbench::renderers {
 // down to 8: of 4 by 4 texels, one is more than a twentieth of what a limb covers.
 uint32_t atlas_levels(int texels);
 
-// Depth texels; the colour and normal pictures are twice as wide. A box takes 3 n x 3 n / 2: the three axes' level 0
-// next to each other, under each its smaller levels from left to right.
+// Depth texels; the colour and normal pictures are twice as wide, and of a cube the depth picture too: six maps a box.
+// A box takes 3 n x 3 n / 2: the three axes' level 0 next to each other, under each its smaller levels from left to
+// right.
 struct AtlasPlan {
   int width = 0;
   int height = 0;
@@ -30,14 +31,14 @@ struct AtlasPlace {
 AtlasPlace atlas_place(const AtlasPlan& plan, size_t box, size_t texels, uint32_t level);
 
 struct Atlas {
-  std::vector<uint16_t> depth;  // width x height x 2
+  std::vector<uint16_t> depth;  // width x height x 2; of a cube twice as wide
   std::vector<uint8_t> colour;  // 2 width x height x 4; six columns a box
   std::vector<uint8_t> normal;
   std::vector<uint8_t> emission;  // as colour (renderers/bake/emission.h); empty where nothing glows
   // width/2 x height/2 x 2: one texel for two by two of the depth picture's, level by level. Least and greatest depth
   // of anything that touches these texels or, on the level's own scale, the texels next to them, rounded outward: what
   // lies outside, in any of the three axes' maps, is air.
-  std::vector<uint8_t> bounds;
+  std::vector<uint8_t> bounds;  // of a cube empty
 };
 // Halved levels. A texel is covered when half of the area under it is at level 0, but that every aligned square of four
 // texels and more keeps the area that it has at level 0, within a texel: patterns neither close nor vanish. Where that

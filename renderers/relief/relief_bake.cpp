@@ -16,6 +16,7 @@
 #include "renderers/impostor/tiles/half_plane.h"
 #include "renderers/relief/relief_capture.h"
 #include "renderers/relief/relief_clip.h"
+#include "renderers/relief/relief_cube.h"
 #include "scene/character/alpha_coverage.h"
 #include "scene/pose/pose.h"
 
@@ -157,7 +158,12 @@ void capture_box(const CaptureSource& source, const Capture& capture, size_t ind
   const BoxSpace space = place_box(source, capture, box);
   box.hull = hull_within(source, space, capture.piece, box);
   const std::vector<Skirt> all = held(capture.piece);
-  for (int axis = 0; axis < 3; ++axis) capture_axis(source, space, all, capture.piece.texel > 0, index, axis, model);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!model.cube)
+      capture_axis(source, space, all, capture.piece.texel > 0, index, axis, model);
+    else
+      for (const int side : {0, 1}) capture_cube_face(source, space, all, index, axis, side, model);
+  }
 }
 
 // A cut piece's box has half as many texels from where these are at most this much of what it makes do with.
@@ -254,8 +260,9 @@ ReliefModel bake_relief(const Character& character, const ReliefBakeOptions& opt
     model.triangles_of_box.push_back(static_cast<int>(capture.piece.triangles.size()));
     model.patches = model.patches || capture.piece.texel > 0;
   }
-  model.depth.resize(plan.texels * 3 * 2);
-  model.extent.resize(plan.texels * 3 * 2);
+  model.cube = options.cube;
+  model.depth.resize(plan.texels * model.depth_maps() * 2);
+  if (!model.cube) model.extent.resize(plan.texels * 3 * 2);
   model.colour.resize((plan.texels + model.coarse_texels()) * 6 * 4);
   model.normal.resize(plan.texels * 6 * 4);
   if (model.emission_peak > 0) model.emission.resize(plan.texels * 6 * 4);

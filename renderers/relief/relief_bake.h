@@ -26,6 +26,7 @@ struct ReliefBakeOptions {
   // Empty: one a joint, by rule, threshold and carriers.
   std::vector<Piece> pieces;
   double longest = 0;  // metres; above 0: a longer box is captured in parts, each with maps of its own
+  bool cube = false;   // faces see from the box's middle, as a cube map's
   bool by_area =
       false;         // smaller boxes get maps of fewer texels (halved until a texel is as large as the largest box's)
   double texel = 0;  // metres; by_area: no box gets finer texels than this
@@ -64,9 +65,10 @@ struct ReliefModel {
   std::vector<ReliefBox> boxes;
   // From texel 3 `first` on, [axis][v][u], two values each: least and greatest covered coordinate along the axis,
   // 16 bits; empty texels hold (65535, 0).
+  // With `cube` [axis][side][v][u] from texel 6 `first` on: relief_cube.h.
   std::vector<uint16_t> depth;
   // The same layout: least and greatest coordinate of whatever surface lies anywhere within the texel's square, for
-  // telling what is certainly air. Never narrower than `depth`.
+  // telling what is certainly air. Never narrower than `depth`. With `cube` empty.
   std::vector<uint16_t> extent;
   // From texel 6 `first` on, [axis][side][v][u], four bytes each: sRGB colour; the fourth is 255 where the material is
   // unlit. side 0 is the surface seen from the low face. Behind all boxes,
@@ -80,6 +82,7 @@ struct ReliefModel {
   // As `normal`, the light given off (renderers/bake/emission.h), the fourth unused; empty where the peak is 0.
   std::vector<uint8_t> emission;
   float emission_peak = 0;
+  bool cube = false;     // ReliefBakeOptions::cube
   bool patches = false;  // some boxes hold cut skin, open and thin
   std::vector<int> triangles_of_box;
   size_t texels() const { return boxes.empty() ? 0 : boxes.back().first + box_texels(boxes.back()); }
@@ -91,8 +94,10 @@ struct ReliefModel {
     const size_t n2 = box_texels(boxes[box]);
     return 6 * (texels() + (boxes[box].first - 16 * box + n2 - (n2 >> (2 * (level - 1)))) / 3);
   }
-  const uint16_t* depth_map(size_t box, int axis) const {
-    return depth.data() + (boxes[box].first * 3 + static_cast<size_t>(axis) * box_texels(boxes[box])) * 2;
+  size_t depth_maps() const { return cube ? 6 : 3; }  // of a box
+  // map: the axis; with `cube` twice that, and one more for the high side.
+  const uint16_t* depth_map(size_t box, int map) const {
+    return depth.data() + (boxes[box].first * depth_maps() + static_cast<size_t>(map) * box_texels(boxes[box])) * 2;
   }
   // colour or normal
   static const uint8_t* face(const std::vector<uint8_t>& maps, const ReliefBox& b, int axis, int side) {

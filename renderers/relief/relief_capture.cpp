@@ -3,248 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
-#include "core/colour.h"
 #include "renderers/relief/relief.shared.h"
 #include "renderers/relief/relief_atlas.h"
 #include "renderers/relief/relief_clip.h"
+#include "renderers/relief/relief_gaps.h"
+#include "renderers/relief/relief_surface.h"
 #include "scene/character/alpha_coverage.h"
 
 namespace crowdbench::renderers {
 namespace {
-
-struct Winner {
-  uint32_t triangle = UINT32_MAX;
-  double b1 = 0;  // barycentric weights of the second and third corner
-  double b2 = 0;
-  double depth = 0;
-};
-
-// The face of a box that looks along an axis, from its low side (0) or its high one.
-struct Face {
-  int axis;
-  int side;
-};
-
-// Four bytes each; emission may be null.
-struct FaceTexel {
-  uint8_t* colour;
-  uint8_t* normal;
-  uint8_t* emission;
-};
-
-uint8_t byte_of(double unit) { return static_cast<uint8_t>(std::clamp(unit, 0.0, 1.0) * 255.0 + 0.5); }
-
-// A point of a triangle, by the weights of its corners.
-struct SurfacePoint {
-  std::array<uint32_t, 3> v;
-  double b0, b1, b2;
-
-  SurfacePoint(const scene::Mesh& mesh, const Winner& winner)
-      : v{mesh.indices[3 * winner.triangle], mesh.indices[3 * winner.triangle + 1],
-          mesh.indices[3 * winner.triangle + 2]},
-        b0(1.0 - winner.b1 - winner.b2),
-        b1(winner.b1),
-        b2(winner.b2) {}
-  template <typename Vector, typename Value>
-  Vector mixed(const std::vector<Value>& of_vertex) const {
-    return Vector(of_vertex[v[0]]) * b0 + Vector(of_vertex[v[1]]) * b1 + Vector(of_vertex[v[2]]) * b2;
-  }
-};
-
-// What a texel spans of the surface around it.
-struct Footprint {
-  std::array<glm::dvec3, 3>
-      corners;        // of the triangle, in texels; over the picture plane alone, or as they lie in space
-  double texels = 1;  // that the span is wide
-};
-
-// Texels of an image that a texel's span covers, along a side: by the areas of the triangle in both.
-double image_texels(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
-                    const Footprint& of) {
-  const glm::dvec2 t0(uvs[point.v[0]]);
-  const glm::dvec2 size(image.width(), image.height());
-  const glm::dvec2 e1 = (glm::dvec2(uvs[point.v[1]]) - t0) * size;
-  const glm::dvec2 e2 = (glm::dvec2(uvs[point.v[2]]) - t0) * size;
-  const double skin_area = std::abs(e1.x * e2.y - e1.y * e2.x);
-  const double map_area = glm::length(glm::cross(of.corners[1] - of.corners[0], of.corners[2] - of.corners[0]));
-  return of.texels * std::min(std::sqrt(skin_area / std::max(map_area, 1e-9)), 64.0);
-}
-
-glm::dvec3 sampled(const LinearPyramid& image, const std::vector<glm::vec2>& uvs, const SurfacePoint& point,
-                   const Footprint& of) {
-  return {image.colour(point.mixed<glm::dvec2>(uvs), image_texels(image, uvs, point, of))};
-}
-
-const scene::Material& material_of(const CaptureSource& source, uint32_t triangle) {
-  return source.character.materials[static_cast<size_t>(source.material_of_triangle[triangle])];
-}
-
-// The texels of a triangle's skin that a texel of a map spans along the surface, however steep it stands: from what
-// masks leave is asked at places that are a texel of the map apart. corners: in texels of the map, depth in [0, 1] of
-// n.
-double alpha_footprint(const CaptureSource& source, uint32_t triangle, const std::array<glm::dvec3, 3>& corners,
-                       size_t n) {
-  const scene::Material& material = material_of(source, triangle);
-  const scene::Mesh& mesh = source.character.mesh;
-  if (scene::alpha_threshold(material) <= 0 || material.base_colour_image < 0 || mesh.uvs.empty()) return 1;
-  const LinearPyramid& image = source.pyramids[static_cast<size_t>(material.base_colour_image)];
-  const uint32_t* v = &mesh.indices[3 * size_t{triangle}];
-  const glm::dvec2 size(image.width(), image.height());
-  const glm::dvec2 e1 = glm::dvec2(mesh.uvs[v[1]] - mesh.uvs[v[0]]) * size;
-  const glm::dvec2 e2 = glm::dvec2(mesh.uvs[v[2]] - mesh.uvs[v[0]]) * size;
-  const glm::dvec3 scale(1.0, 1.0, static_cast<double>(n));
-  const double area = glm::length(glm::cross(scale * (corners[1] - corners[0]), scale * (corners[2] - corners[0])));
-  return std::min(std::sqrt(std::abs(e1.x * e2.y - e1.y * e2.x) / std::max(area, 1e-9)), 64.0);
-}
-
-// Whether a mask leaves the surface there.
-bool is_there(const CaptureSource& source, const Winner& winner, double footprint) {
-  const scene::Material& material = material_of(source, winner.triangle);
-  const float threshold = scene::alpha_threshold(material);
-  if (threshold <= 0) return true;
-  const scene::Mesh& mesh = source.character.mesh;
-  const SurfacePoint point(mesh, winner);
-  double alpha = mesh.colours.empty() ? 1.0 : point.mixed<glm::dvec4>(mesh.colours).a;
-  if (material.base_colour_image >= 0 && !mesh.uvs.empty())
-    alpha *= source.pyramids[static_cast<size_t>(material.base_colour_image)]
-                 .sample(point.mixed<glm::dvec2>(mesh.uvs), footprint)
-                 .a;
-  return alpha >= threshold;
-}
-
-// The unit normal in bind space, toward the face where the material has two sides: a back face seen through an opening
-// shows its inner side.
-glm::dvec3 normal_toward(const CaptureSource& source, const BoxSpace& space, const SurfacePoint& point,
-                         const Face& face, bool double_sided) {
-  glm::dvec3 n = space.bind_from_capture * point.mixed<glm::dvec3>(source.normals);
-  const double along = (space.unit_from_bind * n)[face.axis];
-  if (space.bends) n = point.mixed<glm::dvec3>(source.character.mesh.normals);
-  const double length = glm::length(n);
-  n = length > 0 ? n / length : glm::dvec3(0, 1, 0);
-  return double_sided && ((face.side == 0 && along > 0) || (face.side == 1 && along < 0)) ? -n : n;
-}
-
-// sRGB, and whether it is unlit.
-void store_colour(const CaptureSource& source, const Winner& winner, const Footprint& of, uint8_t* texel) {
-  const scene::Mesh& mesh = source.character.mesh;
-  const SurfacePoint point(mesh, winner);
-  const scene::Material& material = material_of(source, winner.triangle);
-  glm::dvec3 albedo = glm::dvec3(material.base_colour);
-  if (!mesh.colours.empty()) albedo *= point.mixed<glm::dvec3>(mesh.colours);
-  if (material.base_colour_image >= 0 && !mesh.uvs.empty())
-    albedo *= sampled(source.pyramids[static_cast<size_t>(material.base_colour_image)], mesh.uvs, point, of);
-  for (int c = 0; c < 3; ++c) texel[c] = linear_to_srgb8(albedo[c]);
-  texel[3] = material.unlit ? 255 : 0;
-}
-
-// What a face stores of a point.
-void shade(const CaptureSource& source, const BoxSpace& space, const Winner& winner, const Face& face,
-           const Footprint& of, const FaceTexel& texel) {
-  const scene::Mesh& mesh = source.character.mesh;
-  const SurfacePoint point(mesh, winner);
-  const scene::Material& material = material_of(source, winner.triangle);
-  store_colour(source, winner, of, texel.colour);
-  if (texel.emission != nullptr && !material.unlit) {
-    glm::dvec3 glow(material.emissive / source.emission_peak);
-    if (material.emissive_image >= 0)
-      glow *= sampled(source.pyramids[static_cast<size_t>(material.emissive_image)],
-                      mesh.emissive_uvs.empty() ? mesh.uvs : mesh.emissive_uvs, point, of);
-    for (int c = 0; c < 3; ++c) texel.emission[c] = linear_to_srgb8(glow[c]);
-  }
-  const glm::dvec3 n = normal_toward(source, space, point, face, material.double_sided);
-  for (int c = 0; c < 3; ++c) texel.normal[c] = byte_of(0.5 + 0.5 * n[c]);
-  texel.normal[3] = material.slot;
-}
-
-// What surfaces lie within one texel's square.
-struct Touched {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  Winner front;  // by the middle of each triangle's part in the square
-  Winner back;
-  bool any() const { return front.triangle != UINT32_MAX; }
-};
-
-// Widens the intervals of two neighbours to where a surface that lies in both crosses from one into the other.
-void join(const Touched& a, const Touched& b, std::array<double, 2>& at_a, std::array<double, 2>& at_b) {
-  const bool ordered = at_a[1] < at_b[0];
-  const Touched& below = ordered ? a : b;
-  const Touched& above = ordered ? b : a;
-  std::array<double, 2>& lower = ordered ? at_a : at_b;
-  std::array<double, 2>& upper = ordered ? at_b : at_a;
-  // Diagonal neighbours share one corner, where a sloping surface has one's least and the other's greatest depth: equal
-  // but for rounding.
-  if (lower[1] >= upper[0] || above.low > below.high + 1e-9) return;
-  const double meeting = std::clamp(0.5 * (lower[1] + upper[0]), std::min(above.low, below.high), below.high);
-  lower[1] = std::max(lower[1], meeting);
-  upper[0] = std::min(upper[0], meeting);
-}
-
-// What an axis of a box sees, texel by texel; the winners at texel centres, the nearest and the farthest.
-struct AxisMaps {
-  size_t n;  // texels a side
-  std::array<std::vector<Winner>, 2> winners;
-  std::vector<Touched> touched;
-  std::vector<Touched> kept;                     // of these, what the winners are of
-  std::vector<std::array<double, 2>> intervals;  // least and greatest depth
-  explicit AxisMaps(size_t side)
-      : n(side), winners{std::vector<Winner>(n * n), std::vector<Winner>(n * n)}, touched(n * n), intervals(n * n) {}
-  bool covered(size_t texel) const { return winners[0][texel].triangle != UINT32_MAX; }
-};
-
-// From the winners at texel centres to closed intervals, see ReliefModel.
-void close_gaps(AxisMaps& maps) {
-  const size_t n = maps.n;
-  const std::vector<Touched>& touched = maps.kept;
-  std::vector<Winner>& front = maps.winners[0];
-  std::vector<Winner>& back = maps.winners[1];
-  std::vector<std::array<double, 2>>& intervals = maps.intervals;
-  const auto covered = [&](size_t texel) { return maps.covered(texel); };
-  for (size_t texel = 0; texel < n * n; ++texel) intervals[texel] = {front[texel].depth, back[texel].depth};
-  const auto join_all = [&] {
-    for (size_t v = 0; v < n; ++v) {
-      for (size_t u = 0; u < n; ++u) {
-        const size_t a = v * n + u;
-        if (!covered(a)) continue;
-        // Diagonal ones too: a step may pass a corner.
-        const bool below = v + 1 < n;
-        for (const size_t b : {u + 1 < n ? a + 1 : a, below ? a + n : a, below && u + 1 < n ? a + n + 1 : a,
-                               below && u > 0 ? a + n - 1 : a})
-          if (b != a && covered(b)) join(touched[a], touched[b], intervals[a], intervals[b]);
-      }
-    }
-  };
-  join_all();
-  // Walls seen edge-on: no centre finds them, or another surface covers the centre.
-  std::vector<size_t> missed;
-  const double slack = 1.0 / static_cast<double>(n);
-  for (size_t v = 0; v < n; ++v) {
-    for (size_t u = 0; u < n; ++u) {
-      const size_t texel = v * n + u;
-      if (!touched[texel].any()) continue;
-      bool held = false;
-      for (const size_t near : {texel, u > 0 ? texel - 1 : texel, u + 1 < n ? texel + 1 : texel,
-                                v > 0 ? texel - n : texel, v + 1 < n ? texel + n : texel})
-        held = held || (covered(near) && intervals[near][0] <= touched[texel].low + slack &&
-                        intervals[near][1] >= touched[texel].high - slack);
-      if (!held) missed.push_back(texel);
-    }
-  }
-  for (const size_t texel : missed) {
-    const bool alone = !covered(texel);
-    if (alone || touched[texel].low < intervals[texel][0]) {
-      front[texel] = touched[texel].front;
-      intervals[texel][0] = touched[texel].low;
-    }
-    if (alone || touched[texel].high > intervals[texel][1]) {
-      back[texel] = touched[texel].back;
-      intervals[texel][1] = touched[texel].high;
-    }
-  }
-  if (!missed.empty()) join_all();
-}
 
 // What of a triangle's piece within a texel's column is there: looked at where it stands, and in steps of a texel along
 // its depth where it is steep.
@@ -440,33 +208,19 @@ void store_faces(const CaptureSource& source, const BoxSpace& space, const AxisM
     return corners;
   };
   const size_t texels = maps.n * maps.n;
+  const glm::dvec3 up = glm::transpose(space.unit_from_bind)[axis];
   for (int side = 0; side < 2; ++side) {
+    const glm::dvec3 toward = side == 0 ? -up : up;
     const size_t face = box.first * 6 + static_cast<size_t>(axis * 2 + side) * texels;
     for (size_t texel = 0; texel < texels; ++texel) {
       if (!maps.covered(texel)) continue;
       const Winner& winner = maps.winners[static_cast<size_t>(side)][texel];
       const size_t byte = (face + texel) * 4;
-      shade(source, space, winner, {axis, side}, {flat(in_texels(source, space, axis, maps.n, winner.triangle))},
+      shade(source, space, winner, toward, {flat(in_texels(source, space, axis, maps.n, winner.triangle))},
             {model.colour.data() + byte, model.normal.data() + byte,
              model.emission.empty() ? nullptr : model.emission.data() + byte});
     }
   }
-}
-
-// Of a square of `side` texels the covered one nearest to its middle; none: n * n.
-size_t middle_of(const AxisMaps& maps, size_t u, size_t v, size_t side) {
-  size_t found = maps.n * maps.n;
-  size_t nearest = 2 * side * side;
-  const auto from = [side](size_t x) { return 2 * x + 1 > side ? 2 * x + 1 - side : side - 2 * x - 1; };
-  for (size_t y = 0; y < side; ++y)
-    for (size_t x = 0; x < side; ++x) {
-      const size_t texel = (v * side + y) * maps.n + u * side + x;
-      const size_t off = from(x) * from(x) + from(y) * from(y);
-      if (off >= nearest || !maps.covered(texel)) continue;
-      found = texel;
-      nearest = off;
-    }
-  return found;
 }
 
 // The colours of the levels above the finest, of one axis's two faces.
@@ -487,7 +241,7 @@ void store_levels(const CaptureSource& source, const BoxSpace& space, const Axis
         if (texel == maps.n * maps.n) continue;
         for (size_t face = 0; face < 2; ++face) {
           const Winner& winner = maps.winners[face][texel];
-          Footprint of{in_texels(source, space, axis, maps.n, winner.triangle),
+          TexelSpan of{in_texels(source, space, axis, maps.n, winner.triangle),
                        static_cast<double>(side << RELIEF_FINER)};
           for (glm::dvec3& corner : of.corners) corner *= scale;
           store_colour(source, winner, of, begin + 4 * (((static_cast<size_t>(axis) * 2 + face) * m + v) * m + u));

@@ -22,10 +22,12 @@ using scene::Character;
 
 constexpr size_t kPoses = 16;
 constexpr size_t kSampled = 192;  // triangles by which cuts of a cell are compared
-// Of a patch's spread in all, what counts as no spread: across a flat patch the mean matrix says where things go. The
-// first with which no pose squashes the cell.
+// Of a patch's spread in all, what counts as no spread: across a flat patch something else says where things go
+// (kByMean, or one joint's matrix). The first with which no pose squashes the cell.
 constexpr std::array<double, 5> kFlat{1e-4, 1e-3, 1e-2, 1e-1, 1};
-constexpr double kSquashed = 0.05;  // its volume, of the cube of its largest stretch
+constexpr double kSquashed = 0.05;  // its volume, of the cube of its largest stretch; of a plane one, across its plane
+constexpr double kPlane = 0.02;     // of a plane patch's extent, what lies off the plane
+constexpr size_t kByMean = SIZE_MAX;
 
 struct Influence {
   int joint = 0;  // that carries it
@@ -89,12 +91,15 @@ class Skin {
     if (out.shares.size() == 1) return out;
     const std::vector<double> weights = weights_of(triangles);
     for (const double flat : kFlat) {
-      Fit next = out;
-      add_changes(triangles, weights, flat, next.shares);
-      measure(triangles, next);
-      if (!std::isfinite(next.cost)) continue;
-      if (triangles.size() == all.size() && triangles.size() > 1) sharpen(triangles, flat, next);
-      return next;
+      // Where the mean of turned matrices would lay a plane patch's normal into the plane, one of them does not.
+      for (size_t across = kByMean; across + 1 <= out.shares.size(); ++across) {
+        Fit next = out;
+        add_changes(triangles, weights, {flat, across}, next.shares);
+        measure(triangles, next);
+        if (!std::isfinite(next.cost)) continue;
+        if (triangles.size() == all.size() && triangles.size() > 1) sharpen(triangles, {flat, across}, next);
+        return next;
+      }
     }
     return out;
   }
@@ -180,8 +185,18 @@ class Skin {
     return inverse_or_zero(mean);
   }
 
-  // Least squares over the corners, of what each joint's part of the skin differs from its part of the mean.
-  void add_changes(const std::vector<uint32_t>& triangles, const std::vector<double>& weights, double thin,
+  // What a share's joint's matrix is multiplied by across a patch.
+  glm::dmat4 part_across(const std::vector<Share>& shares, size_t k, size_t across, const glm::dmat4& back) const {
+    if (across == kByMean) return shares[k].weight * back;
+    return k == across ? back_[static_cast<size_t>(shares[k].joint)] : glm::dmat4(0.0);
+  }
+  // What says where things go across a patch.
+  struct Across {
+    double flat;   // of kFlat
+    size_t share;  // whose joint's matrix; kByMean: the mean's
+  };
+  // Least squares over the corners, of what each joint's part of the skin differs from what holds across.
+  void add_changes(const std::vector<uint32_t>& triangles, const std::vector<double>& weights, const Across& across,
                    std::vector<Share>& shares) const {
     const glm::dmat4 back = mean_back(shares);
     glm::dvec3 middle(0.0);
@@ -202,8 +217,8 @@ class Skin {
         spread += a * glm::outerProduct(from, from);
         std::array<glm::dvec4, kShares> rest{};
         for (size_t k = 0; k < shares.size(); ++k)
-          rest[k] = -shares[k].weight *
-                    (palette_[static_cast<size_t>(shares[k].joint)] * back * glm::dvec4(captured_[v], 1.0));
+          rest[k] = -(palette_[static_cast<size_t>(shares[k].joint)] *
+                      (part_across(shares, k, across.share, back) * glm::dvec4(captured_[v], 1.0)));
         for (const Influence& of : influences_[v]) {
           size_t k = 0;
           while (k < shares.size() && shares[k].joint != of.joint) ++k;
@@ -214,7 +229,7 @@ class Skin {
           for (int axis = 0; axis < 3; ++axis) slope[k][static_cast<size_t>(axis)] += a * from[axis] * rest[k];
         }
       }
-    const double flat = thin * (spread[0][0] + spread[1][1] + spread[2][2]) + 1e-30;
+    const double flat = across.flat * (spread[0][0] + spread[1][1] + spread[2][2]) + 1e-30;
     const glm::dmat3 inverse = glm::inverse(spread + glm::dmat3(flat));
     for (size_t k = 0; k < shares.size(); ++k) {
       glm::dmat4 change(0.0);
@@ -224,7 +239,8 @@ class Skin {
         change[3] -= change[column] * middle[column];
       }
       change[3] += mean[k] / total;
-      shares[k].change = back_[static_cast<size_t>(shares[k].joint)] * change;
+      shares[k].change = back_[static_cast<size_t>(shares[k].joint)] * change +
+                         (part_across(shares, k, across.share, back) - shares[k].weight * back);
     }
   }
 
@@ -235,7 +251,7 @@ class Skin {
   }
 
   // Lawson's reweighting: what is missed by more counts for more, a few times over; the least worst of these fits.
-  void sharpen(const std::vector<uint32_t>& triangles, double flat, Fit& fit) const {
+  void sharpen(const std::vector<uint32_t>& triangles, const Across& across, Fit& fit) const {
     std::vector<double> weights = weights_of(triangles);
     Fit next = fit;
     for (int round = 0; round < 6; ++round) {
@@ -243,22 +259,48 @@ class Skin {
       double most = 1e-30;
       for (const double square : missed) most = std::max(most, square);
       for (size_t i = 0; i < weights.size(); ++i) weights[i] *= std::sqrt(missed[i] / most) + 0.05;
-      add_changes(triangles, weights, flat, next.shares);
+      add_changes(triangles, weights, across, next.shares);
       measure(triangles, next);
       if (next.worst < fit.worst && std::isfinite(next.cost)) fit = next;
     }
   }
 
+  // Two directions along the plane that the triangles lie in, and the one across; zero where they lie in none.
+  glm::dmat3 plane_of(const std::vector<uint32_t>& triangles) const {
+    glm::dvec3 across(0.0);
+    for (const uint32_t t : triangles) across += glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
+    const glm::dvec3 along = corner(triangles[0], 1) - corner(triangles[0], 0);
+    if (!(glm::length(across) > 0 && glm::length(along) > 0)) return glm::dmat3(0.0);
+    across = glm::normalize(across);
+    double off = 0;
+    double extent = 0;
+    for (const uint32_t t : triangles)
+      for (uint32_t c = 0; c < 3; ++c) {
+        const glm::dvec3 from = corner(t, c) - corner(triangles[0], 0);
+        off = std::max(off, std::abs(glm::dot(across, from)));
+        extent = std::max(extent, glm::length(from));
+      }
+    if (off > kPlane * extent) return glm::dmat3(0.0);
+    const glm::dvec3 first = glm::normalize(along - across * glm::dot(along, across));
+    return {first, glm::cross(across, first), across};
+  }
+
   void measure(const std::vector<uint32_t>& triangles, Fit& fit) const {
     const glm::dmat4 back = mean_back(fit.shares);
+    const glm::dmat3 plane = plane_of(triangles);
     fit.worst = fit.cost = 0;
     double worst = 0;
     for (size_t pose = 0; pose < poses_.size(); ++pose) {
       const glm::dmat4 moved = matrix(fit.shares, back, pose);
       const glm::dmat3 linear(moved);
       const double stretch = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
-      if (!(std::abs(glm::determinant(linear)) > kSquashed * stretch * stretch * stretch))
-        fit.cost = std::numeric_limits<double>::infinity();
+      // A plane patch may be stretched along its plane, as long as what is beside it stays beside it.
+      const glm::dmat3 turned = linear * plane;
+      const double volume = std::abs(glm::determinant(linear));
+      const double least = plane[2] == glm::dvec3(0.0)
+                               ? stretch * stretch * stretch
+                               : glm::length(glm::cross(turned[0], turned[1])) * glm::length(turned[2]);
+      if (!(volume > kSquashed * least)) fit.cost = std::numeric_limits<double>::infinity();
       for (const uint32_t t : triangles) {
         const double a = area(t) / 3.0 / static_cast<double>(poses_.size());
         for (uint32_t c = 0; c < 3; ++c) {

@@ -15,7 +15,15 @@ vec4 normal_at(Map map, ivec2 texel, int axis, int side) {
   return texelFetch(normal_map, texel + ivec2(map.left + (axis + side) * map.texels, 0), 0);
 }
 
-#if !defined(ATTRIBUTE)
+#ifdef CUBE
+
+// The map that the point was found in: there is one of each place of the skin.
+Face face_at(vec3 point, vec3 direction, bool down, Map map, Hit hit) {
+  int face = (hit.texel.x - map.corner.x - map.left) / map.texels;
+  return Face(face >> 1, face & 1, hit.texel, texelFetch(normal_map, hit.texel, 0));
+}
+
+#elif !defined(ATTRIBUTE)
 
 // The floor: the one that the ray was searched in.
 Face face_at(vec3 point, vec3 direction, bool down, Map map, Hit hit) {

@@ -23,7 +23,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 17;
+constexpr uint32_t kBakeVersion = 20;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.
@@ -44,7 +44,7 @@ constexpr double kWholePixels = 50;
 constexpr double kFewer = 0.75;
 constexpr double kCutTexel = 0.5;  // of a whole box's largest texel, what cut skin makes do with
 // Texels that cut skin may take nearby, of those that rigid boxes of the same character would.
-constexpr double kMore = 2.1;
+constexpr double kMore = 1.85;
 constexpr double kSkirt = 1.5;  // texels of a box's neighbours that it captures too
 
 // "bind" or "CLIP@PHASE".
@@ -149,7 +149,7 @@ uint64_t atlas_bytes(const ReliefModel& model, const ReliefTierOptions& options)
   const AtlasPlan plan = plan_atlas(model);
   return static_cast<uint64_t>(plan.width) * static_cast<uint64_t>(plan.height) *
              (depth_texel_bytes(options) + colour_texel_bytes(model.emission_peak)) +
-         static_cast<uint64_t>(plan.width / 2) * static_cast<uint64_t>(plan.height / 2) * 2;
+         (model.cube ? 0 : static_cast<uint64_t>(plan.width / 2) * static_cast<uint64_t>(plan.height / 2) * 2);
 }
 
 // The steps of a bake: the pose to capture in, the nearest tier's cells and maps, its cones; then of each farther tier
@@ -271,13 +271,15 @@ void require_room(const scene::Character& character, size_t texels, const Relief
               fmt::format("the maps of {} need {} MiB, more than the {} MiB left of the bake budget", character.name,
                           bytes >> 20, allowance.left >> 20),
               budget_advice(fits ? fmt::format("map={}", map) : "",
-                            fmt::format("lower map or its other sizes{}",
-                                        fits && whole > 0 ? fmt::format(", give it budget={}", whole) : ""),
+                            fits ? fmt::format("lower map or its other sizes{}",
+                                               whole > 0 ? fmt::format(", give it budget={}", whole) : "")
+                                 : fmt::format("map={} would need about {} MiB still: use fewer characters", kLeastMap,
+                                               static_cast<uint64_t>(std::ceil(smaller / (1 << 20)))),
                             bytes, allowance.left));
 }
 
 uint64_t depth_texel_bytes(const ReliefTierOptions& options) {
-  return static_cast<uint64_t>(options.depth_bits) / 4 + (options.cones ? 4 : 0);
+  return static_cast<uint64_t>(options.depth_bits) / 4 * (options.maps.cube ? 2 : 1) + (options.cones ? 4 : 0);
 }
 
 uint64_t colour_texel_bytes(float emission_peak) { return 2 * 4 * (emission_peak > 0 ? 3 : 2); }
@@ -287,7 +289,7 @@ std::string relief_key(const scene::Character& character, const scene::PoseBank&
   Sha256 hash;
   hash.text("relief").value(kBakeVersion).text(character.content_hash).text(options.capture);
   hash.value(options.maps.map_size).value(options.maps.rule).value(options.maps.threshold).value(options.maps.by_area);
-  hash.value(options.merge).value(options.budget).value(options.cones);
+  hash.value(options.merge).value(options.budget).value(options.cones).value(options.maps.cube);
   hash.text(options.resolution)
       .value(options.bend)
       .value(options.cells)
@@ -317,6 +319,7 @@ std::vector<uint8_t> serialise(const ReliefTiers& bake) {
     out.values(m.normal);
     out.value(m.emission_peak);
     out.value(m.patches);
+    out.value(m.cube);
     if (m.emission_peak > 0) out.values(m.emission);
   }
   for (const std::vector<uint8_t>& cones : bake.cones) out.values(cones);
@@ -342,6 +345,7 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
     m.normal = in.values<uint8_t>();
     m.emission_peak = in.value<float>();
     m.patches = in.value<bool>();
+    m.cube = in.value<bool>();
     if (m.emission_peak > 0) m.emission = in.values<uint8_t>();
     size_t texels = 0;
     for (const ReliefBox& box : m.boxes) {
@@ -350,9 +354,10 @@ std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, 
         if (mover.joint < 0 || static_cast<size_t>(mover.joint) >= joints) return std::nullopt;
       texels += ReliefModel::box_texels(box);
     }
-    if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() || m.depth.size() != texels * 6 ||
-        m.extent.size() != texels * 6 || m.colour.size() != (texels + m.coarse_texels()) * 24 ||
-        m.normal.size() != texels * 24 || m.emission.size() != (m.emission_peak > 0 ? texels * 24 : 0))
+    if (m.boxes.empty() || m.triangles_of_box.size() != m.boxes.size() ||
+        m.depth.size() != texels * 2 * m.depth_maps() || m.extent.size() != (m.cube ? 0 : texels * 6) ||
+        m.colour.size() != (texels + m.coarse_texels()) * 24 || m.normal.size() != texels * 24 ||
+        m.emission.size() != (m.emission_peak > 0 ? texels * 24 : 0))
       return std::nullopt;
   }
   for (uint32_t i = 0; cones && i < count && in.ok(); ++i) {
@@ -393,7 +398,7 @@ ReliefTiers bake_tiers(const scene::Character& character, const scene::PoseBank&
     bake.loose = cells.loose;
     const double most = kMore * static_cast<double>(relief_texels(character, what));
     what.pieces = std::move(cells.pieces);
-    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces, 1.2)) continue;
+    while (static_cast<double>(relief_texels(character, what)) > most && coarsen(what.pieces, 1.1)) continue;
   }
   size_t texels = relief_texels(character, what);
   while (options.part_auto && what.longest > 0 &&

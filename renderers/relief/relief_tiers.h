@@ -18,7 +18,7 @@ namespace crowdbench::renderers {
 inline constexpr double kBendPixels = 240;
 
 struct ReliefTierOptions {
-  ReliefBakeOptions maps;  // map_size, rule, threshold and by_area; the rest is found here
+  ReliefBakeOptions maps;  // map_size, rule, threshold, cube and by_area; the rest is found here
   std::string capture;     // "best", "bind" or "CLIP@PHASE"
   std::string resolution;  // "none" or "JOINT@TEXELS+..."
   int depth_bits = 16;
@@ -66,7 +66,7 @@ std::vector<uint8_t> serialise(const ReliefTiers& tiers);
 // std::nullopt when the bytes are not a bake of this version.
 std::optional<ReliefTiers> deserialise_tiers(const std::vector<uint8_t>& bytes, size_t joints, bool cones);
 
-// Bytes of a depth texel: two depths, and four cones when they are searched.
+// Bytes of a depth texel: two depths, of a cube on either side, and four cones when they are searched.
 uint64_t depth_texel_bytes(const ReliefTierOptions& options);
 // Colours, normals and, of a character that glows, emission, of two faces to a depth texel.
 uint64_t colour_texel_bytes(float emission_peak);

@@ -85,6 +85,7 @@ const std::vector<const char*>& specs() {
       "relief:map=32",
       "relief:map=32,search=cone",
       "relief:map=32,search=linear,proxy=box",
+      "relief:map=32,projection=cube",
       "hybrid(mesh,relief:map=32,distance=6)"};
   return all;
 }

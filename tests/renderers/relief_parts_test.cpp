@@ -217,6 +217,26 @@ TEST(ReliefParts, CellsStayWithTheSkinInEveryPose) {
   EXPECT_NEAR(whole.deviation, 0, 1e-9);
 }
 
+// A triangle that is half one joint's and half another's, which turns by up to half a turn about a line in its plane:
+// the mean of their matrices has no length across the plane there. Its corners can be followed all the same.
+TEST(ReliefParts, ATriangleThatFoldsByHalfATurnIsFollowed) {
+  scene::Character c = testing::two_bones();
+  c.mesh = scene::Mesh{};
+  c.mesh.positions = {{-0.1F, 0.8F, 0}, {0.1F, 1, 0}, {0.1F, 1.3F, 0}};
+  c.mesh.normals.assign(3, {0, 0, 1});
+  c.mesh.indices = {0, 1, 2};
+  testing::finish(c);
+  c.mesh.joints.assign(3, glm::u16vec4(0, 1, 0, 0));
+  c.mesh.weights = {{1, 0, 0, 0}, {0.5F, 0.5F, 0, 0}, {0, 1, 0, 0}};
+  c.clips[0].channels[0].values = {0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 1};
+  const scene::PoseBank bank = scene::PoseBank::frames(c, {0}, {12});
+  const Cells cells = skin_cells(c, bank, {}, own_carriers(c), {.tolerance = 1e-3});
+  ASSERT_EQ(cells.pieces.size(), 1U);
+  EXPECT_EQ(cells.pieces[0].shares.size(), 2U);
+  EXPECT_LT(cells.deviation, 1e-3);
+  EXPECT_EQ(cells.loose, 0);
+}
+
 TEST_F(ReliefPartsGl, RigidBoxesThatTearSaySo) {
   const scene::Cast cast = cast_of(soft_column());
   const auto said = [&](const std::string& spec) {
@@ -228,6 +248,10 @@ TEST_F(ReliefPartsGl, RigidBoxesThatTearSaySo) {
   EXPECT_NE(rigid.find("warning: relief: rigid boxes miss "), std::string::npos) << rigid;
   EXPECT_NE(rigid.find("; bend=1 follows its skin\n"), std::string::npos) << rigid;
   EXPECT_EQ(said("relief:map=32,part=0,merge=0").find("warning"), std::string::npos);
+  // Fewer cells than the skin needs: how far it is off, and what helps.
+  const std::string few = said("relief:map=32,part=0,merge=0,bend=0.1,cells=16");
+  EXPECT_NE(few.find("leave its skin by up to "), std::string::npos) << few;
+  EXPECT_NE(few.find("; cells=32 holds more of it\n"), std::string::npos) << few;
 }
 
 // Bent by a quarter turn: cells follow the skin where one box a joint leaves it.

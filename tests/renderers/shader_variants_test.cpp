@@ -113,6 +113,7 @@ void draw_everything() {
   draw(glowing, "perjoint:views=cube-2,texels=32", kEveryPass);
   draw(glowing, "perjoint:views=cube-2,texels=32,depth=plane,floor=1", {kIds});
   draw(glowing, relief, kEveryPass);
+  draw(glowing, relief + ",projection=cube", kEveryPass);
   for (const char* options : {"",
                               ",compress=bc",
                               ",depth=nailboard",
@@ -150,6 +151,8 @@ void draw_everything() {
   }
   for (const char* options : {",debug=boxes", ",debug=hit-face", ",debug=misses", ",depth=8"})
     draw(plain, relief + options, {kIds});
+  for (const char* options : {"", ",floor=1", ",debug=steps", ",debug=hit-face", ",proxy=box"})
+    draw(plain, relief + ",projection=cube" + options, {kIds});
   draw(testing::walker(), "hybrid(mesh," + flat + ",distance=5)", {kIds});
   // Few parts: their ids take four bits.
   draw(cast_of(testing::two_bones()), flat + ",compress=bc", {kIds});
