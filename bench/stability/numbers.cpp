@@ -10,12 +10,14 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bench/stability/fixture.h"
 #include "bench/stability/odd_gltf.h"
 #include "bench/sweep/plan.h"
 #include "core/error.h"
+#include "renderers/representation.h"
 #include "scene/scenario/parse_scenario.h"
 #include "scene/scenario/scenario_keys.h"
 #include "store/store.h"
@@ -185,8 +187,19 @@ std::vector<Replaced> with_no_numbers(const std::string& text) {
   return out;
 }
 
+// REFERENCE and IMPOSTOR in a plan stand for the reference and the default impostor.
+std::string with_names(std::string plan) {
+  for (const auto& [stand_in, name] :
+       {std::pair<std::string, std::string>{"REFERENCE", renderers::reference_spec().name},
+        {"IMPOSTOR", renderers::default_impostor().name}})
+    for (size_t at = plan.find(stand_in); at != std::string::npos; at = plan.find(stand_in))
+      plan.replace(at, stand_in.size(), name);
+  return plan;
+}
+
 template <typename Parse>
-void count_plan(Doors& doors, const std::string& plan, const Parse& parse) {
+void count_plan(Doors& doors, const std::string& template_text, const Parse& parse) {
+  const std::string plan = with_names(template_text);
   const std::string as_it_is = refusal_of([&] { parse(plan); });
   doors.count(as_it_is.empty(), "the plan as it is", "taken", as_it_is);
   for (const Replaced& with : with_no_numbers(plan)) {
@@ -205,8 +218,8 @@ width = 640
 crowd.agents = { from = 10, to = 2000, scale = "log" }
 occupancy = [0.15, 0.9]
 camera.fov_y_deg = { from = 20, to = 80, steps = 3 }
-representation = ["mesh", "flat"]
-flat.texels = [64, 128]
+representation = ["REFERENCE", "IMPOSTOR"]
+IMPOSTOR.texels = [64, 128]
 [points]
 sample = { method = "halton", count = 4, seed = 1 }
 repetitions = 1
@@ -233,8 +246,8 @@ supersample = 3
 crowd.agents = 60
 camera.eye = [0.0, 5.0, 22.0]
 [conditions]
-reference = "mesh"
-test = "flat"
+reference = "REFERENCE"
+test = "IMPOSTOR"
 [factors]
 height_px = [24, 48]
 [stimulus]
