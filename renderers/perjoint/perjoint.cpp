@@ -192,8 +192,8 @@ class PerJointRepresentation : public Representation {
     const CharacterPieces& c = characters_[0];
     info.facts = {
         {"views", c.views},           {"joints_drawn", c.count},      {"levels", static_cast<double>(c.tables.size())},
-        {"texel_mm", c.texel * 1000}, {"mean_border", c.mean_border}, {"holes", c.torn[0]},
-        {"strays", c.torn[1]},        {"holes_by_cuts", c.torn[2]},   {"strays_by_cuts", c.torn[3]}};
+        {"texel_mm", c.texel * 1000}, {"mean_border", c.mean_border}, {"border_holes", c.torn[0]},
+        {"border_strays", c.torn[1]}, {"cut_holes", c.torn[2]},       {"cut_strays", c.torn[3]}};
     for (auto& fact : view_error_facts(grid_)) info.facts.push_back(std::move(fact));
     return info;
   }
