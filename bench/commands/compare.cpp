@@ -165,6 +165,7 @@ Result compare(const CompareOptions& options, metrics::ScoreTable table) {
   require_size(pictures.test, result.width, result.height, options.test, options.reference + " is",
                "compare pictures of one size");
   result.region = compare_region(options.region, result.width, result.height);
+  if (result.region) result.warnings = result.region->notes;
   bring_together(setup, result.region, pictures, options.reference, options.test, result.warnings);
   compare_tags(options, result);
   if (!options.ids_reference.empty()) read_both_ids(options, pictures, result);

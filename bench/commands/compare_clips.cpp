@@ -68,6 +68,8 @@ void take(const CompareSetup& setup, const CompareOptions& options, ComparedPict
         },
         pictures.reference);
     result.region = compare_region(options.region, result.width, result.height);
+    if (result.region)
+      result.warnings.insert(result.warnings.end(), result.region->notes.begin(), result.region->notes.end());
   }
   // What is said of the first frame holds for all.
   std::vector<std::string> later;

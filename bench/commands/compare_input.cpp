@@ -114,7 +114,9 @@ void add_region_and_bounds(Command& command, CompareOptions& options) {
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--mask", options.region.mask, "a picture of the same size: black does not count")
+  command
+      .add_option("--mask", options.region.mask,
+                  "a picture of the same size: black does not count, all else does, whatever its alpha")
       ->type_name("FILE");
   command
       .add_option("--fail-above", options.fail_above,

@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <variant>
 
@@ -46,8 +47,28 @@ void leave_out(const std::string& text, metrics::Mask& counted) {
   for (int y = r.y; y < bottom; ++y) std::fill(counted.at(r.x, y), counted.at(r.x, y) + (right - r.x), uint8_t{0});
 }
 
-// Any channel but alpha above 0 counts the pixel in.
-void apply_mask(const std::string& path, metrics::Mask& counted) {
+// Any channel but alpha above 0 counts the pixel in. Returns in how many pixels alpha, where the mask has a say of it
+// at all, says otherwise.
+template <typename T>
+uint64_t apply_mask(const Image<T>& mask, metrics::Mask& counted) {
+  const int colours = std::min(mask.channels, 3);
+  const T full = std::is_integral_v<T> ? std::numeric_limits<T>::max() : T{1};
+  bool opaque = true;
+  uint64_t otherwise = 0;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      const T* pixel = mask.at(x, y);
+      const bool black = std::all_of(pixel, pixel + colours, [](T v) { return v == 0; });
+      if (black) *counted.at(x, y) = 0;
+      if (mask.channels != 4) continue;
+      opaque = opaque && pixel[3] >= full;
+      otherwise += black != (pixel[3] == 0) ? 1 : 0;
+    }
+  return opaque ? 0 : otherwise;
+}
+
+void read_mask(const std::string& path, CompareRegion& region) {
+  metrics::Mask& counted = region.counted;
   const AnyImage picture = read_image(path);
   std::visit(
       [&](const auto& mask) {
@@ -56,11 +77,11 @@ void apply_mask(const std::string& path, metrics::Mask& counted) {
                       fmt::format("is {} x {} pixels, the pictures are {} x {}", mask.width, mask.height, counted.width,
                                   counted.height),
                       "give a mask of their size: white counts, black does not");
-        const int colours = std::min(mask.channels, 3);
-        for (int y = 0; y < mask.height; ++y)
-          for (int x = 0; x < mask.width; ++x)
-            if (std::all_of(mask.at(x, y), mask.at(x, y) + colours, [](auto v) { return v == 0; }))
-              *counted.at(x, y) = 0;
+        if (const uint64_t otherwise = apply_mask(mask, counted))
+          region.notes.push_back(
+              fmt::format("{}: colours decide what counts, black or not; alpha, which would decide otherwise in {} of "
+                          "{} pixels, has no say",
+                          printable(path), otherwise, mask.pixels()));
       },
       picture);
 }
@@ -73,10 +94,11 @@ std::optional<CompareRegion> compare_region(const RegionOptions& options, int wi
   region.counted = metrics::Mask(width, height, 1);
   std::fill(region.counted.data.begin(), region.counted.data.end(), uint8_t{255});
   for (const std::string& text : options.ignore) leave_out(text, region.counted);
-  if (!options.mask.empty()) apply_mask(options.mask, region.counted);
+  if (!options.mask.empty()) read_mask(options.mask, region);
   region.pixels = static_cast<uint64_t>(std::ranges::count_if(region.counted.data, [](uint8_t v) { return v != 0; }));
   if (region.pixels == 0)
-    throw Error(options.mask.empty() ? "--ignore" : "--mask", "leaves no pixel to compare", "leave out less");
+    throw Error(options.mask.empty() ? "--ignore" : "--mask", "leaves no pixel to compare",
+                region.notes.empty() ? "leave out less" : "draw the mask in black and white: its alpha has no say");
   return region;
 }
 

@@ -109,7 +109,8 @@ struct Capture {
 };
 
 // Lays the box around its bounds: half a texel more a side, so that the extreme vertices fall on texel centres; a flat
-// box gets a thickness.
+// box gets a thickness. Where a node mirrors the joint, x runs the other way: maps are then laid as those of a figure
+// whose data is mirrored (a joint's axes turn with the figure, but stay right-handed), texel for texel.
 BoxSpace place_box(const CaptureSource& source, const Capture& capture, ReliefBox& box) {
   const auto n = static_cast<double>(box.texels);
   const glm::dmat4 joint_from_bind = source.character.skeleton.joints[static_cast<size_t>(box.joint())].inverse_bind;
@@ -121,6 +122,10 @@ BoxSpace place_box(const CaptureSource& source, const Capture& capture, ReliefBo
   for (int a = 0; a < 3; ++a) joint_from_unit[a][a] = size[a];
   joint_from_unit[3] = glm::dvec4(centre - 0.5 * size, 1.0);
   box.bind_from_unit = glm::inverse(joint_from_bind) * joint_from_unit;
+  if (glm::determinant(glm::dmat3(capture.capture_from_bind * box.bind_from_unit)) < 0) {
+    box.bind_from_unit[3] += box.bind_from_unit[0];
+    box.bind_from_unit[0] = -box.bind_from_unit[0];
+  }
   const glm::dmat4 capture_from_unit = capture.capture_from_bind * box.bind_from_unit;
   for (int a = 0; a < 3; ++a) box.size[a] = glm::length(glm::dvec3(capture_from_unit[a]));
   for (size_t k = 0; k < capture.piece.shares.size(); ++k) {

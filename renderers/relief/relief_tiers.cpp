@@ -23,7 +23,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kBakeVersion = 20;
+constexpr uint32_t kBakeVersion = 21;
 
 // Distances at which joints may share boxes, from the nearest tier on. A tier is drawn below its height; tier 0, every
 // joint on its own, above all.

@@ -95,6 +95,9 @@ std::vector<double> shown_heights(const Mesh& mesh, const std::vector<glm::dmat4
     for (size_t v = 0; v < heights.size(); ++v) heights[v] = positions[v].y;
     return heights;
   }
+  std::vector<glm::dvec4> rows;  // of each joint, what makes heights
+  rows.reserve(palette.size());
+  for (const glm::dmat4& m : palette) rows.emplace_back(m[0].y, m[1].y, m[2].y, m[3].y);
   // In the order of skin_positions(), so that they are the same to the last bit.
   for (size_t v = 0; v < heights.size(); ++v) {
     const glm::dvec3 position(mesh.positions[v]);
@@ -102,8 +105,8 @@ std::vector<double> shown_heights(const Mesh& mesh, const std::vector<glm::dmat4
     for (int i = 0; i < kInfluences; ++i) {
       const double weight = mesh.weights[v][i];
       if (weight == 0.0) continue;
-      const glm::dmat4& m = palette[mesh.joints[v][i]];
-      sum += weight * ((m[0].y * position.x + m[1].y * position.y) + (m[2].y * position.z + m[3].y));
+      const glm::dvec4& row = rows[mesh.joints[v][i]];
+      sum += weight * ((row.x * position.x + row.y * position.y) + (row.z * position.z + row.w));
     }
     heights[v] = sum;
   }

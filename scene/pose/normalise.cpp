@@ -20,6 +20,7 @@
 #include "scene/pose/hidden.h"
 #include "scene/pose/human_bones.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/pose_some.h"
 #include "scene/pose/stance.h"
 #include "scene/pose/stand.h"
 
@@ -108,8 +109,32 @@ struct Measures {
   const Character& character;
   const Body& body;
   const std::vector<uint32_t>& soles;
-  double height;  // of the bind pose
+  double height;                  // of the bind pose
+  std::vector<size_t> bearing{};  // joints that move soles
+  std::vector<bool> below{};      // by node: these joints' and all above
 };
+
+Measures measures_of(const Character& character, const Body& body, const std::vector<uint32_t>& soles, double height) {
+  const Skeleton& skeleton = character.skeleton;
+  Measures out{character, body, soles, height};
+  std::vector<bool> bears(skeleton.joints.size(), false);
+  for (const uint32_t v : soles)
+    for (int i = 0; i < kInfluences; ++i)
+      if (character.mesh.weights[v][i] != 0) bears[character.mesh.joints[v][i]] = true;
+  out.below.assign(skeleton.nodes.size(), false);
+  for (size_t j = 0; j < bears.size(); ++j) {
+    if (!bears[j]) continue;
+    out.bearing.push_back(j);
+    for (int n = skeleton.joints[j].node; n >= 0; n = skeleton.nodes[static_cast<size_t>(n)].parent)
+      out.below[static_cast<size_t>(n)] = true;
+  }
+  return out;
+}
+
+// Of the poses that a clip is measured by, from its first key to its last.
+double sample_time(const Clip& clip, int i) {
+  return i == kMotionSamples ? clip.end : clip.start + clip.duration() * i / kMotionSamples;
+}
 
 // The axis of the turn that takes `centre` to centre + displacement.
 glm::dvec3 turning_axis(const glm::dvec3& centre, const glm::dvec3& displacement, double yaw) {
@@ -122,9 +147,15 @@ glm::dvec3 turning_axis(const glm::dvec3& centre, const glm::dvec3& displacement
 }
 
 // The turn of the whole clip: a fit knows it only up to full turns. A clip that ends as it began has none to strip.
-double whole_turn(const Measures& of, const std::vector<std::vector<glm::dmat4>>& poses, double net) {
+double whole_turn(const Measures& of, int index, double net) {
+  const Clip& clip = of.character.clips[static_cast<size_t>(index)];
   double sum = 0;
-  for (size_t i = 0; i + 1 < poses.size(); ++i) sum += fit_on_ground(of.body, poses[i], poses[i + 1]).yaw;
+  std::vector<glm::dmat4> from = joint_matrices(of.character, index, clip.start);
+  for (int i = 1; i <= kMotionSamples; ++i) {
+    std::vector<glm::dmat4> to = joint_matrices(of.character, index, sample_time(clip, i));
+    sum += fit_on_ground(of.body, from, to).yaw;
+    from = std::move(to);
+  }
   return net + 2 * kPi * std::nearbyint((sum - net) / (2 * kPi));
 }
 
@@ -136,10 +167,15 @@ double feet_behind(const SoleTracks& tracks, const glm::dvec3& displacement) {
   return glm::length(horizontal(displacement - sum / points));
 }
 
-// How the body travels over the ground from the first pose to the last, evenly spaced.
-void measure_travel(const Measures& of, const std::vector<std::vector<glm::dmat4>>& poses, const SoleTracks& tracks,
-                    ClipMotion& motion) {
-  const GroundFit fit = fit_on_ground(of.body, poses.front(), poses.back());
+// The palettes of a clip's first key and of its last.
+struct Ends {
+  int clip;
+  std::vector<glm::dmat4> first, last;
+};
+
+// How the body travels over the ground from the first pose to the last.
+void measure_travel(const Measures& of, const Ends& ends, const SoleTracks& tracks, ClipMotion& motion) {
+  const GroundFit fit = fit_on_ground(of.body, ends.first, ends.last);
   const double far = glm::length(horizontal(fit.displacement));
   const double rise = std::abs(fit.displacement.y);  // stairs; what rises more than it goes forwards jumps or drops
   const bool turns = std::abs(fit.yaw) > kRootTurn && fit.left < 0.5 * fit.left_unturned &&
@@ -152,8 +188,8 @@ void measure_travel(const Measures& of, const std::vector<std::vector<glm::dmat4
   if (turns || rise <= kRootMotion * of.height) motion.root_displacement.y = 0;
   glm::dvec3 velocity = horizontal(motion.root_displacement) / tracks.duration;
   if (turns) {
-    motion.root_yaw = settled(whole_turn(of, poses, fit.yaw), 1.0);
-    motion.root_axis = turning_axis(of.body.centre(poses.front()), motion.root_displacement, motion.root_yaw);
+    motion.root_yaw = settled(whole_turn(of, ends.clip, fit.yaw), 1.0);
+    motion.root_axis = turning_axis(of.body.centre(ends.first), motion.root_displacement, motion.root_yaw);
     for (int axis = 0; axis < 3; ++axis) motion.root_axis[axis] = settled(motion.root_axis[axis], of.height);
     motion.yaw_rate = motion.root_yaw / tracks.duration;
     velocity = motion.yaw_rate * glm::dvec3(-motion.root_axis.z, 0.0, motion.root_axis.x);
@@ -181,6 +217,15 @@ std::vector<glm::dmat4> palette_from(const Skeleton& skeleton, const std::vector
   return palette;
 }
 
+// The palette of joints that move soles; the others keep what they have.
+void pose_soles(const Measures& of, int clip, double time, std::vector<glm::dmat4>& palette) {
+  const std::vector<glm::dmat4> nodes = some_node_matrices(of.character, clip, time, of.below);
+  for (const size_t j : of.bearing) {
+    const Joint& joint = of.character.skeleton.joints[j];
+    palette[j] = nodes[static_cast<size_t>(joint.node)] * joint.inverse_bind;
+  }
+}
+
 // Travel, loop closing and ground speed of one clip.
 Measured measure(const Measures& of, int index) {
   Measured out;
@@ -188,19 +233,17 @@ Measured measure(const Measures& of, int index) {
   const Clip& clip = character.clips[static_cast<size_t>(index)];
   const double duration = clip.duration();
   if (duration <= 0.0) return out;
-  std::vector<std::vector<glm::dmat4>> poses;
-  std::vector<glm::dmat4> first;  // by node
-  std::vector<glm::dmat4> last;
+  const std::vector<glm::dmat4> first = node_matrices(character, index, clip.start);  // by node
+  const std::vector<glm::dmat4> last = node_matrices(character, index, clip.end);
+  const Ends ends{index, palette_from(character.skeleton, first), palette_from(character.skeleton, last)};
   SoleTracks tracks{{}, of.height, duration};
+  std::vector<glm::dmat4> palette = ends.first;
   for (int i = 0; i <= kMotionSamples; ++i) {
-    const double at = i == kMotionSamples ? clip.end : clip.start + duration * i / kMotionSamples;
-    last = node_matrices(character, index, at);
-    poses.push_back(palette_from(character.skeleton, last));
-    if (i == 0) first = last;
+    if (i > 0 && !of.bearing.empty()) pose_soles(of, index, sample_time(clip, i), palette);
     std::vector<glm::dvec3>& points = tracks.poses.emplace_back();
-    for (const uint32_t v : of.soles) points.push_back(skin_one(character.mesh, v, poses.back()));
+    for (const uint32_t v : of.soles) points.push_back(skin_one(character.mesh, v, palette));
   }
-  measure_travel(of, poses, tracks, out.motion);
+  measure_travel(of, ends, tracks, out.motion);
   if (clip.loops && !same_pose(character.skeleton, of.body, first, last, out.motion, of.height))
     out.motion.closing_seconds = last_interval(clip);
   for (size_t v = 0; v < of.soles.size(); ++v)
@@ -412,8 +455,8 @@ void normalise(Character& character, const NormaliseOptions& options) {
   // Posed in glTF space first: placement and motion are found there, then scaled.
   std::vector<Measured> measured;
   measured.reserve(character.clips.size());
-  for (size_t i = 0; i < character.clips.size(); ++i)
-    measured.push_back(measure({character, body, soles, bind_height}, static_cast<int>(i)));
+  const Measures measures = measures_of(character, body, soles, bind_height);
+  for (size_t i = 0; i < character.clips.size(); ++i) measured.push_back(measure(measures, static_cast<int>(i)));
   character.placement = {};
   character.placement.default_clip = choose_default_clip(character, measured);
   character.motion.clear();

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "scene/pose/normalise.h"
+#include "scene/pose/pose_some.h"
 
 namespace crowdbench::scene {
 namespace {
@@ -85,7 +86,8 @@ Value evaluate(const Channel& channel, double time) {
   return out;
 }
 
-LocalPose local_pose(const Character& character, int clip, double time) {
+// wanted: by node; empty: all. The others stay as the file has them.
+LocalPose local_pose(const Character& character, int clip, double time, const std::vector<bool>& wanted = {}) {
   const auto& nodes = character.skeleton.nodes;
   LocalPose pose;
   pose.translation.reserve(nodes.size());
@@ -100,6 +102,7 @@ LocalPose local_pose(const Character& character, int clip, double time) {
   assert(static_cast<size_t>(clip) < character.clips.size());
   for (const Channel& channel : character.clips[static_cast<size_t>(clip)].channels) {
     const auto node = static_cast<size_t>(channel.node);
+    if (!wanted.empty() && !wanted[node]) continue;
     const Value v = evaluate(channel, time);
     switch (channel.target) {
       case Target::translation: pose.translation[node] = {v[0], v[1], v[2]}; break;
@@ -120,9 +123,11 @@ LocalPose blend(const LocalPose& a, const LocalPose& b, double t) {
   return out;
 }
 
-std::vector<glm::dmat4> world_matrices(const Skeleton& skeleton, const LocalPose& pose) {
-  std::vector<glm::dmat4> world(skeleton.nodes.size());
+std::vector<glm::dmat4> world_matrices(const Skeleton& skeleton, const LocalPose& pose,
+                                       const std::vector<bool>& wanted = {}) {
+  std::vector<glm::dmat4> world(skeleton.nodes.size(), glm::dmat4(1.0));
   for (size_t i = 0; i < world.size(); ++i) {
+    if (!wanted.empty() && !wanted[i]) continue;
     const Node& node = skeleton.nodes[i];
     glm::dmat4 local = node.matrix;
     if (!node.has_matrix) {
@@ -149,6 +154,12 @@ std::vector<glm::dmat4> palette_of(const Skeleton& skeleton, const std::vector<g
 
 std::vector<glm::dmat4> node_matrices(const Character& character, int clip, double time) {
   return world_matrices(character.skeleton, local_pose(character, clip, time));
+}
+
+std::vector<glm::dmat4> some_node_matrices(const Character& character, int clip, double time,
+                                           const std::vector<bool>& wanted) {
+  assert(wanted.size() == character.skeleton.nodes.size());
+  return world_matrices(character.skeleton, local_pose(character, clip, time, wanted), wanted);
 }
 
 std::vector<glm::dmat4> joint_matrices(const Character& character, int clip, double time) {

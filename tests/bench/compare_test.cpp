@@ -343,6 +343,40 @@ TEST_F(CompareRegions, WrongRegionsAreRefused) {
   EXPECT_NE(error_of(reference, test, {"--mask", left.string()}).find("is 10 x 10 pixels"), std::string::npos);
 }
 
+TEST_F(CompareRegions, AMasksColoursDecideAndANoteTellsWhereAlphaWouldNot) {
+  // The left half by alpha alone; by colour alone; by both alike.
+  const auto mask = [&](auto&& colour, auto&& alpha) {
+    Image8 out(200, 180, 4);
+    for (int y = 0; y < 180; ++y)
+      for (int x = 0; x < 200; ++x) {
+        std::fill_n(out.at(x, y), 3, static_cast<uint8_t>(colour(x)));
+        out.at(x, y)[3] = static_cast<uint8_t>(alpha(x));
+      }
+    write_png(left, out);
+  };
+  const auto all = [](int) { return 255; };
+  const auto none = [](int) { return 0; };
+  const auto half = [](int x) { return x < 100 ? 255 : 0; };
+  const auto note = [&](int pixels, size_t notes, const std::string& said) {
+    const json out = scores({"--mask", left.string()});
+    EXPECT_EQ(out["region"]["pixels"], pixels * 180);
+    ASSERT_EQ(out["warnings"].size(), notes) << out["warnings"];
+    if (notes > 0) EXPECT_NE(out["warnings"][0].get<std::string>().find(said), std::string::npos) << out["warnings"];
+  };
+  mask(all, half);
+  note(200, 1, "alpha, which would decide otherwise in 18000 of 36000 pixels");
+  mask(half, [](int x) { return x < 100 ? 0 : 255; });
+  note(100, 1, "alpha, which would decide otherwise in 36000 of 36000 pixels");
+  mask(all, none);
+  note(200, 1, "alpha, which would decide otherwise in 36000 of 36000 pixels");
+  mask(half, half);
+  note(100, 0, "");
+  mask(half, all);  // opaque: alpha says nothing
+  note(100, 0, "");
+  mask(none, half);
+  EXPECT_NE(error_of(reference, test, {"--mask", left.string()}).find("its alpha has no say"), std::string::npos);
+}
+
 TEST_F(CompareRegions, BoundsDecideTheExitStatus) {
   const auto status = [&](std::vector<std::string> more, int expected) {
     more.insert(more.begin(), {reference.string(), test.string(), "--json"});

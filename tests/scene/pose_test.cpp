@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/mannequin/mannequin.h"
+#include "scene/pose/pose_some.h"
 #include "tests/scene/tiny_character.h"
 
 namespace crowdbench::scene {
@@ -27,6 +29,23 @@ TEST(Pose, BindPoseLeavesTheMeshWhereItIs) {
   const auto posed = skin_positions(c.mesh, joint_matrices(c, -1, 7.0));
   expect_near(posed[1], {0, 2, 0});
   expect_near(posed[2], {0, 2, 0.5});
+}
+
+TEST(Pose, OfSomeNodesIsThatOfAllToTheBit) {
+  const Character c = make_mannequin({.triangles = 500, .joints = 20, .normalise = {}});
+  const std::vector<Node>& nodes = c.skeleton.nodes;
+  std::vector<bool> wanted(nodes.size(), false);
+  for (int n = static_cast<int>(nodes.size()) - 1; n >= 0; n = nodes[static_cast<size_t>(n)].parent)
+    wanted[static_cast<size_t>(n)] = true;
+  const double time = 0.3 * c.clips[0].duration();
+  const auto all = node_matrices(c, 0, time);
+  const auto some = some_node_matrices(c, 0, time, wanted);
+  size_t left_out = 0;
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    EXPECT_EQ(some[n], wanted[n] ? all[n] : glm::dmat4(1.0)) << n;
+    left_out += wanted[n] ? 0 : 1;
+  }
+  EXPECT_GT(left_out, 3U);
 }
 
 TEST(Pose, QuarterTurnOfTheSecondBoneByHand) {

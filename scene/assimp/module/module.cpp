@@ -10,14 +10,17 @@
 #include <assimp/postprocess.h>
 
 #include <algorithm>
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <cstring>
 #include <memory>
 #include <new>
 
 #include "scene/assimp/module/conversion.h"
+#include "scene/assimp/module/source_check.h"
 
 namespace crowdbench::scene::assimp_module {
 namespace {
@@ -89,6 +92,34 @@ std::string one_line(std::string text) {
   return text;
 }
 
+// What Assimp complains of and goes on without: an object, a list.
+class Complaints : public Assimp::LogStream {
+ public:
+  explicit Complaints(std::vector<std::string>& out) : out_(out) {}
+  void write(const char* message) override {
+    constexpr size_t kMost = 8;
+    std::string line = one_line(message);
+    if (const size_t at = line.find("T0: "); at != std::string::npos) line.erase(0, at + 4);
+    if (out_.size() < kMost && std::find(out_.begin(), out_.end(), line) == out_.end()) out_.push_back(line);
+  }
+
+ private:
+  std::vector<std::string>& out_;
+};
+
+// In a process of its own, so that there is no other logger.
+void listen(std::vector<std::string>& complaints) {
+  Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+  Assimp::DefaultLogger::get()->attachStream(new Complaints(complaints), Assimp::Logger::Err);
+}
+
+void check_source(const Request& request) {
+  if (request.format == Format::fbx)
+    check_fbx({request.bytes, request.size});
+  else
+    check_collada({reinterpret_cast<const char*>(request.bytes), request.size});
+}
+
 const aiScene& import(Assimp::Importer& importer, const Request& request) {
   const std::string extension = request.format == Format::fbx ? "fbx" : "dae";
   const std::string name = "character." + extension;
@@ -120,8 +151,15 @@ std::vector<uint8_t> converted(const aiScene& scene, const Request& request) {
 
 void convert(const Request* request) {
   try {
+    check_source(*request);
+    std::vector<std::string> complaints;
+    listen(complaints);
     Assimp::Importer importer;
     const std::vector<uint8_t> glb = converted(import(importer, *request), *request);
+    for (const std::string& line : complaints) {
+      const std::string text = "what Assimp complains of is left out: " + line;
+      request->write(request->context, Part::warning, text.data(), text.size());
+    }
     request->write(request->context, Part::glb, reinterpret_cast<const char*>(glb.data()), glb.size());
   } catch (const Refusal& refusal) {
     request->write(request->context, Part::refusal, refusal.text.data(), refusal.text.size());
