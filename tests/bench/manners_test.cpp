@@ -493,10 +493,11 @@ TEST_F(MannersGl, BenchForecastsKeepsToItsTimeAndSaysWhatItWrote) {
       << first.text;
   EXPECT_NE(first.text.find("2 points measured, 0 taken from the file; results.sqlite"), std::string::npos)
       << first.text;
-  // Twenty thousand agents do not fit into what is left of three seconds; the points that do not are named.
+  // Twenty thousand agents do not fit into what is left of three seconds; the points that do not are named. What goes
+  // on after them is one solving, or one round, that had begun.
   const auto begun = std::chrono::steady_clock::now();
   const Outcome brief = run("bench --minutes 0.05 --agents 1,20000,40000 --out brief.sqlite" + small);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), 60);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), 20);
   EXPECT_EQ(brief.status, 0) << brief.text;
   EXPECT_NE(brief.text.find("40000 agents at the scenario's camera: left for another run of the same command"),
             std::string::npos)
