@@ -122,9 +122,9 @@ void convert(const Request* request) {
   try {
     Assimp::Importer importer;
     const std::vector<uint8_t> glb = converted(import(importer, *request), *request);
-    request->write(request->context, Part::glb, reinterpret_cast<const char*>(glb.data()), glb.size());
+    request->write(request->context, Item::glb, reinterpret_cast<const char*>(glb.data()), glb.size());
   } catch (const Refusal& refusal) {
-    request->write(request->context, Part::refusal, refusal.text.data(), refusal.text.size());
+    request->write(request->context, Item::refusal, refusal.text.data(), refusal.text.size());
   }
 }
 
