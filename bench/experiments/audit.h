@@ -63,8 +63,8 @@ std::vector<renderers::Spec> audited_specs(const renderers::Spec& spec);
 // none.
 std::string view_grid_meaning(const renderers::RepresentationType& type);
 
-// Throws Error where the type stores no views of the whole figure, naming those that do, and what baking throws. The views are baked (or
-// read from the cache).
+// Throws Error where the type stores no views of the whole figure, naming those that do, and what baking throws. The
+// views are baked (or read from the cache).
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                       const renderers::Spec& spec, uint64_t bake_budget, bool use_cache);
 
