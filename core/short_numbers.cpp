@@ -39,7 +39,7 @@ std::map<std::string, std::string> short_numbers(const std::set<std::string>& te
       distinct.insert(out[text] = text.size() <= kShort ? text : fmt::format("{:.{}g}", number, digits));
     if (distinct.size() == numbers.size()) return out;
   }
-  for (const auto& [text, number] : numbers) out[text] = text;  // one number written in two ways
+  for (const auto& [text, number] : numbers) out[text] = text;  // one number, written as two texts
   return out;
 }
 

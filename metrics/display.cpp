@@ -181,8 +181,10 @@ std::vector<std::string> display_names() {
 Display find_display(std::string_view name, const std::string& where) {
   for (const Model& model : kModels)
     if (model.name == name) return display_of_model(model);
+  const std::string near = nearest_name(name, display_names());
   throw Error(where, fmt::format("'{}' is not a display", printable(name, 60)),
-              fmt::format("use one of {}, or a file NAME.json with ColorVideoVDP's keys",
+              fmt::format("{}use one of {}, or a file NAME.json with ColorVideoVDP's keys",
+                          near.empty() ? "" : fmt::format("did you mean {}? Else ", near),
                           nearest_first(name, display_names(), 6)));
 }
 

@@ -110,7 +110,7 @@ struct ScoreResult {
   // There is none because pixels are not numbers or infinite: what is pooled over such a picture is no score either.
   bool not_finite = false;
   std::string conditions;  // what it was computed under, where that is a choice: "67.02 pixels/degree"
-  // Where the score's source pools one map in several ways: each by its name ("mean", "weighted_median"), that of
+  // Where the score's source pools one map by several rules: each by its name ("mean", "weighted_median"), that of
   // `value` among them. Else empty.
   std::vector<ScoreFigure> pooled;
   // Further figures that explain `value` and are not other poolings of it: parts by channel, what was chosen.

@@ -168,10 +168,10 @@ void add(std::vector<Field<Row>>& all, std::vector<Field<Row>> several) {
   for (Field<Row>& one : several) all.push_back(std::move(one));
 }
 
-template <typename Row, typename... Parts>
-Table<Row> make_table(TableDescription description, std::vector<Row> StoreContents::*rows, Parts... parts) {
+template <typename Row, typename... Fields>
+Table<Row> make_table(TableDescription description, std::vector<Row> StoreContents::*rows, Fields... fields) {
   Table<Row> made{std::move(description), {}, rows};
-  (add<Row>(made.fields, std::move(parts)), ...);
+  (add<Row>(made.fields, std::move(fields)), ...);
   for (const Field<Row>& one : made.fields) made.description.columns.push_back(one.column);
   return made;
 }

@@ -36,11 +36,11 @@ std::string column_sql(const Column& column) {
 
 // name: the table's own, or another that it is made under at first.
 std::string table_sql(const TableDescription& table, const std::string& name) {
-  std::vector<std::string> parts;
-  if (!table.owner.empty()) parts.push_back(fmt::format("{0} INTEGER NOT NULL REFERENCES {0} (id)", table.owner));
-  for (const Column& column : table.columns) parts.push_back(column_sql(column));
-  if (!table.owner.empty()) parts.push_back(fmt::format("PRIMARY KEY ({}, {})", table.owner, table.within));
-  return fmt::format("CREATE TABLE {} ({}){};\n", name, fmt::join(parts, ", "),
+  std::vector<std::string> lines;
+  if (!table.owner.empty()) lines.push_back(fmt::format("{0} INTEGER NOT NULL REFERENCES {0} (id)", table.owner));
+  for (const Column& column : table.columns) lines.push_back(column_sql(column));
+  if (!table.owner.empty()) lines.push_back(fmt::format("PRIMARY KEY ({}, {})", table.owner, table.within));
+  return fmt::format("CREATE TABLE {} ({}){};\n", name, fmt::join(lines, ", "),
                      table.owner.empty() ? "" : " WITHOUT ROWID");
 }
 

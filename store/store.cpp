@@ -57,8 +57,8 @@ void read_table(sqlite3* database, const std::string& where, int schema, std::ve
 
 template <typename Row>
 void read_owned(sqlite3* database, const std::string& where, int schema, std::vector<Row>& owners) {
-  using Part = typename std::remove_reference_t<decltype(owners.front().*Owned<Row>::rows)>::value_type;
-  const TableDescription& description = table<Part>().description;
+  using OwnedRow = typename std::remove_reference_t<decltype(owners.front().*Owned<Row>::rows)>::value_type;
+  const TableDescription& description = table<OwnedRow>().description;
   std::map<int64_t, Row*> by_id;
   for (Row& owner : owners) by_id[owner.id] = &owner;
   Statement all(database, where,
@@ -66,7 +66,7 @@ void read_owned(sqlite3* database, const std::string& where, int schema, std::ve
                             description.owner, description.within));
   while (all.step()) {
     const auto found = by_id.find(all.read_integer());
-    if (found != by_id.end()) (found->second->*Owned<Row>::rows).push_back(read_row<Part>(all));
+    if (found != by_id.end()) (found->second->*Owned<Row>::rows).push_back(read_row<OwnedRow>(all));
   }
 }
 
@@ -169,10 +169,10 @@ int64_t StoreWriter::write(const Row& row) {
     insert.step();
     const int64_t id = sqlite3_last_insert_rowid(state_->database.get());
     if constexpr (OwnsRows<Row>) {
-      for (const auto& part : row.*Owned<Row>::rows) {
-        Statement& one = state_->statement(insert_sql(table<std::decay_t<decltype(part)>>().description));
+      for (const auto& owned : row.*Owned<Row>::rows) {
+        Statement& one = state_->statement(insert_sql(table<std::decay_t<decltype(owned)>>().description));
         one.bind(id);
-        bind_row(one, part);
+        bind_row(one, owned);
         one.step();
       }
     }

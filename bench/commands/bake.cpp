@@ -250,7 +250,7 @@ int run_bake(const BakeOptions& options) {
   if (!options.required_by.empty() && !honours_required_by(spec))
     throw Error("--required-by",
                 fmt::format("'{}' {}", spec.name,
-                            renderers::representation_type(spec.name).view_sampling
+                            !view_grid_meaning(renderers::representation_type(spec.name)).empty()
                                 ? "keeps all of its views: it cannot leave any out"
                                 : "stores no views that could be left out"),
                 "leave --required-by out, or bake " + names_that_honour_required_by());

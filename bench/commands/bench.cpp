@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/commands/chosen_representation.h"
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/level_output.h"
@@ -87,8 +88,8 @@ int run_bench_command(const BenchOptions& options) {
   request.scenario = chosen.scenario;
   request.display = chosen.display;
   const renderers::Spec own = representation_of(chosen);
-  if (request.representations.empty() && own.text() != renderers::reference_spec().text())
-    request.representations.push_back(own);
+  const bool is_own = request.representations.empty() && own.text() != renderers::reference_spec().text();
+  if (is_own) request.representations.push_back(own);
   if (request.representations.empty()) {
     for (const renderers::RepresentationType& type : renderers::representation_types())
       if (!type.reference && stands_alone(type)) request.representations.push_back(renderers::parse_spec(type.name));
@@ -107,7 +108,7 @@ int run_bench_command(const BenchOptions& options) {
   RunRow run = describe_run(context, method, request.scenario, "bench", command_line(), request.order_seed);
   run.id = store.write(run);
   BenchSummary summary;
-  {
+  try {
     say_when_interrupted(
         fmt::format("finished points are in {}, the same command goes on from there", printable(options.out)));
     Progress progress("bench", request.agents.size() * request.occupancies.size());
@@ -118,6 +119,9 @@ int run_bench_command(const BenchOptions& options) {
     };
     summary =
         run_bench(context, cast, method, run, request, store, [&](const std::string& now) { progress.note(now); });
+  } catch (const Error& error) {
+    if (!is_own) throw;
+    blame_choice(chosen, error);
   }
   if (std::ranges::none_of(request.representations, is_level))
     summary.remarks.push_back(fmt::format("no level of detail of {} was timed beside them: --representation {} is one",

@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -176,14 +178,30 @@ Option* Option::power_of_two(uint64_t least, uint64_t most) {
 
 namespace {
 
+// Endings that say the same as the one that a type names.
+const std::map<std::string, std::string>& other_endings() {
+  static const std::map<std::string, std::string> map = {
+      {".db", ".sqlite"}, {".sqlite3", ".sqlite"}, {".htm", ".html"}, {".jpeg", ".jpg"}, {".markdown", ".md"}};
+  return map;
+}
+
+// Whether it could name a format: of a letter and up to seven more letters or digits. "run.2026" ends in none, and
+// "x.part" says of a file of any format that it is not whole.
+bool is_ending(const std::string& text) {
+  static const std::set<std::string> states = {".part", ".tmp", ".temp", ".new", ".old", ".bak"};
+  return !states.contains(text) && text.size() >= 2 && text.size() <= 9 &&
+         std::isalpha(static_cast<unsigned char>(text[1])) != 0 &&
+         std::all_of(text.begin() + 1, text.end(), [](unsigned char c) { return std::isalnum(c) != 0; });
+}
+
 // A name that ends as files of another format do is a mistake: nobody would find out before the file is opened.
 CLI::Validator ends_as(const std::string& type) {
   const auto check = [type](std::string& text) -> std::string {
-    static const std::set<std::string> known = {".png",   ".jpg", ".jpeg", ".exr",    ".csv", ".json",
-                                                ".jsonl", ".md",  ".html", ".pdf",    ".svg", ".glb",
-                                                ".obj",   ".mp4", ".webm", ".sqlite", ".xml", ".toml"};
-    const std::string ending = std::filesystem::path(text).extension().string();
-    if (!known.contains(ending) || type.find("FILE" + ending) != std::string::npos) return {};
+    std::string ending = std::filesystem::path(text).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto same = other_endings().find(ending);
+    if (same != other_endings().end() && type.find("FILE" + same->second) != std::string::npos) return {};
+    if (!is_ending(ending) || type.find("FILE" + ending) != std::string::npos) return {};
     return fmt::format("'{}' ends in {}; what is written is {}", printable(text, 60), ending, type);
   };
   return {check, ""};

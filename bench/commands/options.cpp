@@ -12,6 +12,14 @@ constexpr const char* kCharacterMeaning = "a glTF, FBX or COLLADA file, or manne
   throw Error(where, error.where.empty() ? error.wrong : error.where + ": " + error.wrong, error.advice);
 }
 
+// Of --bones: each "mine=theirs".
+void require_pairs(const std::vector<std::string>& bones) {
+  for (const std::string& pair : bones)
+    if (const size_t equals = pair.find('='); equals == std::string::npos || equals == 0 || equals + 1 == pair.size())
+      throw Error("--bones", fmt::format("'{}' is not a pair of nodes", printable(pair, 80)),
+                  "write the character's node, =, the other file's: \"LeftArm=upperarm_l\"");
+}
+
 }  // namespace
 
 Option* add_representation_option(Command& command, std::string& text, const std::string& meaning) {
@@ -34,6 +42,9 @@ Option* add_representation_option(Command& command, std::vector<std::string>& te
 void CharacterOptions::change(scene::CharacterEntry& entry) const {
   if (!animations.empty()) entry.animations = animations;
   if (!bones.empty()) entry.bones = bones;
+  require_pairs(bones);
+  if (!bones.empty() && entry.animations.empty())
+    throw Error("--bones", "nothing plays: no other file's clips are used", "name one with --animations");
   if (turn_deg) entry.turn_deg = turn_deg;
   if (up.empty()) return;
   if (up != "y" && up != "z")

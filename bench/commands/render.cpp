@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "bench/commands/chosen_representation.h"
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/level_output.h"
@@ -154,7 +155,7 @@ int render_crowd(const RenderOptions& options) {
     return scene::make_frame(scenario, cast, crowd, scenario.camera.at(seconds), tick);
   };
   progress.note("making " + spec.text());
-  const auto representation = renderers::make_representation({.context = *context, .cast = cast}, spec);
+  const auto representation = make_chosen(chosen, {.context = *context, .cast = cast}, spec);
   if (representation->has_history()) {
     Progress played("playing the ticks before", options.tick);
     for (uint64_t tick = 0; tick < options.tick; ++tick) {
@@ -174,10 +175,10 @@ int render_crowd(const RenderOptions& options) {
   for (const auto& agents : frame.agents) in_view += agents.size();
   const std::string drawn = fmt::format("{} agent{} ({} in view) as {}, tick {}", crowd.size(),
                                         crowd.size() == 1 ? "" : "s", in_view, spec.text(), options.tick);
-  write_pictures(options, capture, metadata, drawn);
   const std::vector<renderers::LevelInfo> levels = representation->bake_info().levels;
   for (const renderers::LevelInfo& level : levels)
-    fmt::print(options.json ? stderr : stdout, "  level of {}\n", level_text(level));
+    fmt::print(options.json ? stderr : stdout, "level of {}\n", level_text(level));
+  write_pictures(options, capture, metadata, drawn);
   if (options.json) fmt::print("{}", json_of(staged, cast, *context, spec, levels, options));
   return 0;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "bench/commands/chosen_representation.h"
 #include "bench/commands/command_line.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/scene_options.h"
@@ -46,8 +47,10 @@ std::vector<renderers::Spec> offered(const std::vector<std::string>& asked, cons
 // Makes representations when they are first asked for.
 class RepresentationPool {
  public:
-  RepresentationPool(gl::Context& context, const scene::Cast& cast, const std::vector<renderers::Spec>& specs)
-      : context_(context), cast_(cast), specs_(specs), made_(specs.size()) {}
+  // chosen: whose representation the first is, or nobody's.
+  RepresentationPool(gl::Context& context, const scene::Cast& cast, const std::vector<renderers::Spec>& specs,
+                     const ChosenScenario* chosen)
+      : context_(context), cast_(cast), specs_(specs), chosen_(chosen), made_(specs.size()) {}
   bool holds(size_t index) const { return made_[index] != nullptr; }
   size_t first_held() const {
     size_t index = 0;
@@ -56,7 +59,10 @@ class RepresentationPool {
   }
   bool holds_any() const { return first_held() < made_.size(); }
   renderers::Representation& get(size_t index) {
-    if (!made_[index]) made_[index] = renderers::make_representation({context_, cast_}, specs_[index]);
+    if (!made_[index])
+      made_[index] = index == 0 && chosen_ != nullptr
+                         ? make_chosen(*chosen_, {context_, cast_}, specs_[index])
+                         : renderers::make_representation({context_, cast_}, specs_[index]);
     return *made_[index];
   }
 
@@ -64,21 +70,23 @@ class RepresentationPool {
   gl::Context& context_;
   const scene::Cast& cast_;
   const std::vector<renderers::Spec>& specs_;
+  const ChosenScenario* chosen_;
   std::vector<std::unique_ptr<renderers::Representation>> made_;
 };
 
 // What the window shows, from one frame to the next.
 class Viewing {
  public:
-  // names: of the specs, as people read them. All are referred to.
+  // names: of the specs, as people read them. chosen: see RepresentationPool. All are referred to.
   Viewing(gl::Context& context, gl::Window& window, const scene::Cast& cast, const Staged& staged,
-          const std::vector<renderers::Spec>& specs, const std::vector<std::string>& names)
+          const std::vector<renderers::Spec>& specs, const std::vector<std::string>& names,
+          const ChosenScenario* chosen)
       : context_(context),
         window_(window),
         cast_(cast),
         staged_(staged),
         names_(names),
-        pool_(context, cast, specs),
+        pool_(context, cast, specs, chosen),
         renderer_(context, cast) {
     state.orbit = orbit_of(start_);
     state.beside = specs.size() > 1 ? 1 : 0;
@@ -205,7 +213,7 @@ int run_view(const ViewOptions& options) {
   const auto context = open_context(options.scene.device);
   const Staged staged = stage_scenario(chosen.scenario, cast, *context);
 
-  Viewing viewing(*context, window, cast, staged, specs, names);
+  Viewing viewing(*context, window, cast, staged, specs, names, options.representations.empty() ? &chosen : nullptr);
   viewing.state.side_by_side = options.side_by_side;
   viewing.state.help = !options.frames;
   if (options.side_by_side) std::swap(viewing.state.beside, viewing.state.current);  // the first on the left

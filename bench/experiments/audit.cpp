@@ -76,6 +76,12 @@ std::optional<double> AuditError::mean(std::string_view name) const {
   return std::nullopt;
 }
 
+std::string view_grid_meaning(const renderers::RepresentationType& type) {
+  for (const renderers::OptionDoc& option : type.options)
+    if (option.key == renderers::views_option().key) return option.meaning.substr(0, option.meaning.find(':'));
+  return {};
+}
+
 std::vector<renderers::Spec> audited_specs(const renderers::Spec& spec) {
   std::vector<renderers::Spec> out;
   for (const renderers::Spec& component : spec.components)
@@ -87,10 +93,16 @@ std::vector<renderers::Spec> audited_specs(const renderers::Spec& spec) {
 
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                       const renderers::Spec& spec, uint64_t bake_budget, bool use_cache) {
-  const auto sample = renderers::representation_type(spec.name).view_sampling;
-  if (sample == nullptr)
-    throw Error("--audit", fmt::format("'{}' has no grid of stored views to audit", spec.name),
+  const renderers::RepresentationType& type = renderers::representation_type(spec.name);
+  const auto sample = type.view_sampling;
+  if (sample == nullptr) {
+    const std::string meaning = view_grid_meaning(type);
+    throw Error("--audit",
+                meaning.empty() ? fmt::format("'{}' has no grid of stored views to audit", spec.name)
+                                : fmt::format("'{}' has no grid of views of the whole figure to audit: its own is {}",
+                                              spec.name, meaning),
                 "audit " + names_of_those_with_views());
+  }
   const int clip = character->placement.default_clip;
   const auto bank = std::make_shared<const scene::PoseBank>(*character, std::vector<int>{clip});
 

@@ -59,8 +59,12 @@ struct ViewAudit {
 // the spec itself where none does.
 std::vector<renderers::Spec> audited_specs(const renderers::Spec& spec);
 
-// Throws Error where the type stores no views, naming those that do, and what baking throws. The views are baked (or
-// read from the cache).
+// What the type's view grid is of, in the words of its option: "the view grid of each joint, all round". Empty: it has
+// none.
+std::string view_grid_meaning(const renderers::RepresentationType& type);
+
+// Throws Error where the type stores no views of the whole figure, naming those that do, and what baking throws. The
+// views are baked (or read from the cache).
 ViewAudit audit_views(gl::Context& context, const std::shared_ptr<const scene::Character>& character,
                       const renderers::Spec& spec, uint64_t bake_budget, bool use_cache);
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
+#include <utility>
 
 #include "bench/experiments/point_name.h"
 #include "bench/experiments/point_rows.h"
@@ -13,6 +15,7 @@
 #include "bench/stage/stage.h"
 #include "bench/timing/control.h"
 #include "bench/timing/image_check.h"
+#include "bench/timing/round_limit.h"
 #include "bench/timing/timed_representation.h"
 #include "core/image_io.h"
 #include "core/progress.h"
@@ -23,6 +26,28 @@ namespace {
 
 // Frames of every variant at a point, at least: pictures, counts, warm-up and timed rounds.
 constexpr double kLeastTurns = 16;
+// The fewest rounds that are kept: of six, the smallest and the largest hold the median between them 97 times of 100
+// (of five, 94 times), so that an interval of 95 % exists.
+constexpr int kFewestRounds = 6;
+// A floor takes this much of its representation's time, roughly: for forecasts from a file, which has no times of it.
+constexpr double kFloorPart = 0.5;
+
+// Of `reason`s of rows that were stopped: the budget follows.
+constexpr std::string_view kOverBudget = "over the budget of ";
+
+// Whether a stored row still says that its curve had ended: by a budget no smaller than this one.
+bool still_stopped(const MeasurementRow& row, double budget_ms) {
+  if (row.status != Status::stopped) return false;
+  const size_t at = row.reason.rfind(kOverBudget);
+  if (at == std::string::npos) return false;
+  const std::string number = row.reason.substr(at + kOverBudget.size());
+  // As it was written: with six digits.
+  const double asked = std::strtod(fmt::format("{:g}", budget_ms).c_str(), nullptr);
+  return std::strtod(number.c_str(), nullptr) >= asked;
+}
+
+// The time of the whole run is over in the midst of a point.
+struct OutOfTime {};
 
 // A curve: one representation at one occupancy. Once it has ended, every later point says so.
 struct Curve {
@@ -62,10 +87,10 @@ class BenchRun {
     size_t done = 0;
     for (const double occupancy : request_.occupancies) {
       curves_.assign(specs_.size(), {});
-      turns_.clear();
+      if (!turns_.empty()) turns_before_ = std::exchange(turns_, {});
       const uint32_t shown = agents_to_show();
       for (const uint32_t agents : request_.agents) {
-        measure({agents, occupancy}, agents == shown, kLeastTurns * expected_turn_s(turns_, agents));
+        measure({agents, occupancy}, agents == shown, kLeastTurns * expected_turn_s(turns_, turns_before_, agents));
         budget_.point_done();
         if (request_.after_point) request_.after_point(++done, budget_.left());
       }
@@ -112,17 +137,30 @@ class BenchRun {
   // Whether a point that is expected to take this long still fits.
   bool in_time(const Point& at, double expected_s) {
     if (budget_.allows(expected_s)) return true;
-    remark(fmt::format("{}: left for another run of the same command: it takes about {}, and {} are left", at.name(),
-                       duration_text(expected_s), duration_text(budget_.left())));
+    if (budget_.over())
+      leave(at);
+    else
+      remark(fmt::format("{}: left for another run of the same command: it takes about {}, and {} are left", at.name(),
+                         duration_text(expected_s), duration_text(budget_.left())));
     return false;
+  }
+  void leave(const Point& at) { remark(at.name() + ": left for another run of the same command: the time was over"); }
+  // Between two things that take long.
+  void pause() const {
+    throw_if_interrupted();
+    if (budget_.over()) throw OutOfTime{};
   }
 
   void remark(const std::string& text) { summary_.remarks.push_back(text); }
 
   void end_curve(size_t spec, const Point& at, double frame_ns) {
-    curves_[spec] = {true, fmt::format("at {} a frame took {:.0f} ms, over the budget of {:g} ms",
-                                       agents_text(at.agents), frame_ns / 1e6, request_.budget_ms)};
-    remark(fmt::format("{} at {}: stopped {}", specs_[spec].text(), view_name(at.occupancy), curves_[spec].reason));
+    end_curve(spec, at,
+              fmt::format("at {} a frame took {:.0f} ms, {}{:g} ms", agents_text(at.agents), frame_ns / 1e6,
+                          kOverBudget, request_.budget_ms));
+  }
+  void end_curve(size_t spec, const Point& at, const std::string& reason) {
+    curves_[spec] = {true, reason};
+    remark(fmt::format("{} at {}: stopped: {}", specs_[spec].text(), view_name(at.occupancy), reason));
   }
 
   MeasurementRow row_of(size_t spec, const Point& at, const StageFacts* facts) const {
@@ -141,12 +179,13 @@ class BenchRun {
     store_.write(row);
   }
 
-  // Whether the file holds the point for every representation that still runs; it then learns from it where curves end.
+  // Whether the file holds the point for every representation that still runs; it then learns from it where curves end
+  // and what a turn takes.
   bool take_from_store(const Point& at) {
     std::vector<std::optional<MeasurementRow>> rows;
     for (size_t s = 0; s < specs_.size(); ++s) {
       rows.push_back(store_.find(run_, key(s, at)));
-      const bool held = rows[s] && (rows[s]->status != Status::stopped || curves_[s].ended);
+      const bool held = rows[s] && (rows[s]->status != Status::stopped || still_stopped(*rows[s], request_.budget_ms));
       if (!held && !curves_[s].ended) return false;
     }
     bool any = false;
@@ -155,12 +194,25 @@ class BenchRun {
         write_untimed(s, at, Status::stopped, curves_[s].reason, nullptr);
         continue;
       }
-      any = any || rows[s]->frame_ns.has_value();
-      if (rows[s]->frame_ns && rows[s]->frame_ns->median > request_.budget_ms * 1e6 && !curves_[s].ended)
+      if (curves_[s].ended) continue;
+      any = any || rows[s]->status != Status::unreachable;
+      if (rows[s]->status == Status::stopped)
+        end_curve(s, at, rows[s]->reason);
+      else if (rows[s]->frame_ns && rows[s]->frame_ns->median > request_.budget_ms * 1e6)
         end_curve(s, at, rows[s]->frame_ns->median);
     }
     if (any) ++summary_.held;
+    learn_turn(at, rows);
     return true;
+  }
+  void learn_turn(const Point& at, const std::vector<std::optional<MeasurementRow>>& rows) {
+    Turn turn{at.agents};
+    for (size_t s = 0; s < rows.size(); ++s)
+      if (rows[s] && rows[s]->frame_ns) {
+        const bool has_floor = request_.floors && specs_[s].components.empty() && !is_floor(specs_[s]);
+        turn.seconds += 1e-9 * rows[s]->frame_ns->median * (1 + (s == 0 ? 1 : 0) + (has_floor ? kFloorPart : 0));
+      }
+    if (turn.seconds > 0) turns_.push_back(turn);
   }
 
   // expected_s: what it takes with as few rounds as there may be, as the points before let expect.
@@ -179,10 +231,14 @@ class BenchRun {
       return;
     }
     stage_.show(staged_);
-    const std::vector<Look> looks = look(at);
-    const Times times = time(at, looks);
-    write_point(at, facts, looks, times, keep_pictures);
-    ++summary_.measured;
+    try {
+      const std::vector<Look> looks = look(at);
+      const Times times = time(at, looks);
+      write_point(at, facts, looks, times, keep_pictures);
+      ++summary_.measured;
+    } catch (const OutOfTime&) {
+      leave(at);
+    }
   }
 
   void write_unreachable(const Point& at, const StageFacts& facts) {
@@ -211,7 +267,7 @@ class BenchRun {
         seen.touched_px = timed(s).touched_px(0);
       }
       looks.push_back(std::move(seen));
-      throw_if_interrupted();
+      pause();
     }
     return looks;
   }
@@ -230,6 +286,7 @@ class BenchRun {
       if (TimedRepresentation* floor = floor_of(looks[of[v]].spec); floor != nullptr) {
         variants.push_back(floor->variant());
         of.push_back(of[v]);
+        pause();
       }
 
     // The first that goes on, once more: the control.
@@ -238,22 +295,7 @@ class BenchRun {
       of.push_back(of.front());
     }
 
-    TimingPlan plan;
-    plan.rounds = request_.rounds;
-    plan.least_rounds = std::min(request_.least_rounds, request_.rounds);
-    plan.metric = method_.headline;
-    plan.time_limit_ns = static_cast<int64_t>(budget_.share(request_.time_limit_s) * 1e9);
-    plan.drop_above_ns = static_cast<int64_t>(2 * request_.budget_ms * 1e6);
-    plan.order_seed = request_.order_seed;
-    int round = 0;
-    std::vector<VariantTimes> results = time_interleaved(variants, plan, clocks_, gpu_, [&] {
-      progress_(fmt::format("{}: round {}", at.name(), ++round));
-      throw_if_interrupted();
-    });
-    Turn& turn = turns_.emplace_back(Turn{at.agents});
-    for (const VariantTimes& one : results)
-      turn.seconds += 1e-9 * (one.dropped ? static_cast<double>(one.warmup_frame_ns)
-                                          : median(values_of(one.samples, Metric::wall)));
+    std::vector<VariantTimes> results = time_rounds(at, variants);
     Times times;
     times.looks.resize(looks.size());
     if (!of.empty()) {
@@ -264,6 +306,34 @@ class BenchRun {
     for (size_t v = 0; v < of.size(); ++v)
       (v < without_floors ? times.looks[of[v]] : times.floors[of[v]]) = std::move(results[v]);
     return times;
+  }
+
+  // Throws OutOfTime where there was no time for enough rounds; what a turn takes is then known as well.
+  std::vector<VariantTimes> time_rounds(const Point& at, const std::vector<Variant>& variants) {
+    TimingPlan plan;
+    plan.rounds = request_.rounds;
+    plan.least_rounds = std::min(request_.least_rounds, request_.rounds);
+    plan.metric = method_.headline;
+    plan.time_limit_ns = static_cast<int64_t>(budget_.share(request_.time_limit_s) * 1e9);
+    plan.drop_above_ns = static_cast<int64_t>(2 * request_.budget_ms * 1e6);
+    plan.order_seed = request_.order_seed;
+    RoundLimit limit;
+    limit.fewest = std::min(kFewestRounds, plan.least_rounds);
+    limit.fits = [&](int64_t ns) { return budget_.allows(1e-9 * static_cast<double>(ns)); };
+    int round = 0;
+    std::vector<VariantTimes> results = time_interleaved(variants, plan, limit, clocks_, gpu_, [&] {
+      progress_(fmt::format("{}: round {}", at.name(), ++round));
+      throw_if_interrupted();
+    });
+    Turn& turn = turns_.emplace_back(Turn{at.agents});
+    bool enough = true;
+    for (const VariantTimes& one : results) {
+      enough = enough && (one.dropped || one.samples.size() >= static_cast<size_t>(limit.fewest));
+      turn.seconds += 1e-9 * (one.samples.empty() ? static_cast<double>(one.warmup_frame_ns)
+                                                  : median(values_of(one.samples, Metric::wall)));
+    }
+    if (!enough) throw OutOfTime{};
+    return results;
   }
 
   // One transaction: a row for every representation, its ratios and its comparison.
@@ -385,7 +455,8 @@ class BenchRun {
   std::map<size_t, std::unique_ptr<TimedRepresentation>> controls_;
   BenchSummary summary_;
   TimeBudget budget_;
-  std::vector<Turn> turns_;  // of the points that were timed at this occupancy
+  std::vector<Turn> turns_;         // of the points at this occupancy that were timed, now or in the file
+  std::vector<Turn> turns_before_;  // of the occupancy before
 };
 
 }  // namespace

@@ -24,7 +24,9 @@ struct BenchRequest {
   int rounds = 24;  // timed rounds a point, fewer when they take longer than time_limit_s, never below least_rounds
   int least_rounds = 10;
   double time_limit_s = 10;
-  double total_time_s = 0;  // for all points together (see TimeBudget), 0: as long as it takes
+  // For all points together (see TimeBudget), 0: as long as it takes. When it is over, the point at hand ends: it keeps
+  // its rounds, be they fewer than least_rounds, from six on; with fewer it is left for another run.
+  double total_time_s = 0;
   // Called after each point with how many are through, and what is left of total_time_s.
   std::function<void(size_t done, double seconds_left)> after_point;
   bool floors = true;                // also time each representation's floor
@@ -53,7 +55,7 @@ struct DrawnLevels {
 
 struct BenchSummary {
   size_t measured = 0;               // points timed now
-  size_t held = 0;                   // points that the file already had
+  size_t held = 0;                   // points that the file already had, be it as over the budget
   size_t invalid = 0;                // of those timed now: the image check failed
   std::vector<StagedPoint> stages;   // of the points solved for now, unreachable ones too
   std::vector<DrawnLevels> levels;   // of the representations that draw such

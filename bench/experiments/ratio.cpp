@@ -22,9 +22,10 @@ struct TimedSet {
   size_t of = 0, to = 0, mesh = 0, mesh_floor = 0, low_polygon = 0, mesh_again = 0;
 };
 
-TimedSet bake_set(Stage& stage, const RatioRequest& request) {
+TimedSet bake_set(Stage& stage, const RatioRequest& request, Progress& progress) {
   TimedSet set;
   const auto enter = [&](const renderers::Spec& spec) {
+    progress.note("baking " + spec.text());
     set.all.push_back(std::make_unique<TimedRepresentation>(stage, spec, request.scenario, request.bake_budget));
     return set.all.size() - 1;
   };
@@ -152,8 +153,7 @@ RatioReport measure_ratio(gl::Context& context, const scene::Cast& cast, const R
   Stage stage(context, cast);
   stage.show(staged);
 
-  progress.note("baking");
-  const TimedSet set = bake_set(stage, request);
+  const TimedSet set = bake_set(stage, request, progress);
   report.of = set.all[set.of]->name();
   report.to = set.all[set.to]->name();
   check_set(report, set);

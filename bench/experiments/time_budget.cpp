@@ -46,4 +46,10 @@ double expected_turn_s(std::span<const Turn> turns, uint32_t agents) {
   return std::max(last.seconds, last.seconds + an_agent * (static_cast<double>(agents) - n(last)));
 }
 
+double expected_turn_s(std::span<const Turn> turns, std::span<const Turn> before, uint32_t agents) {
+  if (!turns.empty()) return expected_turn_s(turns, agents);
+  const auto more = std::ranges::find_if(before, [&](const Turn& turn) { return turn.agents > agents; });
+  return expected_turn_s(before.first(static_cast<size_t>(more - before.begin())), agents);
+}
+
 }  // namespace crowdbench::bench

@@ -20,6 +20,7 @@ class TimeBudget {
   double share(double limit_s) const;
   void point_done();
   double left() const;  // seconds, not below 0; infinite without a limit
+  bool over() const { return left() <= 0; }
 
   static double steady_seconds();
 
@@ -39,5 +40,8 @@ struct Turn {
 // turn does not grow with them. Of one turn, which does not say how it grows: the geometric mean of as long, and of as
 // many times as long as there are more agents. Never less than the last; 0 of none.
 double expected_turn_s(std::span<const Turn> turns, uint32_t agents);
+// The same from the turns at this occupancy, in which agents ascend; where there are none yet, from those at the
+// occupancy before, of no more agents than these.
+double expected_turn_s(std::span<const Turn> turns, std::span<const Turn> before, uint32_t agents);
 
 }  // namespace crowdbench::bench

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "bench/timing/round_limit.h"
 #include "core/block_bootstrap.h"
 #include "core/random.h"
 
@@ -90,57 +91,121 @@ std::vector<size_t> round_order(uint64_t seed, int round, size_t variants) {
   return order;
 }
 
+namespace {
+
+// Rounds of several variants: the frames of each, and how long a round takes.
+class Rounds {
+ public:
+  Rounds(std::span<const Variant> variants, const TimingPlan& plan, const RoundLimit& limit, const Clocks& clocks,
+         const std::optional<GpuTimer>& gpu, const std::function<void()>& after_round)
+      : variants_(variants),
+        plan_(plan),
+        limit_(limit),
+        clocks_(clocks),
+        gpu_(gpu),
+        after_round_(after_round),
+        results_(variants.size()),
+        warm_(variants.size()),
+        tick_(plan.first_tick) {}
+
+  std::vector<VariantTimes> run() && {
+    if (warm_up()) time_rounds();
+    return std::move(results_);
+  }
+
+ private:
+  bool fits(int64_t ns) const { return !limit_.fits || limit_.fits(ns); }
+  bool out_of_time(int64_t since) const {
+    return plan_.time_limit_ns > 0 && clocks_.wall() - since > plan_.time_limit_ns;
+  }
+
+  SampleRow draw(size_t v) {
+    if (variants_[v].prepare) variants_[v].prepare(tick_);
+    return time_frame(variants_[v], clocks_, gpu_);
+  }
+
+  // Returns whether it has settled.
+  bool warm_frame(size_t v) {
+    VariantTimes& result = results_[v];
+    const int64_t last = result.warmup_frame_ns;
+    const SampleRow sample = draw(v);
+    result.warmup_frame_ns = sample.frame_ns;
+    ++result.warmup_frames;
+    warm_[v].push_back(metric_of(sample, plan_.metric));
+    // Once may be shader compilation or a first touch of memory; twice in a row is the frame.
+    result.dropped = plan_.drop_above_ns > 0 && result.warmup_frames >= 2 && sample.frame_ns > plan_.drop_above_ns &&
+                     last > plan_.drop_above_ns;
+    result.settled = has_settled(warm_[v], plan_.settled);
+    return result.settled;
+  }
+
+  // The warm-up takes turns too: what one variant leaves in caches and clocks is part of the state of the next. Returns
+  // whether there is time for what follows.
+  bool warm_up() {
+    const int64_t begun = clocks_.wall();
+    for (int frame = 0; frame < plan_.most_warmup; ++frame) {
+      bool all_settled = true;
+      round_ns_ = 0;
+      for (size_t v = 0; v < variants_.size(); ++v) {
+        if (results_[v].dropped) continue;
+        const int64_t before = clocks_.wall();
+        const bool settled = warm_frame(v);
+        if (results_[v].dropped) continue;
+        round_ns_ += clocks_.wall() - before;
+        all_settled = all_settled && settled;
+      }
+      ++tick_;
+      if (after_round_) after_round_();
+      // The first frames may have compiled: they forecast nothing.
+      if (!fits(frame == 0 ? 0 : limit_.fewest * round_ns_)) return false;
+      if (frame + 1 >= plan_.least_warmup && (all_settled || out_of_time(begun))) break;
+    }
+    return true;
+  }
+
+  void time_rounds() {
+    const int64_t begun = clocks_.wall();
+    for (int round = 0; round < plan_.rounds; ++round, ++tick_) {
+      if (!fits(round_ns_) || (round >= plan_.least_rounds && out_of_time(begun))) break;
+      const int64_t before = clocks_.wall();
+      for (const size_t v : round_order(plan_.order_seed, round, variants_.size())) {
+        if (results_[v].dropped) continue;
+        SampleRow sample = draw(v);
+        sample.round = round;
+        sample.tick = tick_;
+        results_[v].samples.push_back(sample);
+      }
+      round_ns_ = clocks_.wall() - before;
+      if (after_round_) after_round_();
+    }
+  }
+
+  std::span<const Variant> variants_;
+  const TimingPlan& plan_;
+  const RoundLimit& limit_;
+  const Clocks& clocks_;
+  const std::optional<GpuTimer>& gpu_;
+  const std::function<void()>& after_round_;
+  std::vector<VariantTimes> results_;
+  std::vector<std::vector<double>> warm_;  // the metric of each one's warm-up frames
+  uint64_t tick_;
+  int64_t round_ns_ = 0;  // wall time of the last round, of those not dropped
+};
+
+}  // namespace
+
+std::vector<VariantTimes> time_interleaved(std::span<const Variant> variants, const TimingPlan& plan,
+                                           const RoundLimit& limit, const Clocks& clocks,
+                                           const std::optional<GpuTimer>& gpu,
+                                           const std::function<void()>& after_round) {
+  assert(plan.least_warmup >= 2 && plan.most_warmup >= plan.least_warmup && plan.rounds >= plan.least_rounds);
+  return Rounds(variants, plan, limit, clocks, gpu, after_round).run();
+}
+
 std::vector<VariantTimes> time_interleaved(std::span<const Variant> variants, const TimingPlan& plan,
                                            const Clocks& clocks, const std::optional<GpuTimer>& gpu,
                                            const std::function<void()>& after_round) {
-  assert(plan.least_warmup >= 2 && plan.most_warmup >= plan.least_warmup && plan.rounds >= plan.least_rounds);
-  std::vector<VariantTimes> results(variants.size());
-  std::vector<std::vector<double>> warm(variants.size());
-  uint64_t tick = plan.first_tick;
-  const auto out_of_time = [&](int64_t since) {
-    return plan.time_limit_ns > 0 && clocks.wall() - since > plan.time_limit_ns;
-  };
-
-  // The warm-up takes turns too: what one variant leaves in caches and clocks is part of the state of the next.
-  const int64_t warmup_start = clocks.wall();
-  for (int frame = 0; frame < plan.most_warmup; ++frame, ++tick) {
-    bool all_settled = true;
-    for (size_t v = 0; v < variants.size(); ++v) {
-      VariantTimes& result = results[v];
-      if (result.dropped) continue;
-      if (variants[v].prepare) variants[v].prepare(tick);
-      const int64_t last = result.warmup_frame_ns;
-      const SampleRow sample = time_frame(variants[v], clocks, gpu);
-      result.warmup_frame_ns = sample.frame_ns;
-      ++result.warmup_frames;
-      warm[v].push_back(metric_of(sample, plan.metric));
-      // Once may be shader compilation or a first touch of memory; twice in a row is the frame.
-      result.dropped = plan.drop_above_ns > 0 && result.warmup_frames >= 2 && sample.frame_ns > plan.drop_above_ns &&
-                       last > plan.drop_above_ns;
-      result.settled = has_settled(warm[v], plan.settled);
-      all_settled = all_settled && (result.settled || result.dropped);
-    }
-    if (after_round) after_round();
-    if (frame + 1 >= plan.least_warmup && (all_settled || out_of_time(warmup_start))) {
-      ++tick;
-      break;
-    }
-  }
-
-  const int64_t start = clocks.wall();
-  for (int round = 0; round < plan.rounds; ++round, ++tick) {
-    if (round >= plan.least_rounds && out_of_time(start)) break;
-    for (const size_t v : round_order(plan.order_seed, round, variants.size())) {
-      if (results[v].dropped) continue;
-      if (variants[v].prepare) variants[v].prepare(tick);
-      SampleRow sample = time_frame(variants[v], clocks, gpu);
-      sample.round = round;
-      sample.tick = tick;
-      results[v].samples.push_back(sample);
-    }
-    if (after_round) after_round();
-  }
-  return results;
+  return time_interleaved(variants, plan, RoundLimit{}, clocks, gpu, after_round);
 }
 
 std::vector<double> values_of(std::span<const SampleRow> samples, Metric metric) {

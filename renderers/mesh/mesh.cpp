@@ -112,7 +112,8 @@ const RepresentationType mesh_type = {
          {"lods", "LEVEL/LEVEL/...", "none",
           "instead: the whole mesh near by, and the coarsest of these whose error spans at most `pixels` elsewhere; "
           "from "
-          "fine to coarse, triangles, shares below 1, or own: those of the file"},
+          "fine to coarse, triangles, shares below 1, or own: those of the file",
+          check_lods},
          {"pixels", "0.01..100", "1",
           "with lods: pixels that the error of what is drawn may span, by its stated largest"},
          {"passes", "1..16", "1", "times that a frame draws the triangles: all but the last write depth alone"}},

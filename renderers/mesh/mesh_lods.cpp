@@ -37,9 +37,8 @@ Spec level_spec(const char* key, std::string value) {
   return spec;
 }
 
-}  // namespace
-
-std::vector<Spec> lod_specs(const std::string& lods, const scene::Cast& cast) {
+// own: levels that all files hold.
+std::vector<Spec> specs_of(const std::string& lods, size_t own) {
   std::vector<Spec> out;
   double before = std::numeric_limits<double>::infinity();  // of the same key
   const char* key_before = "";
@@ -48,7 +47,6 @@ std::vector<Spec> lod_specs(const std::string& lods, const scene::Cast& cast) {
     const std::string one = lods.substr(first, end - first);
     first = end + 1;
     if (one == "own") {
-      const size_t own = own_levels(cast);
       if (own == 0) throw not_levels(lods, "not every character's file holds levels of its own");
       for (size_t lod = 1; lod <= own; ++lod) out.push_back(level_spec("lod", std::to_string(lod)));
       key_before = "";
@@ -68,6 +66,16 @@ std::vector<Spec> lod_specs(const std::string& lods, const scene::Cast& cast) {
   if (out.size() > kMostLevels)
     throw not_levels(lods, fmt::format("{} levels; {} is the most", out.size(), kMostLevels));
   return out;
+}
+
+}  // namespace
+
+std::vector<Spec> lod_specs(const std::string& lods, const scene::Cast& cast) {
+  return specs_of(lods, own_levels(cast));
+}
+
+void check_lods(const std::string& value, const std::string& /*where*/) {
+  if (value != "none") (void)specs_of(value, 1);
 }
 
 size_t coarsest_within(std::span<const double> errors, double metres_a_pixel, double pixels) {

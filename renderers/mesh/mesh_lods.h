@@ -14,6 +14,8 @@ namespace crowdbench::renderers {
 // "own": the levels that the characters' files hold, those that all of them have. One spec of the mesh each; none of
 // the whole mesh, which comes before them. Throws Error: not of that form, not from fine to coarse, no own levels.
 std::vector<Spec> lod_specs(const std::string& lods, const scene::Cast& cast);
+// What can be said of a value of the option, "none" included, without a cast. Throws Error.
+void check_lods(const std::string& value, const std::string& where);
 
 // The coarsest level, counted from 1, of those that are allowed to be seen; 0: the whole mesh. errors: metres at scale
 // 1, by level, from fine to coarse. metres_a_pixel: at the agent, positive; at its scale 1.

@@ -47,7 +47,7 @@ struct Options {
 };
 
 // "16+7": linear steps and binary refinements.
-std::pair<int, int> parse_steps(const std::string& text) {
+std::pair<int, int> parse_steps(const std::string& text, const std::string& where) {
   int linear = 0;
   int binary = 0;
   const char* end = text.data() + text.size();
@@ -58,10 +58,31 @@ std::pair<int, int> parse_steps(const std::string& text) {
     error = second;
   }
   if (error != std::errc() || at != end || linear < 1 || linear > 256 || binary < 0 || binary > 16)
-    throw Error("relief: steps", fmt::format("\"{}\" is not LINEAR+BINARY", printable(text)),
-                "write 1..256 + 0..16, as in 16+7");
+    throw Error(where, fmt::format("\"{}\" is not LINEAR+BINARY", printable(text)), "write 1..256 + 0..16, as in 16+7");
   return {linear, binary};
 }
+
+struct RuleChoice {
+  TriangleRule rule = TriangleRule::threshold;
+  std::optional<double> threshold;
+};
+
+// "dominant", "any", "threshold" or "threshold1.2".
+RuleChoice parse_rule(const std::string& text, const std::string& where) {
+  constexpr std::string_view kThreshold = "threshold";
+  if (text == "dominant") return {TriangleRule::dominant, {}};
+  if (text == "any") return {TriangleRule::any, {}};
+  if (text == kThreshold) return {};
+  if (text.starts_with(kThreshold))
+    return {TriangleRule::threshold, number_of(text.data() + kThreshold.size(), text.data() + text.size(), where, text,
+                                               0, 3, "write threshold1.2 (a summed weight, 0..3)")};
+  const std::string near = nearest_name(text, {"dominant", "any", std::string(kThreshold)});
+  throw Error(where, fmt::format("'{}' is not one of dominant, any, threshold[W]", printable(text)),
+              near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+}
+
+void check_rule(const std::string& value, const std::string& where) { (void)parse_rule(value, where); }
+void check_steps(const std::string& value, const std::string& where) { (void)parse_steps(value, where); }
 
 // Everything on the GPU for one tier of one character type.
 struct Tier {
@@ -480,16 +501,9 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   Options options;
   options.bake.maps.map_size =
       static_cast<int>(std::array{32, 64, 128, 256}[read.choice("map", {"32", "64", "128", "256"})]);
-  const std::string rule = read.text("rule");
-  const std::string_view threshold = "threshold";
-  if (rule.rfind(threshold, 0) == 0) {
-    options.bake.maps.rule = TriangleRule::threshold;
-    if (rule.size() > threshold.size())
-      options.bake.maps.threshold = number_of(rule.data() + threshold.size(), rule.data() + rule.size(), "relief: rule",
-                                              rule, 0, 3, "write threshold1.2 (a summed weight, 0..3)");
-  } else {
-    options.bake.maps.rule = read.choice("rule", {"dominant", "any"}) == 0 ? TriangleRule::dominant : TriangleRule::any;
-  }
+  const RuleChoice rule = parse_rule(read.text("rule"), read.where("rule"));
+  options.bake.maps.rule = rule.rule;
+  options.bake.maps.threshold = rule.threshold.value_or(options.bake.maps.threshold);
   options.bake.capture = read.text("capture");
   options.bake.maps.by_area = read.choice("size", {"uniform", "by_area"}) == 1;
   options.bake.resolution = read.text("resolution");
@@ -497,7 +511,7 @@ std::unique_ptr<Representation> make_relief(const MakeContext& context, const Sp
   options.bake.depth_bits = read.choice("depth", {"8", "16"}) == 0 ? 8 : 16;
   options.search = static_cast<int>(read.choice("search", {"adaptive", "linear", "cone"}));
   options.bake.cones = options.search == RELIEF_SEARCH_CONE;
-  std::tie(options.linear_steps, options.binary_steps) = parse_steps(read.text("steps"));
+  std::tie(options.linear_steps, options.binary_steps) = parse_steps(read.text("steps"), read.where("steps"));
   options.level_bias = read.number("bias", -4.0, 4.0);
   options.hull = read.choice("proxy", {"hull", "box"}) == 0;
   options.bake.merge = read.text("merge") == "auto" ? (options.hull ? 0.25 : 0.0) : read.number("merge", 0.0, 16.0);
@@ -527,12 +541,13 @@ const RepresentationType relief_type = {
     .options =
         {{"map", "32|64|128|256", "128", "texels a side of each face's maps"},
          {"rule", "dominant|any|threshold[W]", "threshold1.2",
-          "which triangles a joint captures; threshold: a weight above W, summed over the three corners"},
+          "which triangles a joint captures; threshold: a weight above W, summed over the three corners", check_rule},
          {"capture", "best|bind|CLIP[@PHASE]", "best",
-          "pose in which the mesh is captured; best: least silhouette error"},
+          "pose in which the mesh is captured; best: least silhouette error", check_capture},
          {"size", "uniform|by_area", "uniform", "by_area: boxes smaller than the largest get maps of fewer texels"},
          {"resolution", "none|JOINT@TEXELS[+...]", "none",
-          "texels a side of single joints, by name or number, whatever map and size say: Head@256+LeftHand@32"},
+          "texels a side of single joints, by name or number, whatever map and size say: Head@256+LeftHand@32",
+          check_resolution},
          {"budget", "0..65536", "0", "MiB of maps at full detail, met by coarser texels; 0: none"},
          {"depth", "8|16", "16", "bits of a stored depth"},
          {"search", "adaptive|linear|cone", "adaptive",
@@ -540,7 +555,8 @@ const RepresentationType relief_type = {
           "relaxed "
           "cone maps show to be air"},
          {"steps", "LINEAR+BINARY", "256+7",
-          "most adaptive steps, or the linear steps of search=linear; binary refinements of linear and cone"},
+          "most adaptive steps, or the linear steps of search=linear; binary refinements of linear and cone",
+          check_steps},
          {"bias", "-4..4", "-3", "mip levels added to one texel a pixel of a depth, for the silhouette"},
          {"proxy", "hull|box", "hull", "hull: the outline of a prism around the joint; box: the back faces of its box"},
          {"merge", "auto|0..16", "auto",
@@ -553,7 +569,7 @@ const RepresentationType relief_type = {
           "of the skin belongs to one face"},
          {"cells", "16..1024", "256", "boxes that skin may be cut into, at most"},
          {"part", "auto|0..4", "auto",
-          "longest box, in heights of the character: longer ones are captured in parts; 0: whole; auto: 0.27 "
+          "longest box, in heights of the character: longer ones are captured in sections; 0: whole; auto: 0.27 "
           "with merge (more where the bake budget asks for it), else and with projection=cube 0"},
          {"debug", "none|boxes|steps|hit-face|misses", "none",
           "shows how the picture comes about instead of the picture"}},

@@ -25,7 +25,7 @@ struct ReliefBakeOptions {
   Carriers carriers;  // empty: every joint carries itself
   // Empty: one a joint, by rule, threshold and carriers.
   std::vector<Piece> pieces;
-  double longest = 0;  // metres; above 0: a longer box is captured in parts, each with maps of its own
+  double longest = 0;  // metres; above 0: a longer box is captured in sections, each with maps of its own
   bool cube = false;   // faces see from the box's middle, as a cube map's
   bool by_area =
       false;         // smaller boxes get maps of fewer texels (halved until a texel is as large as the largest box's)

@@ -47,29 +47,39 @@ constexpr double kCutTexel = 0.5;  // of a whole box's largest texel, what cut s
 constexpr double kMore = 1.85;
 constexpr double kSkirt = 1.5;  // texels of a box's neighbours that it captures too
 
+constexpr const char* kCapture = "representation 'relief', option 'capture'";
+constexpr const char* kResolution = "representation 'relief', option 'resolution'";
+
+// "walk@0.25": the clip's name, and the phase.
+std::pair<std::string, double> split_capture(const std::string& text, const std::string& where) {
+  const size_t at = text.rfind('@');
+  if (at == std::string::npos) return {text, 0.0};
+  return {text.substr(0, at), number_of(text.data() + at + 1, text.data() + text.size(), where, text, 0, 1,
+                                        "write CLIP@PHASE with a phase in [0, 1), as in walk@0.25")};
+}
+
 // "bind" or "CLIP@PHASE".
 CapturePose parse_capture(const std::string& text, const scene::Character& character) {
   CapturePose pose;
   if (text == "bind") return pose;
-  const size_t at = text.rfind('@');
-  if (at != std::string::npos)
-    pose.phase = number_of(text.data() + at + 1, text.data() + text.size(), "relief: capture", text, 0, 1,
-                           "write CLIP@PHASE with a phase in [0, 1), as in walk@0.25");
-  pose.clip = scene::require_clip(character, text.substr(0, at));
+  const auto [clip, phase] = split_capture(text, kCapture);
+  pose.phase = phase;
+  try {
+    pose.clip = scene::require_clip(character, clip);
+  } catch (const Error& error) {
+    throw Error(kCapture, fmt::format("{}: {}", error.where, error.wrong), error.advice);
+  }
   return pose;
 }
 
-// "none" or "Head@256+3@32": texels a side by joint, each named or counted from 0.
-std::vector<int> parse_resolution(const std::string& text, const scene::Character& character) {
-  if (text == "none") return {};
-  const std::vector<scene::Joint>& joints = character.skeleton.joints;
-  std::vector<int> texels(joints.size(), 0);
+// "Head@256+3@32": a joint's name or number, and texels a side.
+std::vector<std::pair<std::string, int>> split_resolution(const std::string& text, const std::string& where) {
+  std::vector<std::pair<std::string, int>> items;
   for (size_t at = 0; at <= text.size();) {
     const size_t end = std::min(text.find('+', at), text.size());
     const std::string item = text.substr(at, end - at);
     at = end + 1;
     const size_t sign = item.rfind('@');
-    const std::string name = item.substr(0, sign);
     int size = 0;
     if (sign != std::string::npos) {
       const char* last = item.data() + item.size();
@@ -77,8 +87,19 @@ std::vector<int> parse_resolution(const std::string& text, const scene::Characte
       if (fault != std::errc() || stop != last) size = 0;
     }
     if (size < 16 || size > 256 || !std::has_single_bit(static_cast<unsigned>(size)))
-      throw Error("relief: resolution", fmt::format("\"{}\" is not JOINT@TEXELS", printable(item)),
+      throw Error(where, fmt::format("\"{}\" is not JOINT@TEXELS", printable(item)),
                   "write 16, 32, 64, 128 or 256 texels, as in Head@256+LeftHand@32");
+    items.emplace_back(item.substr(0, sign), size);
+  }
+  return items;
+}
+
+// Texels a side by joint, each named or counted from 0.
+std::vector<int> parse_resolution(const std::string& text, const scene::Character& character) {
+  if (text == "none") return {};
+  const std::vector<scene::Joint>& joints = character.skeleton.joints;
+  std::vector<int> texels(joints.size(), 0);
+  for (const auto& [name, size] : split_resolution(text, kResolution)) {
     size_t joint = 0;
     while (joint < joints.size() && joints[joint].name != name) ++joint;
     if (joint == joints.size()) {
@@ -87,7 +108,7 @@ std::vector<int> parse_resolution(const std::string& text, const scene::Characte
         std::vector<std::string> names;
         for (const scene::Joint& j : joints) names.push_back(j.name);
         const std::string near = nearest_name(name, names);
-        throw Error("relief: resolution", fmt::format("{} has no joint \"{}\"", character.name, printable(name)),
+        throw Error(kResolution, fmt::format("{} has no joint \"{}\"", character.name, printable(name)),
                     near.empty() ? fmt::format("name one, or count from 0 to {}", joints.size() - 1)
                                  : fmt::format("did you mean \"{}\"?", printable(near)));
       }
@@ -243,7 +264,13 @@ bool coarsen(std::vector<Piece>& pieces, double times) {
 
 }  // namespace
 
-double number_of(const char* begin, const char* end, const char* where, const std::string& text, double low,
+void check_capture(const std::string& value, const std::string& where) { (void)split_capture(value, where); }
+
+void check_resolution(const std::string& value, const std::string& where) {
+  if (value != "none") (void)split_resolution(value, where);
+}
+
+double number_of(const char* begin, const char* end, const std::string& where, const std::string& text, double low,
                  double high, const char* advice) {
   double value = 0;
   const auto [last, error] = std::from_chars(begin, end, value);

@@ -47,8 +47,11 @@ struct ReliefTiers {
 };
 
 // A number in [low, high) within an option's text. Throws Error.
-double number_of(const char* begin, const char* end, const char* where, const std::string& text, double low,
+double number_of(const char* begin, const char* end, const std::string& where, const std::string& text, double low,
                  double high, const char* advice);
+// What can be said of a value of the options `capture` and `resolution` without a character. Throw Error.
+void check_capture(const std::string& value, const std::string& where);
+void check_resolution(const std::string& value, const std::string& where);
 
 // Metres at scale 1; 1.75 where the character says nothing.
 double relief_height(const scene::Character& character);

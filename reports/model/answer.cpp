@@ -174,8 +174,8 @@ std::vector<Tile> tiles(const Scene& scene) {
   const std::string at = occupancy > 0 ? " at " + percent_text(occupancy) + " occupancy" : std::string();
   if (const RatioRow* ratio = largest_ratio(scene, name, occupancy); ratio != nullptr) {
     all.push_back({factor_text(ratio->ratio) + "×",
-                   fmt::format("the speed of {}{}, drawn by {} with {}{}{}{}", scene.reference,
-                               triangles_text(scene, *ratio), name, agents_text(ratio->of.agents), at,
+                   fmt::format("the speed of {} over that of {}{}, with {}{}{}{}", name, scene.reference,
+                               triangles_text(scene, *ratio), agents_text(ratio->of.agents), at,
                                levels_clause(scene, *ratio), void_notice(scene) ? " (void, see below)" : "")});
   }
   for (const CrossoverLine& line : crossovers_of(scene, metric))

@@ -84,7 +84,8 @@ Html pictures_section(const SceneOnPage& page) {
           figure(*difference, Html{"absolute difference: dark blue = equal, red = the largest possible error"}));
     if (auto amplified = amplified_figure(*reference, *test)) figures.push_back(std::move(*amplified));
     auto& group = is_largest(scene, *comparison) ? comparisons : smaller;
-    group.push_back({{"agents", agents_text(comparison->agents)},
+    group.push_back({{"representation", comparison->representation},
+                     {"agents", agents_text(comparison->agents)},
                      {"occupancy", occupancy_title(comparison->requested_occupancy)},
                      {"figures", html_rows(std::move(figures))}});
   }

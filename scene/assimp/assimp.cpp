@@ -20,7 +20,7 @@ namespace crowdbench::scene {
 namespace {
 
 namespace fs = std::filesystem;
-using assimp_module::Part;
+using assimp_module::Item;
 using assimp_module::Picture;
 
 constexpr const char* kExportAgain = "export the character again (FBX 2011 or later), or convert it to glTF";
@@ -63,9 +63,9 @@ void write_all(int fd, const void* data, size_t size) {
   }
 }
 
-void write_part(void* context, Part part, const char* data, size_t size) {
+void write_item(void* context, Item item, const char* data, size_t size) {
   const int fd = static_cast<const InChild*>(context)->fd;
-  const std::array<uint64_t, 2> head = {static_cast<uint64_t>(part), size};
+  const std::array<uint64_t, 2> head = {static_cast<uint64_t>(item), size};
   write_all(fd, head.data(), sizeof head);
   write_all(fd, data, size);
 }
@@ -137,31 +137,31 @@ struct Converted {
 constexpr size_t kMostWarnings = 32;
 constexpr uint64_t kMostBesides = uint64_t{64} << 20;  // bytes of warnings and labels
 
-void add_part(Converted& out, Part part, std::string_view text) {
-  switch (part) {
-    case Part::refusal: out.refusal = text; break;
-    case Part::warning:
+void add_item(Converted& out, Item item, std::string_view text) {
+  switch (item) {
+    case Item::refusal: out.refusal = text; break;
+    case Item::warning:
       if (out.warnings.size() < kMostWarnings) out.warnings.push_back(printable(text, 400));
       if (out.warnings.size() == kMostWarnings) out.warnings.back() = "there are further warnings";
       break;
-    case Part::glb: out.glb.assign(text.begin(), text.end()); break;
-    case Part::label:
+    case Item::glb: out.glb.assign(text.begin(), text.end()); break;
+    case Item::label:
       if (const size_t tab = text.find('\t'); tab != std::string_view::npos)
         out.labels.emplace(text.substr(0, tab), printable(text.substr(tab + 1), 200));
       break;
   }
 }
 
-// A child that was hit by the file may have written anything: false where the parts do not follow each other.
-bool read_parts(const std::vector<uint8_t>& bytes, Converted& out) {
+// A child that was hit by the file may have written anything: false where the items do not follow each other.
+bool read_items(const std::vector<uint8_t>& bytes, Converted& out) {
   size_t at = 0;
   while (at < bytes.size()) {
     std::array<uint64_t, 2> head{};
     if (bytes.size() - at < sizeof head) return false;
     std::memcpy(head.data(), &bytes[at], sizeof head);
     at += sizeof head;
-    if (head[0] > static_cast<uint64_t>(Part::glb) || head[1] > bytes.size() - at) return false;
-    add_part(out, static_cast<Part>(head[0]), {reinterpret_cast<const char*>(bytes.data()) + at, head[1]});
+    if (head[0] > static_cast<uint64_t>(Item::glb) || head[1] > bytes.size() - at) return false;
+    add_item(out, static_cast<Item>(head[0]), {reinterpret_cast<const char*>(bytes.data()) + at, head[1]});
     at += head[1];
   }
   return !out.glb.empty() || !out.refusal.empty();
@@ -178,14 +178,14 @@ Converted convert(const std::vector<uint8_t>& bytes, AssimpFormat format, const 
     child.fd = fd;
     const assimp_module::Request request = {bytes.data(),      bytes.size(), static_cast<assimp_module::Format>(format),
                                             limits_of(limits), &child,       find_picture,
-                                            judge_picture,     write_part};
+                                            judge_picture,     write_item};
     module.convert(&request);
   };
   IsolationLimits isolation;
   isolation.output_bytes = limits.file_bytes + kMostBesides;
   const IsolatedOutput output = run_isolated("reading " + printable(where, 80), work, isolation);
   Converted out;
-  const bool whole = read_parts(output.bytes, out);
+  const bool whole = read_items(output.bytes, out);
   if (!output.failure.empty()) throw Error(printable(where, 300), output.failure, kExportAgain);
   if (!whole) throw Error(printable(where, 300), "comes out of Assimp broken", kExportAgain);
   if (!out.refusal.empty()) throw Error(printable(where, 300), printable(out.refusal, 300), kExportAgain);

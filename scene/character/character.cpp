@@ -26,7 +26,12 @@ std::string nearest_clip(const Character& character, std::string_view name) {
   std::vector<std::string> names;
   for (const Clip& clip : character.clips)
     if (!clip.name.empty()) names.push_back(clip.name);
-  return nearest_name(name, names);
+  if (std::string near = nearest_name(name, names); !near.empty()) return near;
+  // "runing" is far from "run", and from what else there is farther: the longest name that it begins with.
+  std::string longest;
+  for (const std::string& one : names)
+    if (one.size() >= 3 && one.size() > longest.size() && name.starts_with(one)) longest = one;
+  return longest;
 }
 
 }  // namespace
@@ -41,7 +46,8 @@ int require_clip(const Character& character, std::string_view name_or_index) {
               names.empty() ? "this character has no clips"
               : !near.empty()
                   ? fmt::format("did you mean {}? It has {}", printable(near, 60), nearest_first(name_or_index, names))
-                  : fmt::format("give a name or an index; it has {}", nearest_first(name_or_index, names)));
+                  : fmt::format("give a name or an index from 0 to {}; it has {}", names.size() - 1,
+                                nearest_first(name_or_index, names)));
 }
 
 }  // namespace crowdbench::scene

@@ -77,8 +77,10 @@ TEST(BakeReportGl, RequiredByKeepsAPartOrIsRefused) {
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.text.find("'relief' stores no views that could be left out"), std::string::npos) << refused.text;
   EXPECT_NE(refused.text.find("flat or polypostor"), std::string::npos) << refused.text;
-  const support::Outcome whole = support::run_driver("", "bake --representation layered" + by);
-  EXPECT_NE(whole.text.find("'layered' keeps all of its views"), std::string::npos) << whole.text;
+  for (const std::string name : {"layered", "perjoint"}) {
+    const support::Outcome whole = support::run_driver("", "bake --representation " + name + by);
+    EXPECT_NE(whole.text.find("'" + name + "' keeps all of its views"), std::string::npos) << whole.text;
+  }
 }
 
 TEST(BakeReportGl, PolypostorsAreAudited) {

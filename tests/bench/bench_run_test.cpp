@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <set>
+#include <thread>
 
 #include "bench/experiments/bench_table.h"
 #include "bench/experiments/ratio.h"
@@ -14,6 +16,7 @@
 #include "core/error.h"
 #include "core/progress.h"
 #include "scene/cast/load_cast.h"
+#include "tests/support/sanitized.h"
 
 namespace crowdbench::bench {
 namespace {
@@ -48,6 +51,10 @@ class BenchRunGl : public testing::Test {
     RunRow run = describe_run(*context_, method, request_.scenario, "bench", "test", request_.order_seed);
     run.id = store.write(run);
     return run_bench(*context_, cast_, method, run, request_, store, [&](const std::string& now) {
+      if (!sleep_at_.empty() && now.starts_with(sleep_at_)) {
+        std::this_thread::sleep_for(std::chrono::duration<double>(request_.total_time_s));
+        sleep_at_.clear();
+      }
       if (!stop_at_.empty() && now.starts_with(stop_at_)) throw Interrupted{};
     });
   }
@@ -56,7 +63,8 @@ class BenchRunGl : public testing::Test {
   std::filesystem::path file_;
   BenchRequest request_;
   scene::Cast cast_;
-  std::string stop_at_;  // the beginning of a note; empty: never
+  std::string stop_at_;   // the beginning of a note; empty: never
+  std::string sleep_at_;  // the beginning of the first note at which the time of the run passes
 };
 std::unique_ptr<gl::Context> BenchRunGl::context_;
 
@@ -103,7 +111,7 @@ TEST_F(BenchRunGl, ACurveEndsWhereAFramePassesTheBudgetAndSaysSo) {
   request_.budget_ms = 1e-6;
   const BenchSummary summary = bench();
   ASSERT_FALSE(summary.remarks.empty());
-  EXPECT_NE(summary.remarks[0].find("mesh at 15 %: stopped at 2 agents"), std::string::npos) << summary.remarks[0];
+  EXPECT_NE(summary.remarks[0].find("mesh at 15 %: stopped: at 2 agents"), std::string::npos) << summary.remarks[0];
   const StoreContents all = read_store(file_);
   ASSERT_EQ(all.measurements.size(), 2U);
   for (const MeasurementRow& row : all.measurements) {
@@ -111,9 +119,52 @@ TEST_F(BenchRunGl, ACurveEndsWhereAFramePassesTheBudgetAndSaysSo) {
     EXPECT_NE(row.reason.find("at 2 agents a frame took"), std::string::npos) << row.reason;
     EXPECT_FALSE(row.frame_ns.has_value());
   }
+  // The same budget, or a smaller one, has nothing to measure, and says again where the curve ended.
+  for (const double budget_ms : {1e-6, 0.9e-6}) {
+    request_.budget_ms = budget_ms;
+    const BenchSummary again = bench();
+    EXPECT_EQ(again.measured, 0U);
+    EXPECT_EQ(again.held, 1U);
+    ASSERT_FALSE(again.remarks.empty());
+    EXPECT_EQ(again.remarks[0], summary.remarks[0]);
+    EXPECT_EQ(read_store(file_).measurements.size(), 2U);
+  }
   // A larger budget goes on in the same file.
   request_.budget_ms = 10'000;
   EXPECT_EQ(bench().measured, 2U);
+}
+
+// No point goes on when the time of the run is over, however many rounds were asked for.
+TEST_F(BenchRunGl, LeavesThePointAtHandWhenItsTimeIsOver) {
+  request_.agents = {2};
+  ASSERT_EQ(bench().measured, 1U);
+  request_.agents = {2, 4, 6};
+  request_.total_time_s = 1.5;
+  sleep_at_ = "4 agents at 15 %: round 2";
+  const BenchSummary summary = bench();
+  EXPECT_EQ(summary.held, 1U);
+  EXPECT_EQ(summary.measured, 0U);
+  ASSERT_EQ(summary.remarks.size(), 2U);
+  EXPECT_EQ(summary.remarks[0], "4 agents at 15 %: left for another run of the same command: the time was over");
+  EXPECT_EQ(summary.remarks[1], "6 agents at 15 %: left for another run of the same command: the time was over");
+  EXPECT_EQ(read_store(file_).measurements.size(), 1U);
+}
+
+// Rounds that were timed by then are kept where they are enough.
+TEST_F(BenchRunGl, KeepsEnoughRoundsWhenItsTimeIsOver) {
+  CROWDBENCH_SKIP_SANITIZED("BenchRunGl.LeavesThePointAtHandWhenItsTimeIsOver");
+  request_.agents = {2};
+  request_.floors = false;
+  request_.rounds = request_.least_rounds = 100;
+  request_.total_time_s = 4;
+  sleep_at_ = "2 agents at 15 %: round 30";  // the warm-up takes 12 at most
+  const BenchSummary summary = bench();
+  if (sleep_at_ == "2 agents at 15 %: round 30") GTEST_SKIP() << "30 rounds take longer than 4 s here";
+  EXPECT_EQ(summary.measured, 1U);
+  const StoreContents all = read_store(file_, true);
+  ASSERT_EQ(all.measurements.size(), 1U);
+  EXPECT_GE(all.measurements[0].samples.size(), 18U);
+  EXPECT_LE(all.measurements[0].samples.size(), 28U);
 }
 
 TEST_F(BenchRunGl, AnOccupancyOutOfReachIsARowWithItsReason) {

@@ -43,5 +43,15 @@ TEST(ExpectedTurn, FollowsTheLineOfTheLastTwo) {
   EXPECT_EQ(expected_turn_s(falling, 100), 0.4) << "more agents are not taken for faster";
 }
 
+TEST(ExpectedTurn, TheFirstOfAnOccupancyGoesByTheOneBefore) {
+  const std::vector<Turn> before = {{1, 0.5}, {10, 0.6}, {100, 1.5}, {1000, 90}};
+  EXPECT_NEAR(expected_turn_s({}, before, 100), 1.5, 1e-12);
+  EXPECT_NEAR(expected_turn_s({}, before, 1), 0.5, 1e-12);
+  EXPECT_NEAR(expected_turn_s({}, std::span(before).first(2), 100), 1.6, 1e-12);
+  EXPECT_EQ(expected_turn_s({}, std::span(before).subspan(1), 1), 0) << "of more agents alone";
+  const std::vector<Turn> turns = {{1, 0.2}};
+  EXPECT_NEAR(expected_turn_s(turns, before, 1), 0.2, 1e-12);
+}
+
 }  // namespace
 }  // namespace crowdbench::bench

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "bench/speed/cpu_time.h"
+#include "bench/timing/round_limit.h"
 #include "bench/timing/timing_method.h"
 #include "renderers/gl/program.h"
 #include "renderers/shaders/bindings.shared.h"
@@ -127,6 +128,30 @@ TEST(Timing, NobodyAlwaysRunsFirst) {
     EXPECT_GE(first[name], 4) << name << " of 30 rounds and 2 of the warm-up";
     EXPECT_LE(first[name], 20) << name;
   }
+}
+
+// A run whose whole time is over ends between rounds, at a round that would not fit.
+TEST(Timing, EndsWhereTheNextRoundWouldNotFit) {
+  FakeMachine machine;
+  const std::vector<Variant> variants = {machine.variant("A", 100, 100), machine.variant("B", 300, 300)};
+  TimingPlan plan;
+  plan.rounds = plan.least_rounds = 20;
+  plan.most_warmup = 2;
+  int64_t end = 0;
+  RoundLimit limit;
+  limit.fewest = 6;
+  limit.fits = [&](int64_t ns) { return machine.wall + ns <= end; };
+  const auto rounds_in = [&](int64_t ns) {
+    end = machine.wall + ns;
+    const auto results = time_interleaved(variants, plan, limit, machine.clocks());
+    EXPECT_EQ(results[0].samples.size(), results[1].samples.size());
+    EXPECT_LE(machine.wall, end);
+    return results[0].samples.size();
+  };
+  EXPECT_EQ(rounds_in(30 * 400), 20U);
+  EXPECT_EQ(rounds_in(10 * 400 + 399), 8U) << "two of the warm-up, below least_rounds";
+  EXPECT_EQ(rounds_in(8 * 400), 6U);
+  EXPECT_EQ(rounds_in(8 * 400 - 1), 0U) << "not begun where six would not fit";
 }
 
 TEST(Timing, PreparationIsNotTimed) {

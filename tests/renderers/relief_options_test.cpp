@@ -107,7 +107,8 @@ TEST_F(ReliefOptionsGl, WrongResolutionsAreNamed) {
   EXPECT_NE(said("uper@64").find("no joint \"uper\"; did you mean \"upper\"?"), std::string::npos) << said("uper@64");
   EXPECT_NE(said("2@64").find("no joint \"2\""), std::string::npos);
   for (const char* wrong : {"upper", "upper@", "upper@100", "upper@8", "upper@512", "upper@64+", "@64", "upper@64x"})
-    EXPECT_NE(said(wrong).find("relief: resolution"), std::string::npos) << wrong << ": " << said(wrong);
+    EXPECT_NE(said(wrong).find("representation 'relief', option 'resolution'"), std::string::npos)
+        << wrong << ": " << said(wrong);
 }
 
 // The kinds add up to what the textures take.

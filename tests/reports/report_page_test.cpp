@@ -51,6 +51,7 @@ class ReportPage : public testing::Test {
 TEST_F(ReportPage, HasNoHeadingOfPicturesWithoutPictures) {
   const std::string heading = "<h2>The same crowd, the same view</h2>";
   EXPECT_NE(page_.find(heading), std::string::npos);
+  EXPECT_NE(page_.find("<h3>flat: 100 agents, "), std::string::npos) << "each says which representation it is of";
   StoreContents contents = made_up_contents();
   contents.pictures.clear();
   EXPECT_EQ(report_page(contents, {"made-up.sqlite", made_up_scores()}).find(heading), std::string::npos);

@@ -182,7 +182,7 @@ TEST(Summary, TheAnswerNamesTheSpeedItsIntervalTheCrossingAndTheOverlap) {
   ASSERT_EQ(glance.size(), 4U);
   EXPECT_EQ(glance[0].figure, "50.0×");
   EXPECT_EQ(glance[0].meaning,
-            "the speed of mesh of 5,000 triangles, drawn by flat with 1,000 agents at 15 % occupancy");
+            "the speed of flat over that of mesh of 5,000 triangles, with 1,000 agents at 15 % occupancy");
   EXPECT_EQ(glance[1].figure, "10 agents");
   EXPECT_EQ(glance[2].figure, "0.885");
   EXPECT_EQ(glance[2].meaning, "silhouette IoU, 64 pixels tall (mean of 3 views, 1 is equal)");

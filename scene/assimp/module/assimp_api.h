@@ -27,7 +27,7 @@ enum class Picture : uint32_t {
 };
 
 // What is passed to `write`.
-enum class Part : uint32_t {
+enum class Item : uint32_t {
   refusal,  // one line; the last that is written
   warning,  // one line
   label,    // "/nodes/3<TAB>node Hips": what the document's element is to the user
@@ -45,7 +45,7 @@ struct Request {
   Picture (*find_picture)(void* context, const char* path, char* uri);
   // Whether bytes that the file holds are a picture that is read.
   Picture (*judge_picture)(void* context, const uint8_t* bytes, size_t size);
-  void (*write)(void* context, Part part, const char* data, size_t size);
+  void (*write)(void* context, Item item, const char* data, size_t size);
 };
 
 struct Api {

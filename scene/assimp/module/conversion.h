@@ -29,11 +29,11 @@ class Conversion {
  public:
   Conversion(const aiScene& from, const Request& of) : scene(from), request(of) {}
 
-  void warn(const std::string& text) const { request.write(request.context, Part::warning, text.data(), text.size()); }
+  void warn(const std::string& text) const { request.write(request.context, Item::warning, text.data(), text.size()); }
   // What "/list/index" is to the user.
   void label(const char* list, int index, const std::string& text) const {
     const std::string line = fmt::format("/{}/{}\t{}", list, index, text);
-    request.write(request.context, Part::label, line.data(), line.size());
+    request.write(request.context, Item::label, line.data(), line.size());
   }
   // The node that a bone or an animation means by that name; -1: none.
   int node_named(const aiString& name) const {

@@ -158,11 +158,11 @@ void convert(const Request* request) {
     const std::vector<uint8_t> glb = converted(import(importer, *request), *request);
     for (const std::string& line : complaints) {
       const std::string text = "what Assimp complains of is left out: " + line;
-      request->write(request->context, Part::warning, text.data(), text.size());
+      request->write(request->context, Item::warning, text.data(), text.size());
     }
-    request->write(request->context, Part::glb, reinterpret_cast<const char*>(glb.data()), glb.size());
+    request->write(request->context, Item::glb, reinterpret_cast<const char*>(glb.data()), glb.size());
   } catch (const Refusal& refusal) {
-    request->write(request->context, Part::refusal, refusal.text.data(), refusal.text.size());
+    request->write(request->context, Item::refusal, refusal.text.data(), refusal.text.size());
   }
 }
 
