@@ -33,6 +33,21 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return rows[2][b.size()];
 }
 
+// How many of the text's first bytes are a character that shows nothing and changes how others are shown: control
+// characters, and what turns the direction of writing or ends a line (Unicode's bidirectional controls, U+2028 and
+// U+2029). 0: none.
+size_t control_bytes(std::string_view text) {
+  const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  if (byte(0) < 0x20 || byte(0) == 0x7f) return 1;
+  if (byte(0) == 0xc2 && byte(1) >= 0x80 && byte(1) < 0xa0) return 2;
+  if (byte(0) == 0xd8 && byte(1) == 0x9c) return 2;  // U+061C
+  if (byte(0) != 0xe2) return 0;
+  const unsigned last = byte(2);
+  const bool turns = (byte(1) == 0x80 && (last == 0x8e || last == 0x8f || (last >= 0xa8 && last <= 0xae))) ||
+                     (byte(1) == 0x81 && last >= 0xa6 && last <= 0xa9);
+  return turns ? 3 : 0;
+}
+
 }  // namespace
 
 Error::Error(std::string where_, std::string wrong_, std::string advice_)
@@ -47,9 +62,10 @@ std::string printable(std::string_view text, size_t limit) {
   if (end < text.size())
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;
   std::string out;
-  for (const char c : text.substr(0, end)) {
-    const auto byte = static_cast<unsigned char>(c);
-    out += byte < 0x20 || byte == 0x7f ? '?' : c;
+  for (size_t i = 0; i < end;) {
+    const size_t control = control_bytes(text.substr(i, end - i));
+    out += control > 0 ? '?' : text[i];
+    i += std::max<size_t>(control, 1);
   }
   if (end < text.size()) out += "...";
   return out;

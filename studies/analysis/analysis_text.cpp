@@ -42,6 +42,10 @@ Section shares(const TaskResult& t, const AnalysisSettings& s) {
   return out;
 }
 
+// Below so many clips that differ much, intervals are too narrow although their few degrees of freedom are counted: of
+// 3 clips they hold the truth in 92 % of studies in place of 95 (tests/studies/recovery_test.cpp).
+constexpr size_t kFewClips = 5;
+
 template <typename Result>
 std::string still_needed(const Result& e) {
   if (e.verdict != Verdict::not_enough_data) return "";
@@ -49,7 +53,7 @@ std::string still_needed(const Result& e) {
     return counted(e.more_participants, "more participant", "more participants") +
            (e.more_trials > 0 ? fmt::format(" with {} trials or more", e.more_trials) : "");
   if (e.more_trials > 0) return counted(e.more_trials, "more trial", "more trials");
-  return "enough for the power asked for; it did not come out";
+  return "none by the power asked for: this sample's interval crosses the margin";
 }
 
 std::string interval_text(const std::optional<Interval>& i, const char* format = "{:.3f} to {:.3f}") {
@@ -198,6 +202,11 @@ Section mixed(const MixedResult& m, const AnalysisSettings& s) {
     out.note += fmt::format(
         " The typical participant's threshold: {:.4g} ({}).", m.threshold->at,
         m.threshold->interval ? ends_text(m.threshold->interval->low, m.threshold->interval->high) : "open");
+  if (m.threshold && m.threshold->interval && m.fit.clips > 1 && m.fit.clips < kFewClips)
+    out.note += fmt::format(
+        " {} clips say little of how much clips differ: the interval holds the truth somewhat less often than {:.0f} "
+        "%.",
+        m.fit.clips, 100 * s.confidence);
   if (m.angle) out.note += fmt::format(" That is {}.", text::angle_text(*m.angle, s.confidence));
   if (m.population)
     out.note += fmt::format(" Share of the typical participant {:.3f}, average {:.3f}.", m.population->typical,
@@ -334,6 +343,9 @@ AnalysisText analysis_text(const Analysis& a) {
     out.lead.push_back(
         fmt::format("SIMULATED: {} of {} were answered by simulated observers. They say nothing of people.",
                     a.simulated_rows, counted(a.rows, "row", "rows")));
+  if (a.answers.studies.size() > 1)
+    out.lead.push_back(fmt::format("The answers are of {} studies, by the column `study`, and are analysed as of one.",
+                                   a.answers.studies.size()));
   const std::string participants =
       a.participants > 0 ? " of " + counted(a.participants, "participant", "participants") : "";
   out.lead.push_back(fmt::format("{}{}. {}{}", counted(a.rows, "row", "rows"), participants, who_is_excluded(a),

@@ -291,18 +291,18 @@ Eigen::MatrixXd Likelihood::fixed_information(const Scales& scales, const Eigen:
   return out;
 }
 
-std::vector<Likelihood::Mode> Likelihood::modes(const Scales& scales, const Eigen::VectorXd& beta) {
+std::vector<Likelihood::Mode> Likelihood::modes(const Scales& scales, const Eigen::VectorXd& beta, double slope_at) {
   set_fixed(beta);
   find_mode(scales);
   Random unused;
   Curvature c = curvature(scales, mode_, Weights::expected, unused);
   std::vector<Mode> out(participants());
   if (!factor(c)) return out;
+  const Pair load(scales.intercept + slope_at * scales.cross, slope_at * scales.slope);
   for (size_t p = 0; p < participants(); ++p) {
     Random right = zero();
-    right.participant[p][0] = 1;
-    out[p] = {scales.intercept * mode_.participant[p][0],
-              scales.intercept * std::sqrt(solve(c, right).participant[p][0])};
+    right.participant[p] = load;
+    out[p] = {load.dot(mode_.participant[p]), std::sqrt(std::max(0.0, load.dot(solve(c, right).participant[p])))};
   }
   return out;
 }

@@ -36,13 +36,13 @@ class Likelihood {
   double at(const Scales& scales, const Eigen::VectorXd& beta);
 
   // At the mode of the last call: the curvature of the fixed effects with the scales held, and every participant's
-  // intercept with its conditional standard deviation.
+  // intercept, where what the slope multiplies is `slope_at`, with its conditional standard deviation.
   Eigen::MatrixXd fixed_information(const Scales& scales, const Eigen::VectorXd& beta);
   struct Mode {
     double intercept = 0;
     double sd = 0;
   };
-  std::vector<Mode> modes(const Scales& scales, const Eigen::VectorXd& beta);
+  std::vector<Mode> modes(const Scales& scales, const Eigen::VectorXd& beta, double slope_at);
 
  private:
   using Pair = Eigen::Vector2d;

@@ -1,5 +1,7 @@
 // Based on: Bates, Maechler, Bolker and Walker, "Fitting linear mixed-effects models using lme4" (2015).
-// Differs from it: all parameters are optimised together from the start, and a variance that may as well be 0 is 0.
+// Differs from it: all parameters are optimised together from the start, and a variance that may as well be 0 is 0. A
+// correlated slope is about its variable's mean while it is searched for: the model is the same, and the two are then
+// nearly free of each other, whereas at a level 0 that lies far from the data they all but cancel.
 #include "studies/analysis/mixed_model.h"
 
 #include <algorithm>
@@ -51,7 +53,11 @@ class Unknowns {
     out.high.resize(count(), kNone);
     return out;
   }
-  double start(size_t i) const { return low_[i] == 0 ? 0.5 : 0; }
+  std::vector<double> from(const Scales& scales) const {
+    std::vector<double> out;
+    for (double Scales::*const member : members_) out.push_back(scales.*member);
+    return out;
+  }
 
  private:
   void add(double Scales::*member, double low) {
@@ -65,21 +71,17 @@ class Unknowns {
 
 // ---- units
 
-// Fixed effects in units of their own spread about their mean, and the slope's variable in units of its size: what is
-// optimised is then of about one size, whether levels are metres or pixels.
+// Fixed effects in units of their own spread about their mean, and the slope's variable in units of its size or, where
+// it may be correlated with the intercept, likewise: what is optimised is then of about one size, whether levels are
+// metres or pixels.
 class Units {
  public:
-  explicit Units(std::vector<MixedRow>& rows) {
+  Units(std::vector<MixedRow>& rows, bool correlated) {
     const auto n = static_cast<Eigen::Index>(rows.front().fixed.size());
     back_ = Eigen::MatrixXd::Identity(n, n);
     double count = 0;
-    double slope = 0;
-    for (const MixedRow& row : rows) {
-      count += static_cast<double>(row.of);
-      slope += static_cast<double>(row.of) * row.slope * row.slope;
-    }
-    if (slope > 0) slope_ = std::sqrt(slope / count);
-    for (MixedRow& row : rows) row.slope /= slope_;
+    for (const MixedRow& row : rows) count += static_cast<double>(row.of);
+    set_slope(rows, count, correlated);
     for (Eigen::Index j = 1; j < n; ++j) {
       const auto k = static_cast<size_t>(j);
       double mean = 0;
@@ -97,10 +99,64 @@ class Units {
   }
   // From effects in these units to those in the table's.
   const Eigen::MatrixXd& back() const { return back_; }
-  double slope() const { return slope_; }
+  // Where the table's slope variable is 0, in these units.
+  double slope_at_zero() const { return -mean_ / slope_; }
+
+  // Variances in the table's units.
+  void set_variances(MixedFit& fit, const MixedSettings& s, const Scales& scales) const {
+    const double at = slope_at_zero();
+    const double shared = scales.intercept + at * scales.cross;
+    fit.participant_variance = shared * shared + at * at * scales.slope * scales.slope;
+    if (s.clips) fit.clip_variance = scales.clip * scales.clip;
+    if (!s.slopes) {
+      fit.participant_variance = scales.intercept * scales.intercept;
+      return;
+    }
+    fit.slope_variance = (scales.slope * scales.slope + scales.cross * scales.cross) / (slope_ * slope_);
+    if (s.correlated)
+      fit.intercept_slope_covariance = (shared * scales.cross + at * scales.slope * scales.slope) / slope_;
+  }
+  // The way back, of a fit without a correlation.
+  Scales scales_of(const MixedFit& fit) const {
+    const double slope = std::sqrt(fit.slope_variance.value_or(0));
+    Scales out{.clip = std::sqrt(fit.clip_variance.value_or(0))};
+    out.intercept = std::hypot(std::sqrt(fit.participant_variance), mean_ * slope);
+    if (out.intercept > 0) out.cross = mean_ * slope * slope * slope_ / out.intercept;
+    out.slope = std::sqrt(std::max(0.0, slope * slope * slope_ * slope_ - out.cross * out.cross));
+    return out;
+  }
+  std::vector<double> effects_of(const MixedFit& fit) const {
+    std::vector<double> out(fit.fixed.size());
+    out[0] = fit.fixed[0].estimate;
+    for (size_t j = 1; j < out.size(); ++j) {
+      const auto k = static_cast<Eigen::Index>(j);
+      out[j] = fit.fixed[j].estimate / back_(k, k);
+      out[0] -= back_(0, k) * out[j];
+    }
+    return out;
+  }
 
  private:
+  void set_slope(std::vector<MixedRow>& rows, double count, bool centred) {
+    if (centred)
+      for (const MixedRow& row : rows) mean_ += static_cast<double>(row.of) * row.slope / count;
+    const auto size = [&] {
+      double square = 0;
+      for (const MixedRow& row : rows)
+        square += static_cast<double>(row.of) * (row.slope - mean_) * (row.slope - mean_) / count;
+      return std::sqrt(square);
+    };
+    double unit = size();
+    if (unit <= 1e-12 * std::fabs(mean_)) {  // the same everywhere
+      mean_ = 0;
+      unit = size();
+    }
+    if (unit > 0) slope_ = unit;
+    for (MixedRow& row : rows) row.slope = (row.slope - mean_) / slope_;
+  }
+
   Eigen::MatrixXd back_;
+  double mean_ = 0;
   double slope_ = 1;
 };
 
@@ -184,26 +240,30 @@ struct Optimum {
   std::vector<bool> at_zero;
 };
 
-Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pooled) {
-  const Objective objective = [&](std::span<const double> x) {
-    return -model.at(unknowns.scales_of(x), unknowns.effects_of(x));
-  };
-  std::vector<double> start;
-  std::vector<double> step;
-  for (size_t i = 0; i < unknowns.scales(); ++i) {
-    start.push_back(unknowns.start(i));
-    step.push_back(0.2);
+using Starts = std::vector<std::vector<double>>;  // as Unknowns has them
+
+// Where a search begins: variances of middling size, and, where it is to be thorough, larger ones and correlations
+// either way. With a slope the likelihood has more than one hill.
+Starts starts_of(const Unknowns& unknowns, const MixedSettings& settings, const Eigen::VectorXd& beta) {
+  std::vector<Scales> scales = {{0.5, 0, 0.5, 0.5}};
+  if (settings.thorough) {
+    scales.push_back({1.5, 0, 1.5, 1.5});
+    if (settings.slopes && settings.correlated)
+      for (const double correlation : {0.5, -0.5})
+        scales.push_back({1, correlation, std::sqrt(1 - correlation * correlation), 0.5});
   }
-  const Eigen::MatrixXd covariance = dense::inverse(pooled.information);
-  for (Eigen::Index i = 0; i < pooled.beta.size(); ++i) {
-    start.push_back(pooled.beta[i]);
-    const double se = std::sqrt(covariance(i, i));
-    step.push_back(std::isfinite(se) && se > 0 ? 2 * se : 0.1);
+  Starts out;
+  for (const Scales& each : scales) {
+    out.push_back(unknowns.from(each));
+    out.back().insert(out.back().end(), beta.begin(), beta.end());
   }
-  const double gain = model.settings().thorough ? 1e-9 : std::numeric_limits<double>::infinity();
-  const Minimum found = minimise(objective, start, unknowns.bounds(), step, gain);
-  Optimum out{found.x, found.value, std::vector<bool>(unknowns.count(), false)};
-  // The likelihood is flat at a variance of 0, where a minimiser without derivatives stops a little beside it.
+  return out;
+}
+
+// The likelihood is flat at a variance of 0, where a minimiser without derivatives stops a little beside it: what may
+// as well be 0 is.
+void settle_zeros(const Objective& objective, const Unknowns& unknowns, const MixedSettings& settings,
+                  const std::vector<double>& step, double gain, Optimum& out) {
   for (size_t i = 0; i < unknowns.scales(); ++i) {
     if (!unknowns.bounded(i) || out.x[i] > 0.1) continue;
     Bounds bounds = unknowns.bounds();
@@ -213,10 +273,38 @@ Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pool
     std::vector<double> from = out.x;
     from[i] = 0;
     const Minimum without = minimise(objective, from, bounds, step, gain);
-    if (without.value > out.value + (model.settings().thorough ? 1e-7 : 1e-5)) continue;
+    if (without.value > out.value + (settings.thorough ? 1e-7 : 1e-5)) continue;
     out.x = without.x;
     out.value = without.value;
     out.at_zero[i] = true;
+  }
+}
+
+Optimum optimise(Likelihood& model, const Unknowns& unknowns, const Pooled& pooled, const Starts& starts) {
+  const Objective objective = [&](std::span<const double> x) {
+    return -model.at(unknowns.scales_of(x), unknowns.effects_of(x));
+  };
+  std::vector<double> step(unknowns.scales(), 0.2);
+  const Eigen::MatrixXd covariance = dense::inverse(pooled.information);
+  for (Eigen::Index i = 0; i < pooled.beta.size(); ++i) {
+    const double se = std::sqrt(covariance(i, i));
+    step.push_back(std::isfinite(se) && se > 0 ? 2 * se : 0.1);
+  }
+  const double gain = model.settings().thorough ? 1e-9 : std::numeric_limits<double>::infinity();
+  Minimum found{{}, std::numeric_limits<double>::infinity()};
+  for (const std::vector<double>& start : starts) {
+    Minimum other = minimise(objective, start, unknowns.bounds(), step, std::numeric_limits<double>::infinity());
+    if (found.x.empty() || other.value < found.value - 1e-9) found = std::move(other);
+  }
+  if (model.settings().thorough) found = minimise(objective, found.x, unknowns.bounds(), step, gain);
+  Optimum out{found.x, found.value, std::vector<bool>(unknowns.count(), false)};
+  settle_zeros(objective, unknowns, model.settings(), step, gain, out);
+  // Of a slope that has no intercept to be correlated with, the two parts are one.
+  if (model.settings().slopes && model.settings().correlated && out.at_zero[0]) {
+    out.x[2] = std::hypot(out.x[1], out.x[2]);
+    out.x[1] = 0;
+    out.at_zero[1] = true;
+    out.at_zero[2] = out.x[2] == 0;
   }
   return out;
 }
@@ -283,6 +371,17 @@ double largest_eta(const Likelihood& model, const Eigen::VectorXd& beta) {
 
 bool has_fit(const MixedFit& fit) { return fit.state == MixedState::fitted || fit.state == MixedState::singular; }
 
+// The optimum of the model without a correlation as one more start: what it holds is then never below it.
+void add_nested(Starts& starts, const std::vector<MixedRow>& rows, MixedSettings settings, const Unknowns& unknowns,
+                const Units& units) {
+  settings.correlated = settings.full_errors = false;
+  const MixedFit fit = fit_mixed(rows, settings);
+  if (!has_fit(fit)) return;
+  starts.push_back(unknowns.from(units.scales_of(fit)));
+  const std::vector<double> effects = units.effects_of(fit);
+  starts.back().insert(starts.back().end(), effects.begin(), effects.end());
+}
+
 }  // namespace
 
 std::string_view state_text(MixedState state) {
@@ -303,7 +402,9 @@ MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
   MixedFit fit;
   std::erase_if(rows, [](const MixedRow& row) { return row.of == 0; });
   if (rows.empty()) return fit;
-  const Units units(rows);
+  const bool correlated = settings.slopes && settings.correlated;
+  const std::vector<MixedRow> table = correlated && settings.thorough ? rows : std::vector<MixedRow>();
+  const Units units(rows, correlated);
   Likelihood model(std::move(rows), settings);
   for (const MixedRow& cell : model.cells()) fit.answers += cell.of;
   fit.participants = model.participants();
@@ -316,7 +417,9 @@ MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
     return fit;
   }
   const Unknowns unknowns(settings, model.effects());
-  const Optimum best = optimise(model, unknowns, pooled);
+  Starts starts = starts_of(unknowns, settings, pooled.beta);
+  if (!table.empty()) add_nested(starts, table, settings, unknowns, units);
+  const Optimum best = optimise(model, unknowns, pooled, starts);
   const Scales scales = unknowns.scales_of(best.x);
   const Eigen::VectorXd beta = unknowns.effects_of(best.x);
   const std::optional<Eigen::MatrixXd> covariance = fixed_covariance(model, unknowns, best);
@@ -326,14 +429,9 @@ MixedFit fit_mixed(std::vector<MixedRow> rows, const MixedSettings& settings) {
   }
   if (std::find(best.at_zero.begin(), best.at_zero.end(), true) != best.at_zero.end()) fit.state = MixedState::singular;
   fit.log_likelihood = -best.value;
-  fit.participant_variance = scales.intercept * scales.intercept;
-  if (settings.slopes)
-    fit.slope_variance = (scales.slope * scales.slope + scales.cross * scales.cross) / (units.slope() * units.slope());
-  if (settings.slopes && settings.correlated)
-    fit.intercept_slope_covariance = scales.intercept * scales.cross / units.slope();
-  if (settings.clips) fit.clip_variance = scales.clip * scales.clip;
+  units.set_variances(fit, settings, scales);
   set_effects(fit, units.back(), beta, covariance);
-  for (const Likelihood::Mode& mode : model.modes(scales, beta)) {
+  for (const Likelihood::Mode& mode : model.modes(scales, beta, settings.slopes ? units.slope_at_zero() : 0)) {
     fit.modes.push_back(mode.intercept);
     fit.mode_sds.push_back(mode.sd);
   }

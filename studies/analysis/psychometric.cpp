@@ -25,6 +25,9 @@ class Profile {
   }
   double at(double x) {
     Bounds bounds = problem_.bounds();
+    // A threshold far beyond the data is one of a curve that is all but flat over them: no bound may make it unlikely.
+    (problem_.is_weibull() ? bounds.low : bounds.high)[1] =
+        std::log(problem_.is_weibull() ? 2e-3 : problem_.spread() * 1e4);
     std::vector<double> steps = problem_.steps();
     bounds.low.erase(bounds.low.begin());
     bounds.high.erase(bounds.high.begin());

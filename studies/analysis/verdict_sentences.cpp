@@ -71,8 +71,12 @@ std::string more_text(const Result& e, const char* of_either) {
   if (e.more_trials > 0)
     return fmt::format("about {}{} would be needed, were there no difference",
                        counted(e.more_trials, "more trial", "more trials"), of_either);
-  return "there are enough for the power asked for, and it did not come out";
+  return "";  // none
 }
+
+constexpr const char* kAsManyAsAsked =
+    "the answers are as many as the power asked for takes, and this sample's interval crosses the margin all the same; "
+    "more of them than were planned would be another study";
 
 std::string equivalence_sentence(const ConditionResult& c, const AnalysisSettings& s) {
   const Equivalence& e = *c.equivalence;
@@ -93,8 +97,10 @@ std::string equivalence_sentence(const ConditionResult& c, const AnalysisSetting
     }
     case Verdict::not_enough_data: break;
   }
-  return fmt::format(" Not enough data to say whether it lies within {:g} of {:g}: {}{}.", *s.margin, s.chance,
-                     more_text(e, ""), interval);
+  const std::string more = more_text(e, "");
+  return fmt::format(" {} whether it lies within {:g} of {:g}: {}{}.",
+                     more.empty() ? "It is undecided" : "Not enough data to say", *s.margin, s.chance,
+                     more.empty() ? kAsManyAsAsked : more, interval);
 }
 
 std::string difference_sentence(const TaskResult& t, const DifferenceResult& d, const AnalysisSettings& s) {
@@ -110,8 +116,10 @@ std::string difference_sentence(const TaskResult& t, const DifferenceResult& d, 
       return fmt::format("{} are different: {:+.3f}, {} after Holm's correction.", both, e.difference, p_is(d.holm));
     case Verdict::not_enough_data: break;
   }
-  return fmt::format("{}: not enough data to say whether they differ by less than {:g} ({:+.3f}): {}.", both,
-                     *s.between, e.difference, more_text(e, " of either"));
+  const std::string more = more_text(e, " of either");
+  return fmt::format("{}: {} whether they differ by less than {:g} ({:+.3f}): {}.", both,
+                     more.empty() ? "it is undecided" : "not enough data to say", *s.between, e.difference,
+                     more.empty() ? kAsManyAsAsked : more);
 }
 
 // Of what clips the interval says something, where it is not over clips.
@@ -200,9 +208,31 @@ std::string ranking_sentence(const RankingResult& r, const AnalysisSettings& s) 
                      named(r.items[worst]), q[best] - q[worst], unsure_ends(r, best, worst, s.confidence));
 }
 
-std::string prediction_sentence(const ScorePredictions& p) {
+// The names of the scores that have the highest AUC.
+std::vector<std::string> highest_scores(const ScorePredictions& p) {
+  std::vector<std::string> out;
+  for (const ScorePrediction& one : p.scores)
+    if (one.state == PredictionState::fitted && one.auc >= p.scores[*p.best].auc - 1e-12)
+      out.push_back(named(one.score));
+  return out;
+}
+
+// The interval of the best of several, which is not the table's.
+std::string best_interval_text(const ScorePredictions& p, size_t of, double confidence) {
+  return fmt::format("AUC {:.2f}, {:.0f} % interval {:.2f} to {:.2f}{}", p.scores[*p.best].auc, 100 * confidence,
+                     p.best_interval->low, p.best_interval->high,
+                     of > 1 ? fmt::format(" by Bonferroni's rule, since it is the best of {}", of) : "");
+}
+
+std::string prediction_sentence(const ScorePredictions& p, double confidence) {
   if (!p.best) return "No score can be held against the answers.";
   const ScorePrediction& best = p.scores[*p.best];
+  const auto fitted = static_cast<size_t>(std::count_if(
+      p.scores.begin(), p.scores.end(), [](const auto& one) { return one.state == PredictionState::fitted; }));
+  const std::vector<std::string> highest = highest_scores(p);
+  if (highest.size() > 1 && highest.size() == fitted)
+    return fmt::format("Of the objective scores, none stands highest: {} have one AUC, {:.2f}.",
+                       fmt::join(highest, ", "), best.auc);
   if (!p.best_interval)
     return fmt::format("Of the objective scores, {} has the highest AUC, {:.2f}; without an interval none is best.",
                        named(best.score), best.auc);
@@ -211,10 +241,11 @@ std::string prediction_sentence(const ScorePredictions& p) {
     if (c.a == *p.best && c.interval && !c.distinguishable)
       alike += (alike.empty() ? "" : ", ") + named(p.scores[c.b].score);
   const bool told_apart = alike.empty() && p.best_interval->low > 0.5;
-  std::string out =
-      fmt::format("Of the objective scores, {} {} (AUC {:.2f}, {:.2f} to {:.2f})", named(best.score),
-                  told_apart ? "predicts the answers best" : "stands highest, and is not shown to be best", best.auc,
-                  p.best_interval->low, p.best_interval->high);
+  std::string out = fmt::format("Of the objective scores, {} {} ({})", fmt::join(highest, " and "),
+                                told_apart           ? "predicts the answers best"
+                                : highest.size() > 1 ? "stand highest alike, and neither is shown to be best"
+                                                     : "stands highest, and is not shown to be best",
+                                best_interval_text(p, fitted, confidence));
   if (p.best_interval->low <= 0.5) out += ", not distinguishable from guessing";
   return out + (alike.empty() ? "." : fmt::format("; not distinguishable from it: {}.", alike));
 }
@@ -261,7 +292,7 @@ std::vector<std::string> verdict_sentences(const TaskResult& t, const AnalysisSe
   for (const CurveResult& c : t.curves) out.push_back(curve_sentence(c, s));
   if (t.ranking) out.push_back(ranking_sentence(*t.ranking, s));
   if (t.side) out.push_back(side_sentence(*t.side, s));
-  if (t.prediction) out.push_back(prediction_sentence(*t.prediction));
+  if (t.prediction) out.push_back(prediction_sentence(*t.prediction, s.confidence));
   return out;
 }
 

@@ -92,6 +92,7 @@
 
     play() {
       this.spoiled = document.hidden
+      this.over = false
       this.before = this.quality()
       this.video.currentTime = 0
       this.lastFrame = null
@@ -115,7 +116,8 @@
       requestAnimationFrame(look)
       this.visible = () => {
         if (document.hidden) {
-          if (!this.video.ended) this.spoiled = true
+          // Also where the clip has ended and nobody was told so yet: that end would be out of sight.
+          if (!this.over) this.spoiled = true
         } else if (this.spoiled) {
           ++this.shown.interrupted
           this.play()
@@ -125,7 +127,10 @@
     }
 
     ended() {
-      if (document.hidden || this.spoiled) return  // shown anew when the page is seen again
+      if (this.over || !this.video.ended) return  // told late, of a showing that began anew meanwhile
+      if (document.hidden) this.spoiled = true
+      if (this.spoiled) return  // shown anew when the page is seen again
+      this.over = true
       const now = this.quality()
       // Counters that run backwards began anew with the clip: how many frames were shown is not known then.
       const total = now.total - this.before.total

@@ -82,6 +82,9 @@ class PlanReader {
           t.place("task"),
           fmt::format("`same-different` does not ask \"{}\"", question_words()[static_cast<size_t>(plan_.question)]),
           "set ask = \"differs\", or choose another task");
+    if (plan_.task == Task::preference && plan_.question == Question::pop)
+      throw Error(t.place("task"), "whether something popped is seen or not, and nothing that one prefers",
+                  "set task = \"forced-choice\", or ask = \"better\"");
     plan_.question_text = default_question(plan_.question, plan_.task);
     t.text("text", plan_.question_text);
   }
@@ -145,6 +148,12 @@ class PlanReader {
     plan_.conditions = combine_factors(factors, base);
     if (plan_.conditions.size() == 1) plan_.conditions[0].name = "test=" + plan_.conditions[0].test.text();
     for (StudyCondition& condition : plan_.conditions) check_condition(condition, place);
+    const auto is_reference = [&](const StudyCondition& c) {
+      return !c.pixels_per_texel && c.test.text() == plan_.reference.text();
+    };
+    if (std::all_of(plan_.conditions.begin(), plan_.conditions.end(), is_reference))
+      throw Error(t.place("test"), fmt::format("the reference, {}, is held against itself", plan_.reference.text()),
+                  "give another `test`, or factors of its options");
     const scene::Scenario& first = plan_.conditions[0].scenario;
     for (const StudyCondition& condition : plan_.conditions)
       if (condition.scenario.width != first.width || condition.scenario.height != first.height)

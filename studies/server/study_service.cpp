@@ -206,6 +206,8 @@ HttpReply StudyService::start(const HttpRequest& r) {
   const auto participant = text_of(body, "participant");
   if (!participant || !is_hash(*participant)) return error(400, "participant is not a SHA-256");
   const auto wanted = text_of(body, "list");
+  if (const auto list = body.find("list"); !wanted && list != body.end() && !list->is_null())
+    return error(400, "list is not a text");
   if (wanted && !folder_.trials.contains(*wanted)) return error(400, "there is no such list");
   const std::string token = new_token();
   const AnswerStore::Start started =

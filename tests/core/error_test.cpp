@@ -15,6 +15,8 @@ TEST(Printable, CutsAndReplaces) {
   EXPECT_EQ(printable("abc", 3), "abc");
   EXPECT_EQ(printable("abcd", 3), "abc...");
   EXPECT_EQ(printable("a\tb\x7f"), "a?b?");
+  EXPECT_EQ(printable("a\u202eb\u2066c\u200fd\u061ce\u0085f\u2028"), "a?b?c?d?e?f?") << "what turns or breaks lines";
+  EXPECT_EQ(printable("\u2013\u2026\u00e9\u0628\u05d0"), "\u2013\u2026\u00e9\u0628\u05d0") << "letters and dashes stay";
   EXPECT_EQ(printable("gr\u00fc\u00dfe", 5), "gr\u00fc...") << "whole characters";
 }
 

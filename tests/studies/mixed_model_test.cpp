@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/probability.h"
+#include "studies/analysis/simulated.h"
 #include "tests/studies/ground_truth.h"
 
 namespace crowdbench::studies {
@@ -236,6 +237,33 @@ TEST(MixedModel, ThresholdsOfFewParticipantsAreWider) {
   // Of many it is what it was.
   fit.participants = fit.clips = 100000;
   EXPECT_NEAR(half_width(), 1.959964 * std::sqrt(0.2) / 2, 1e-4);
+}
+
+// Thresholds and slopes that differ: the model whose slope may be correlated with the intercept holds the one whose
+// slope may not, and never fits worse. lme4's glmer with the link of a forced choice says -299.6619 of seed 41.
+TEST(MixedModel, IsNeverBelowTheModelThatItHolds) {
+  const SimulatedObservers truth{
+      .threshold = 10, .slope = 0.45, .threshold_sd = 1.5, .slope_log_sd = 0.4, .guess = 0.5};
+  const SimulatedDesign design{.participants = 20, .levels = {4, 8, 12, 16, 20}, .clips = 1, .repeats = 8};
+  for (const uint64_t seed : {41U, 42U}) {
+    SCOPED_TRACE(seed);
+    std::vector<MixedRow> rows;
+    for (const Answer& a : simulate_answers(truth, design, seed).rows)
+      rows.push_back({.participant = *a.participant, .fixed = {1, *a.level}, .slope = *a.level, .yes = a.yes, .of = 1});
+    const auto fit = [&](bool slopes, bool correlated) {
+      return fit_mixed(rows, {.guess = 0.5, .slopes = slopes, .correlated = correlated, .full_errors = false});
+    };
+    const MixedFit all = fit(true, true);
+    const MixedFit apart = fit(true, false);
+    EXPECT_GE(all.log_likelihood, apart.log_likelihood - 1e-6);
+    EXPECT_GE(apart.log_likelihood, fit(false, false).log_likelihood - 1e-6);
+    if (seed == 41) EXPECT_NEAR(all.log_likelihood, -299.6619, 2e-3);
+    // Where levels begin is nobody's concern: the same answers about another zero are the same model.
+    for (MixedRow& row : rows) row.slope = row.fixed[1] -= 12;
+    const MixedFit moved = fit(true, true);
+    EXPECT_NEAR(moved.log_likelihood, all.log_likelihood, 1e-4);
+    EXPECT_NEAR(moved.slope_variance.value() / all.slope_variance.value(), 1, 0.02);
+  }
 }
 
 TEST(MixedModel, QuadratureIsExactForPolynomials) {

@@ -130,6 +130,11 @@ TEST_F(StudyServer, RefusesWhatIsNotOfItsPage) {
   serve();
   const std::string good = start_body(1);
   const std::string type = "Content-Type: application/json\r\n";
+  for (const nlohmann::json& list : {nlohmann::json(3), nlohmann::json(true), nlohmann::json("9")}) {
+    nlohmann::json asked = nlohmann::json::parse(good);
+    asked["list"] = list;
+    EXPECT_EQ(http_post(port_, "/api/start", asked.dump()).status, 400) << list;
+  }
   const auto status = [&](const std::string& headers, const std::string& body) {
     return http_request(port_, "POST", "/api/start", headers, body).status;
   };

@@ -372,5 +372,29 @@ TEST(Optimise, CurvatureOfAQuadraticAndItsInverse) {
   EXPECT_FALSE(inverse_of_positive(Matrix{std::vector<double>{std::nan("")}}).has_value());
 }
 
+// The likelihood of a flat curve is within 3.84 / 2 of the best one's: no threshold is excluded, wherever it lies.
+TEST(Psychometric, AnEndThatTheProfileNeverReachesIsOpen) {
+  const std::vector<Level> few = {{40, 2, 2}, {80, 2, 2}, {160, 1, 2}, {320, 1, 2}};
+  CurveSettings settings;
+  settings.falling = true;
+  for (const Curve curve : {Curve::logistic, Curve::cumulative_gaussian, Curve::weibull}) {
+    settings.curve = curve;
+    const CurveFit fit = fit_curve(few, settings);
+    ASSERT_TRUE(fit.threshold) << curve_name(curve);
+    EXPECT_FALSE(fit.threshold_profile.low) << curve_name(curve) << *fit.threshold_profile.low;
+    EXPECT_FALSE(fit.threshold_profile.high) << curve_name(curve) << *fit.threshold_profile.high;
+  }
+  // Many answers of the same shares do exclude values.
+  std::vector<Level> many = few;
+  for (Level& level : many) {
+    level.yes *= 40;
+    level.of *= 40;
+  }
+  settings.curve = Curve::logistic;
+  const CurveFit sure = fit_curve(many, settings);
+  ASSERT_TRUE(sure.threshold_profile.low && sure.threshold_profile.high);
+  EXPECT_LT(*sure.threshold_profile.high - *sure.threshold_profile.low, 280);
+}
+
 }  // namespace
 }  // namespace crowdbench::studies

@@ -173,3 +173,35 @@ for (const status of [400, 409, 413]) {
     assert.equal(loads, failures)
   }
 }
+// A page that is hidden just as the clip ends, in whatever order the two are told: the showing begins anew when the page is
+// seen again, and then opens the answers.
+for (const order of [['hide', 'end', 'show'], ['end', 'hide', 'show'], ['hide', 'show', 'end'], ['hide while told', 'end', 'show']]) {
+  const { Study, world } = page(() => answers(200), ['text.js', 'session.js', 'trial.js'])
+  const listeners = {}
+  let opened = 0
+  let plays = 0
+  Object.assign(world, { performance, requestAnimationFrame: () => {} })
+  Object.assign(world.document, { hidden: false, addEventListener: (name, then) => { listeners[name] = then } })
+  const video = { ended: false, paused: false, play: async () => { ++plays; video.ended = false } }
+  const trial = Object.assign(Object.create(Study.TrialPlugin.prototype), {
+    video, shown: { interrupted: 0 }, frames: { total: 0, dropped: 0 }, firstEnd: null, parameters: { answers: [] },
+    jsPsych: { pluginAPI: { getKeyboardResponse: () => ({}) } }, open: (yes) => { opened += yes ? 1 : 0 }
+  })
+  trial.watch()
+  trial.play()
+  video.ended = true
+  for (const step of order) {
+    if (step === 'end') trial.ended()
+    if (step.startsWith('hide')) world.document.hidden = true
+    if (step === 'show') world.document.hidden = false
+    if (step === 'hide' || step === 'show') listeners.visibilitychange()
+  }
+  if (order[0] === 'end') {
+    assert.deepEqual([opened, plays, trial.shown.interrupted], [1, 1, 0], 'its end was seen')
+    continue
+  }
+  assert.deepEqual([opened, plays, trial.shown.interrupted], [0, 2, 1], order.join(', '))
+  video.ended = true
+  trial.ended()
+  assert.equal(opened, 1, order.join(', '))
+}

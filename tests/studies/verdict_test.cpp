@@ -119,6 +119,39 @@ std::string rated(std::string& scores) {
   return text;
 }
 
+// As many answers as the power asked for takes, whose interval crosses the margin: more are not what it wants.
+TEST(Equivalent, EnoughAnswersMayLeaveItUndecided) {
+  std::string text = "participant,condition,yes,no\n";
+  for (int p = 0; p < 40; ++p) text += fmt::format("{},far,{},{}\n", p, 13 - p % 2, 7 + p % 2);
+  AnalysisSettings settings{.random = RandomEffects::none, .resamples = 0};
+  settings.margin = 0.13;
+  Analysis a = analyse(answers_of(text), settings);
+  Equivalence& e = a.tasks.at(0).conditions.at(0).equivalence.value();
+  e.verdict = Verdict::not_enough_data;
+  e.more_trials = e.more_participants = 0;
+  const std::string enough = verdict_sentences(a.tasks[0], settings).at(0);
+  EXPECT_NE(
+      enough.find("It is undecided whether it lies within 0.13 of 0.5: the answers are as many as the power asked"),
+      std::string::npos)
+      << enough;
+  EXPECT_EQ(enough.find("Not enough"), std::string::npos) << enough;
+  e.more_trials = 7;
+  const std::string few = verdict_sentences(a.tasks[0], settings).at(0);
+  EXPECT_NE(few.find("Not enough data to say whether it lies within 0.13 of 0.5: about 7 more trials"),
+            std::string::npos)
+      << few;
+}
+
+TEST(AnalysisText, SaysThatTwoStudiesAreTakenTogether) {
+  const auto lead_of = [](const char* second) {
+    const std::string text = fmt::format("participant,study,condition,answer\n1,{0},x,yes\n2,{1},x,no\n",
+                                         std::string(64, 'a'), std::string(64, second[0]));
+    return analysis_text(analyse(answers_of(text), {.resamples = 0})).lead.at(0);
+  };
+  EXPECT_EQ(lead_of("b").rfind("The answers are of 2 studies", 0), 0U) << lead_of("b");
+  EXPECT_EQ(lead_of("a").find("studies"), std::string::npos) << lead_of("a");
+}
+
 TEST(Scores, AreHeldAgainstAnswers) {
   std::string scores;
   const Answers answers = answers_of(rated(scores));
@@ -153,9 +186,25 @@ TEST(Scores, AreHeldAgainstAnswers) {
   unsure.prediction->best_interval.reset();
   EXPECT_NE(verdict_sentences(unsure, settings).back().find("without an interval none is best"), std::string::npos);
   const std::vector<std::string> said = verdict_sentences(a.tasks[0], settings);
-  EXPECT_NE(said.back().find("truth stands highest, and is not shown to be best (AUC"), std::string::npos)
+  EXPECT_NE(said.back().find("truth and same_order stand highest alike, and neither is shown to be best (AUC"),
+            std::string::npos)
       << said.back();
-  EXPECT_NE(said.back().find("not distinguishable from it: same_order."), std::string::npos) << said.back();
+  EXPECT_NE(
+      said.back().find(fmt::format("95 % interval {:.2f} to {:.2f} by Bonferroni's rule, since it is the best of 3",
+                                   p.best_interval->low, p.best_interval->high)),
+      std::string::npos)
+      << said.back();
+  TaskResult level = a.tasks[0];
+  std::erase_if(level.prediction->scores, [](const ScorePrediction& one) { return one.score == "noise"; });
+  level.prediction->contests.clear();
+  EXPECT_NE(verdict_sentences(level, settings).back().find("none stands highest: truth, same_order have one AUC"),
+            std::string::npos);
+  TaskResult first = a.tasks[0];
+  first.prediction->scores[1].auc -= 0.01;
+  EXPECT_NE(verdict_sentences(first, settings).back().find("truth stands highest, and is not shown to be best (AUC"),
+            std::string::npos);
+  EXPECT_NE(verdict_sentences(first, settings).back().find("not distinguishable from it: same_order."),
+            std::string::npos);
   const AnalysisText text = analysis_text(a);
   ASSERT_EQ(text.tasks.size(), 1U);
   EXPECT_EQ(text.tasks[0].verdicts, said);
