@@ -511,12 +511,14 @@ class Loader {
     Mesh& mesh = character_.mesh;
     character_.file_triangles = character_.triangles() + repeated_triangles_;
     if (!options_.undrawn) {
-      if (const size_t gone = drop_invisible(character_); gone > 0)
+      const Invisible invisible = drop_invisible(character_);
+      if (invisible.all)
         asset_.warn(
-            fmt::format("{} of {} triangles cannot be seen (without area or fully transparent) and are left out", gone,
-                        character_.file_triangles));
-      else if (nothing_seen(character_))
-        asset_.warn("nothing of it can be seen: every material is transparent, or below the cutoff of its mask");
+            "nothing of it can be seen: every triangle is without area, transparent, or below the cutoff of its mask");
+      else if (invisible.removed > 0)
+        asset_.warn(
+            fmt::format("{} of {} triangles cannot be seen (without area or fully transparent) and are left out",
+                        invisible.removed, character_.file_triangles));
     }
     if (mesh.file_vertices.size() == mesh.positions.size()) mesh.file_vertices.clear();
   }

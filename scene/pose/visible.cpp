@@ -100,13 +100,7 @@ std::vector<double> telling_times(const Character& character, const Clip& clip, 
 
 }  // namespace
 
-bool nothing_seen(const Character& character) {
-  return std::ranges::all_of(character.mesh.primitives, [&](const Primitive& p) {
-    return transparent(character, character.materials[static_cast<size_t>(p.material)]);
-  });
-}
-
-size_t drop_invisible(Character& character) {
+Invisible drop_invisible(Character& character) {
   const Mesh& mesh = character.mesh;
   std::vector<bool> clear;
   for (const Material& m : character.materials) clear.push_back(transparent(character, m));
@@ -128,12 +122,19 @@ size_t drop_invisible(Character& character) {
                       bind_size);
     });
   };
-  return keep_drawn(character.mesh, [&](const uint32_t* t, const Primitive& primitive) {
+  const auto seen = [&](const uint32_t* t, const Primitive& primitive) {
     const auto material = static_cast<size_t>(primitive.material);
     if (clear[material] || cut_away(character, character.materials[material], t)) return false;
     if (has_area(bind[t[0]], bind[t[1]], bind[t[2]], bind_size)) return true;
     return t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && has_area_in_a_clip(t);
+  };
+  bool any = false;
+  const size_t removed = keep_drawn(character.mesh, [&](const uint32_t* t, const Primitive& primitive) {
+    const bool is_seen = seen(t, primitive);
+    any = any || is_seen;
+    return is_seen;
   });
+  return {removed, !any};
 }
 
 }  // namespace crowdbench::scene

@@ -259,11 +259,11 @@ TEST(Reach, ABoundOfScalesAndDistancesDownTheHierarchy) {
 
 TEST(Visible, DropsWhatNoPoseShowsAndNeverAll) {
   Character c = tiny_character();
-  EXPECT_EQ(drop_invisible(c), 0U);
+  EXPECT_EQ(drop_invisible(c).removed, 0U);
   // A triangle without area beside the one that has some.
   c.mesh.indices = {0, 1, 2, 0, 1, 1};
   c.mesh.primitives[0].index_count = 6;
-  EXPECT_EQ(drop_invisible(c), 1U);
+  EXPECT_EQ(drop_invisible(c).removed, 1U);
   EXPECT_EQ(c.mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_EQ(c.mesh.primitives[0].index_count, 3U);
   // Flat in the bind pose, and opened by a clip that moves the arm away from the root's vertex: it stays.
@@ -273,20 +273,22 @@ TEST(Visible, DropsWhatNoPoseShowsAndNeverAll) {
   opened.clips = {one_channel("open", {1, Target::translation, Interpolation::linear, {0.0, 1.0}, {0, 1, 0, 1, 1, 0}})};
   opened.mesh.indices = {0, 1, 2, 0, 1, 1};
   opened.mesh.primitives[0].index_count = 6;
-  EXPECT_EQ(drop_invisible(opened), 1U) << "the other one";
+  EXPECT_EQ(drop_invisible(opened).removed, 1U) << "the other one";
   EXPECT_EQ(opened.mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
-  EXPECT_EQ(drop_invisible(c), 0U) << "nothing would be left";
+  EXPECT_EQ(drop_invisible(c).removed, 0U) << "nothing would be left";
+  EXPECT_TRUE(drop_invisible(c).all) << "without area, whatever its material";
+  EXPECT_FALSE(drop_invisible(opened).all);
   EXPECT_EQ(c.mesh.indices.size(), 3U);
 }
 
 TEST(Visible, AMaskThatLeavesNothing) {
   Character c = tiny_character();
-  EXPECT_FALSE(nothing_seen(c));
+  EXPECT_FALSE(drop_invisible(c).all);
   c.materials[0].alpha_cutoff = 0.5F;
   c.materials[0].base_colour.a = 0.5F;
-  EXPECT_FALSE(nothing_seen(c)) << "alpha 0.5 passes a cutoff of 0.5";
+  EXPECT_FALSE(drop_invisible(c).all) << "alpha 0.5 passes a cutoff of 0.5";
   c.materials[0].base_colour.a = 0.25F;
-  EXPECT_TRUE(nothing_seen(c));
+  EXPECT_TRUE(drop_invisible(c).all);
 }
 
 }  // namespace
