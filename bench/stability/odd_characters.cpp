@@ -184,7 +184,7 @@ scene::Character many_boxes() {
   boxes.joint(-1, {}, {});
   for (int y = 0; y < kUp; ++y)
     for (int x = 0; x < kAcross; ++x) {
-      const glm::dvec3 low((x - kAcross / 2) * kSide, y * kSide, -0.1);
+      const glm::dvec3 low((x - 0.5 * kAcross) * kSide, y * kSide, -0.1);
       const uint16_t joint = x + y == 0 ? uint16_t{0} : boxes.joint(0, low, low);
       boxes.box(glm::vec3(low), glm::vec3(low + glm::dvec3(kSide, kSide, 0.2)), joint);
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdio>
@@ -72,7 +73,8 @@ std::optional<StoredBake> BakeCache::load(std::string_view kind, std::string_vie
     payload.resize(header.payload_bytes);
     stream.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size()));
     const Header expected = make_header(kind, key, payload, header.made_seconds);
-    sound = !stream.fail() && std::memcmp(&header, &expected, sizeof header) == 0;
+    sound = !stream.fail() && header.checksum == expected.checksum && std::ranges::equal(header.kind, expected.kind) &&
+            std::ranges::equal(header.key, expected.key);
   }
   if (sound) {
     mark_used(file);
