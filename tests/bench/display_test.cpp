@@ -199,7 +199,7 @@ TEST_F(ScenarioDisplay, IsAModelAFileOrKeys) {
 TEST_F(ScenarioDisplay, FaultsNameTheLine) {
   EXPECT_TRUE(fault("\ndisplay = 'standard_fhdd'")
                   .starts_with("s.toml:2: `display.model`: 'standard_fhdd' is not a "
-                               "display; use one of standard_fhd"))
+                               "display; did you mean standard_fhd? Else use one of standard_fhd"))
       << fault("\ndisplay = 'standard_fhdd'");
   EXPECT_TRUE(fault("[display]\npixels_per_degree = 60\nmax_luminance = 100\ncolorspace = 'sRBG'")
                   .starts_with("s.toml:4: `display.colorspace`: 'sRBG' is not a colour space; use one of sRGB"));
