@@ -1,6 +1,6 @@
 // Whatever small character, the bakes' work on the CPU ends in something sound or in one Error: no number that is none,
-// every bound kept that headers promise. Pose bank, fewer triangles, relief, surfels, and the truth. Polypostors are not
-// among them: a bound of theirs broke within a minute and is not mended yet.
+// every bound kept that headers promise. Pose bank, fewer triangles, relief, surfels, and the truth. Polypostors are
+// not among them: a bound of theirs broke within a minute and is not mended yet.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
