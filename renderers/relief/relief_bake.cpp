@@ -89,8 +89,8 @@ std::array<glm::vec3, kHullPoints> hull_of(const std::vector<glm::dvec3>& points
   for (const glm::dvec2& outward : {glm::dvec2(1, 1), glm::dvec2(-1, 1), glm::dvec2(-1, -1), glm::dvec2(1, -1)}) {
     double reach = -std::numeric_limits<double>::infinity();
     for (const glm::dvec3& p : points) reach = std::max(reach, outward.x * p[u] + outward.y * p[v]);
-    // By rounding nothing may be left of the least of boxes, whose corners then stay.
-    if (auto cut = cut_by_half_plane(outline, outward, reach); cut.size() >= 3) outline = std::move(cut);
+    // Of points on one line along the box a point is left, or by rounding nothing: what was left before stays.
+    if (auto cut = cut_by_half_plane(outline, outward, reach); !cut.empty()) outline = std::move(cut);
   }
   std::array<glm::vec3, kHullPoints> hull{};
   for (size_t i = 0; i < kHullPoints; ++i) {
