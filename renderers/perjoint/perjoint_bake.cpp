@@ -2,7 +2,6 @@
 #include "renderers/perjoint/perjoint_bake.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/error.h"
 #include "core/hash.h"
@@ -24,7 +23,7 @@
 namespace crowdbench::renderers {
 namespace {
 
-constexpr uint32_t kPerJointVersion = 1;  // raised whenever the same inputs give other bytes
+constexpr uint32_t kPerJointVersion = 2;  // raised whenever the same inputs give other bytes
 
 struct PieceTiles {
   CaptureSphere sphere;
@@ -41,24 +40,6 @@ struct PerJointPlan {
   Packing packing;  // level, piece, view
   float peak = 0;
 };
-
-// In layers of the size that wastes least.
-Packing pack_pages(std::span<const PackSize> sizes) {
-  constexpr int kSmallest = 256;
-  constexpr int kLargest = 1024;
-  constexpr int kStep = 64;
-  Packing best;
-  uint64_t least = std::numeric_limits<uint64_t>::max();
-  for (int side = kLargest; side >= kSmallest; side -= kStep) {
-    Packing tried = pack_tiles(sizes, side);
-    const uint64_t texels =
-        static_cast<uint64_t>(tried.width) * static_cast<uint64_t>(tried.height) * static_cast<uint64_t>(tried.layers);
-    if (texels >= least) continue;
-    least = texels;
-    best = std::move(tried);
-  }
-  return best;
-}
 
 PerJointPlan make_perjoint_plan(const scene::Character& character, const scene::PoseBank& bank,
                                 const PerJointOptions& options) {
@@ -87,7 +68,7 @@ PerJointPlan make_perjoint_plan(const scene::Character& character, const scene::
         sizes.push_back(rect.width == 0 ? PackSize{}
                                         : PackSize{rect.width + 2 * kTileGutter, rect.height + 2 * kTileGutter});
       }
-  plan.packing = pack_pages(sizes);
+  plan.packing = pack_tightly(sizes);
   return plan;
 }
 

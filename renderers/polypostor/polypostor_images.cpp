@@ -1,7 +1,6 @@
 #include "renderers/polypostor/polypostor_images.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/parallel.h"
 #include "renderers/impostor/tiles/tile_capture.h"
@@ -57,24 +56,6 @@ void copy_tile(const Tile& tile, const PackPlace& place, bool gutters, Polyposto
       else
         std::copy_n(&tile.emission[4 * from], 4, &bake.emission[4 * to]);
     }
-}
-
-// In layers of the size that wastes least.
-Packing pack_tightly(std::span<const PackSize> sizes) {
-  constexpr int kSmallest = 256;
-  constexpr int kLargest = 1024;
-  constexpr int kStep = 32;
-  Packing best;
-  uint64_t least = std::numeric_limits<uint64_t>::max();
-  for (int side = kLargest; side >= kSmallest; side -= kStep) {
-    Packing tried = pack_tiles(sizes, side);
-    const uint64_t texels =
-        static_cast<uint64_t>(tried.width) * static_cast<uint64_t>(tried.height) * static_cast<uint64_t>(tried.layers);
-    if (texels >= least) continue;
-    least = texels;
-    best = std::move(tried);
-  }
-  return best;
 }
 
 }  // namespace

@@ -29,10 +29,10 @@ bool is_largest(const Scene& scene, const ComparisonRow& comparison) {
   });
 }
 
-std::vector<TemplateValues> more_block(std::vector<TemplateValues> comparisons) {
+std::vector<TemplateValues> more_block(std::vector<Html> comparisons) {
   if (comparisons.empty()) return {};
   const std::string count = count_text(comparisons.size());
-  return {{{"count", count}, {"comparisons", std::move(comparisons)}}};
+  return {{{"count", count}, {"comparisons", html_rows(std::move(comparisons))}}};
 }
 
 // Where a map from nothing to the largest possible error would be all dark. Nothing of bytes that are no picture.
@@ -69,8 +69,8 @@ Html pictures_section(const SceneOnPage& page) {
   for (const PictureRow* picture : scene.pictures)
     if (picture->role == "hero") heroes.push_back(figure(*picture, Html{html_escape(picture->caption)}));
   if (heroes.empty() && scene.crowd_comparisons.empty()) return {};
-  std::vector<TemplateValues> comparisons;
-  std::vector<TemplateValues> smaller;  // crowds, of which the page shows larger ones
+  std::vector<Html> comparisons;
+  std::vector<Html> smaller;  // crowds, of which the page shows larger ones
   for (const ComparisonRow* comparison : scene.crowd_comparisons) {
     const PictureRow* reference = scene.picture(*comparison, "reference");
     const PictureRow* test = scene.picture(*comparison, "test");
@@ -84,16 +84,17 @@ Html pictures_section(const SceneOnPage& page) {
           figure(*difference, Html{"absolute difference: dark blue = equal, red = the largest possible error"}));
     if (auto amplified = amplified_figure(*reference, *test)) figures.push_back(std::move(*amplified));
     auto& group = is_largest(scene, *comparison) ? comparisons : smaller;
-    group.push_back({{"representation", comparison->representation},
-                     {"agents", agents_text(comparison->agents)},
-                     {"occupancy", occupancy_title(comparison->requested_occupancy)},
-                     {"figures", html_rows(std::move(figures))}});
+    group.push_back(
+        fill_template(page_file("comparison.html"), {{"representation", comparison->representation},
+                                                     {"agents", agents_text(comparison->agents)},
+                                                     {"occupancy", occupancy_title(comparison->requested_occupancy)},
+                                                     {"figures", html_rows(std::move(figures))}}));
   }
   if (heroes.empty() && comparisons.empty()) return {};
   std::vector<TemplateValues> hero_block;
   if (!heroes.empty()) hero_block.push_back({{"figures", html_rows(std::move(heroes))}});
   return fill_template(page_file("pictures.html"), {{"heroes", std::move(hero_block)},
-                                                    {"comparisons", std::move(comparisons)},
+                                                    {"comparisons", html_rows(std::move(comparisons))},
                                                     {"smaller", more_block(std::move(smaller))}});
 }
 

@@ -90,6 +90,20 @@ scene::Character card(float width, float height, const glm::vec4& colour) {
   return b.finish(colour);
 }
 
+scene::Character card_of_two_joints() {
+  scene::Character c = card(2, 1);
+  c.skeleton.nodes.push_back(c.skeleton.nodes[0]);
+  c.skeleton.nodes[1].parent = 0;
+  c.skeleton.joints.push_back(c.skeleton.joints[0]);
+  c.skeleton.joints[1].node = 1;
+  for (size_t v = 0; v < 4; ++v) {
+    const float h = c.mesh.positions[v].y;
+    c.mesh.joints[v] = {0, 1, 0, 0};
+    c.mesh.weights[v] = {1 - h, h, 0.0F, 0.0F};
+  }
+  return c;
+}
+
 scene::Character two_bones() {
   Builder b;
   b.character.name = "two_bones";

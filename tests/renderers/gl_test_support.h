@@ -28,6 +28,9 @@ class GlTest : public ::testing::Test {
 // A card of width x height metres in the plane z = 0, its lower edge's middle at the origin, facing +Z, one joint.
 scene::Character card(float width, float height, const glm::vec4& colour = glm::vec4(1.0F));
 
+// A card of 2 x 1 on two joints in one place: the upper joint's weight is the height.
+scene::Character card_of_two_joints();
+
 // Two boxes on two joints, one on the other; the upper joint turns about X by a quarter turn in clip "bend" (one
 // second).
 scene::Character two_bones();

@@ -20,6 +20,7 @@ namespace {
 
 using testing::add_agent;
 using testing::card;
+using testing::card_of_two_joints;
 using testing::cast_of;
 using testing::context;
 using testing::frame_from;
@@ -33,21 +34,6 @@ ViewGrid all_round(const char* text) { return parse_view_grid(text, -1.5, "test"
 
 // A character whose joints do not move.
 scene::PoseBank still(const scene::Character& character) { return scene::PoseBank::exact(character, -1, 0); }
-
-// The upper joint's weight is the height.
-scene::Character shared_card() {
-  scene::Character c = card(2, 1);
-  c.skeleton.nodes.push_back(c.skeleton.nodes[0]);
-  c.skeleton.nodes[1].parent = 0;
-  c.skeleton.joints.push_back(c.skeleton.joints[0]);
-  c.skeleton.joints[1].node = 1;
-  for (size_t v = 0; v < 4; ++v) {
-    const float h = c.mesh.positions[v].y;
-    c.mesh.joints[v] = {0, 1, 0, 0};
-    c.mesh.weights[v] = {1 - h, h, 0.0F, 0.0F};
-  }
-  return c;
-}
 
 double surface_area(const PieceSurface& surface, const std::vector<glm::vec3>& positions) {
   const std::vector<glm::vec3> p = corner_positions(surface, positions);
@@ -70,7 +56,7 @@ TEST(PerJointPieces, AffineMapsAreInvertedUnlessTheyFlatten) {
 }
 
 TEST(PerJointPieces, EndWhereTheirWeightDoes) {
-  const scene::Character c = shared_card();
+  const scene::Character c = card_of_two_joints();
   const RestPose rest = rest_pose(c, still(c));
   const JointPieces pieces = find_joint_pieces(c, rest, 0.006);
   ASSERT_EQ(pieces.count(), 2);
@@ -90,7 +76,7 @@ TEST(PerJointPieces, EndWhereTheirWeightDoes) {
 }
 
 TEST(PerJointPieces, SmallOnesGoWithTheJointAbove) {
-  scene::Character c = shared_card();
+  scene::Character c = card_of_two_joints();
   for (size_t v = 0; v < 4; ++v) c.mesh.weights[v] = {0.99F, 0.01F, 0.0F, 0.0F};
   const RestPose rest = rest_pose(c, still(c));
   EXPECT_EQ(find_joint_pieces(c, rest, 0.006).count(), 2);

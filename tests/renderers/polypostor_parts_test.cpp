@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::card;
+using testing::card_of_two_joints;
 
 TEST(PolypostorParts, AreThoseOfABodyWithoutReadingANameOnce) {
   for (const int joints : {20, 53}) {
@@ -55,21 +56,6 @@ TEST(PolypostorParts, AreThoseOfABodyWithoutReadingANameOnce) {
     EXPECT_GT(sum, 1.03 * whole);
     EXPECT_LT(sum, 1.3 * whole);
   }
-}
-
-// The upper joint's weight is the height.
-scene::Character card_of_two_joints() {
-  scene::Character c = card(2, 1);
-  c.skeleton.nodes.push_back(c.skeleton.nodes[0]);
-  c.skeleton.nodes[1].parent = 0;
-  c.skeleton.joints.push_back(c.skeleton.joints[0]);
-  c.skeleton.joints[1].node = 1;
-  for (size_t v = 0; v < 4; ++v) {
-    const float h = c.mesh.positions[v].y;
-    c.mesh.joints[v] = {0, 1, 0, 0};
-    c.mesh.weights[v] = {1 - h, h, 0.0F, 0.0F};
-  }
-  return c;
 }
 
 TEST(PolypostorParts, AreCutWhereTheirWeightEnds) {

@@ -19,14 +19,6 @@
 namespace crowdbench::reports {
 namespace {
 
-bool has_libraries() {
-  try {
-    return !chart_libraries().empty();
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 class ReportPage : public testing::Test {
  protected:
   void SetUp() override {

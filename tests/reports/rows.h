@@ -2,10 +2,21 @@
 #pragma once
 #include <cmath>
 
+#include "core/error.h"
 #include "reports/model/score_doc.h"
+#include "reports/page/libraries.h"
 #include "store/store.h"
 
 namespace crowdbench::reports {
+
+// Whether pages can be made: npm's packages were there at configure time.
+inline bool has_libraries() {
+  try {
+    return !chart_libraries().empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
 
 inline RunRow made_up_run() {
   RunRow run;

@@ -23,14 +23,6 @@
 namespace crowdbench::reports {
 namespace {
 
-bool has_libraries() {
-  try {
-    return !chart_libraries().empty();
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 // The made-up rows as a sweep makes them: each crowd and occupancy with a run and a scenario of its own.
 StoreContents swept() {
   StoreContents all = made_up_contents();

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 namespace crowdbench::renderers {
 
@@ -84,6 +86,23 @@ Packing pack_in_order(std::span<const PackSize> sizes, std::span<const int> grou
     shelf = std::max(shelf, s.height);
   }
   return packing;
+}
+
+Packing pack_tightly(std::span<const PackSize> sizes) {
+  constexpr int kSmallest = 256;
+  constexpr int kLargest = 1024;
+  constexpr int kStep = 32;
+  Packing best;
+  uint64_t least = std::numeric_limits<uint64_t>::max();
+  for (int side = kLargest; side >= kSmallest; side -= kStep) {
+    Packing tried = pack_tiles(sizes, side);
+    const uint64_t texels =
+        static_cast<uint64_t>(tried.width) * static_cast<uint64_t>(tried.height) * static_cast<uint64_t>(tried.layers);
+    if (texels >= least) continue;
+    least = texels;
+    best = std::move(tried);
+  }
+  return best;
 }
 
 }  // namespace crowdbench::renderers

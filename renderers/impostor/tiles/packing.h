@@ -26,6 +26,9 @@ struct Packing {
 // where everything fits in less; sides are multiples of four, for block compression.
 Packing pack_tiles(std::span<const PackSize> sizes, int side);
 
+// The same in layers of the size, from 256 to 1024 texels square, that takes the fewest texels in all.
+Packing pack_tightly(std::span<const PackSize> sizes);
+
 // Shelves in the order given, and a new layer wherever the group changes: what belongs together lies in few layers, and
 // where a rectangle lies does not depend on what follows its group. groups: one a size, ascending. Layers are
 // width x height (rounded up to multiples of four), larger where a rectangle needs it.
