@@ -8,6 +8,7 @@
 #include "core/json.h"
 #include "reports/charts/chart_frame.h"
 #include "reports/charts/charts.h"
+#include "reports/model/cost_text.h"
 #include "reports/model/number_text.h"
 
 namespace crowdbench::reports {
@@ -194,7 +195,7 @@ std::string front_chart(const Scene& scene, const ParetoFront& front) {
                         {"bytes", entry.bytes ? static_cast<double>(*entry.bytes) / (1 << 20) : 0.0},
                         {"size", entry.bytes ? bytes_text(*entry.bytes) : std::string("not known")},
                         {"front", entry.beaten_by.empty()},
-                        {"state", entry.beaten_by.empty() ? "on the front" : "beaten by " + entry.beaten_by}});
+                        {"state", front_text(front, entry)}});
   if (values.size() < 2) return {};
   Json spec = chart_frame(260);
   spec["data"] = {{"values", values}};

@@ -95,9 +95,10 @@ std::string front_markdown(const ParetoFront& front) {
       fmt::format("| representation | time over the reference's | bytes on the GPU | {} | |\n|---|--:|--:|--:|---|\n",
                   front.score.name.empty() ? "error" : markdown_cell(heading(front.score)));
   for (const ParetoEntry& entry : front.entries)
-    out += fmt::format("| {} | {} | {} | {} | {} |\n", markdown_cell(entry.representation), time_ratio_text(entry),
-                       entry.bytes ? bytes_text(*entry.bytes) : "–",
-                       entry.error ? score_text(front.score, *entry.error) : "–", markdown_cell(front_text(entry)));
+    out +=
+        fmt::format("| {} | {} | {} | {} | {} |\n", markdown_cell(entry.representation), time_ratio_text(entry),
+                    entry.bytes ? bytes_text(*entry.bytes) : "–",
+                    entry.error ? score_text(front.score, *entry.error) : "–", markdown_cell(front_text(front, entry)));
   return out;
 }
 

@@ -40,8 +40,9 @@ std::string time_ratio_text(const ParetoEntry& entry) {
   return fmt::format("{:.3g} ({:.3g} to {:.3g})", entry.time, entry.low, entry.high);
 }
 
-std::string front_text(const ParetoEntry& entry) {
-  return entry.beaten_by.empty() ? std::string("on the front") : "beaten by " + entry.beaten_by;
+std::string front_text(const ParetoFront& front, const ParetoEntry& entry) {
+  if (!entry.beaten_by.empty()) return "beaten by " + entry.beaten_by;
+  return front.score.name.empty() || entry.error ? "on the front" : "not known, as it was not scored";
 }
 
 }  // namespace crowdbench::reports

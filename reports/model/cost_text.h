@@ -18,7 +18,7 @@ std::string accuracy_text(const CostModel& model);
 std::vector<std::string> break_even_sentences(const Scene& scene, const BreakEvenMap& map);
 // "0.42 (0.40 to 0.44)": time over the reference's.
 std::string time_ratio_text(const ParetoEntry& entry);
-// "on the front", "beaten by flat".
-std::string front_text(const ParetoEntry& entry);
+// "on the front", "beaten by flat"; where others have a score and it has none, that it cannot be told.
+std::string front_text(const ParetoFront& front, const ParetoEntry& entry);
 
 }  // namespace crowdbench::reports

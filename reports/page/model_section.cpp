@@ -27,7 +27,7 @@ TemplateValues front_values(SceneOnPage& page, const ParetoFront& front) {
                        {"time", time_ratio_text(entry)},
                        {"bytes", entry.bytes ? bytes_text(*entry.bytes) : std::string("–")},
                        {"error_value", entry.error ? score_text(front.score, *entry.error) : std::string("–")},
-                       {"state", front_text(entry)}});
+                       {"state", front_text(front, entry)}});
   const bool scored = !front.score.name.empty();
   return {{"where", fmt::format("{}, {}", agents_text(front.agents), occupancy_title(front.occupancy))},
           {"scored", scored ? fmt::format("Error: {} over {}.", front.score.title, front.scored_over)

@@ -338,10 +338,13 @@ TEST(Pareto, IsBeatenOnlyByWhatIsSurelyFasterAndElseNoWorse) {
   ScoreDoc doc;
   doc.name = "s";
   doc.headline = true;
-  EXPECT_EQ(slow(pareto_fronts(scenes_of(third, {doc})[0])[0]).beaten_by, "") << "neither it nor mesh was scored";
+  const ParetoFront front = pareto_fronts(scenes_of(third, {doc})[0])[0];
+  EXPECT_EQ(slow(front).beaten_by, "") << "neither it nor mesh was scored";
+  EXPECT_EQ(front_text(front, slow(front)), "not known, as it was not scored");
 
   for (RatioRow& ratio : contents.ratios) ratio.low = 0.9;
   EXPECT_EQ(front_of().entries[0].beaten_by, "") << "not surely faster";
+  EXPECT_EQ(front_text(front_of(), front_of().entries[0]), "on the front");
 
   const Json told = cost_json(scenes_of(contents)[0]);
   EXPECT_NE(told.at("pareto").dump().find("\"error\":null"), std::string::npos) << "no score, so no error";
